@@ -339,7 +339,13 @@ bool tell_times(const std::vector<Stamped>& depth, const std::vector<Stamped>& c
 /// The depth of a recording, and the colour that goes with it, picture by picture.
 class BagRecording final : public FrameSource {
 public:
-    static Result<BagRecording> open(const SourceFile& file);
+    static Result<BagRecording> open(const SourceFile& file) {
+        BagRecording recording;
+        TRY_ASSIGN(recording.bag_, BagFile::open(file));
+        TRY_ASSIGN(recording.streams_, choose_bag_streams(*recording.bag_));
+        TRY(recording.put_in_order());
+        return recording;
+    }
 
     BagFile& bag() { return *bag_; }
     const BagStreams& streams() const { return streams_; }
@@ -349,7 +355,18 @@ public:
     /// and colour do not tell, when it was recorded.
     const std::vector<double>& times() const { return times_; }
     /// Of colour the one that is nearest in time.
-    Result<StoredImage> stored(PlaneRole role, std::int64_t frame);
+    Result<StoredImage> stored(PlaneRole role, std::int64_t frame) {
+        const BagPictures& from = pictures(role);
+        TRY_ASSIGN(const auto bytes,
+                   bag_->read(from.messages[static_cast<std::size_t>(picture_number(role, frame))]));
+        const std::string at = where(role, frame);
+        if (from.is_compressed) {
+            const auto image = parse_ros_compressed_image(bytes);
+            return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
+        }
+        const auto image = parse_ros_image(bytes);
+        return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
+    }
 
     /// "my.bag: /camera/depth/image_raw, frame 7".
     std::string where(PlaneRole role, std::int64_t frame) const override {
@@ -367,7 +384,44 @@ public:
     }
 
 private:
-    Result<void> put_in_order();
+    Result<void> put_in_order() {
+        const std::size_t depths = streams_.depth.messages.size();
+        std::vector<BagMessage> all = streams_.depth.messages;
+        if (has_colour())
+            all.insert(all.end(), streams_.colour->messages.begin(), streams_.colour->messages.end());
+        TRY_ASSIGN(auto stamped, with_stamps(*bag_, std::move(all)));
+        std::vector<std::uint32_t> depth_ids;
+        for (const BagMessage& message : streams_.depth.messages) depth_ids.push_back(message.connection);
+        std::sort(depth_ids.begin(), depth_ids.end());
+        std::vector<Stamped> depth, colour;
+        depth.reserve(depths);
+        for (const Stamped& each : stamped)
+            (std::binary_search(depth_ids.begin(), depth_ids.end(), each.message.connection) ? depth : colour)
+                .push_back(each);
+        if (depth.empty()) return input_error(bag_->name() + ": " + bag_->left_out());
+        if (colour.empty()) streams_.colour.reset();
+        const bool by_stamp = tell_times(depth, colour);
+        const auto order = [&](std::vector<Stamped>& pictures, std::vector<BagMessage>& messages) {
+            const auto time = [&](const Stamped& each) {
+                return by_stamp ? each.taken_ns : each.message.time_ns;
+            };
+            std::stable_sort(pictures.begin(), pictures.end(),
+                             [&](const Stamped& a, const Stamped& b) { return time(a) < time(b); });
+            std::vector<double> times;
+            messages.clear();
+            for (const Stamped& each : pictures) {
+                times.push_back(1e-9 * static_cast<double>(time(each)));
+                messages.push_back(each.message);
+            }
+            return times;
+        };
+        times_ = order(depth, streams_.depth.messages);
+        if (!has_colour()) return {};
+        const std::vector<double> colour_times = order(colour, streams_.colour->messages);
+        for (const double time : times_) colours_.push_back(nearest_key(colour_times, time));
+        return {};
+    }
+
     const BagPictures& pictures(PlaneRole role) const {
         return role == PlaneRole::depth ? streams_.depth : *streams_.colour;
     }
@@ -377,65 +431,6 @@ private:
     std::vector<double> times_;
     std::vector<std::size_t> colours_;  // of each depth, its colour's place
 };
-
-Result<BagRecording> BagRecording::open(const SourceFile& file) {
-    BagRecording recording;
-    TRY_ASSIGN(recording.bag_, BagFile::open(file));
-    TRY_ASSIGN(recording.streams_, choose_bag_streams(*recording.bag_));
-    TRY(recording.put_in_order());
-    return recording;
-}
-
-Result<void> BagRecording::put_in_order() {
-    const std::size_t depths = streams_.depth.messages.size();
-    std::vector<BagMessage> all = streams_.depth.messages;
-    if (has_colour())
-        all.insert(all.end(), streams_.colour->messages.begin(), streams_.colour->messages.end());
-    TRY_ASSIGN(auto stamped, with_stamps(*bag_, std::move(all)));
-    std::vector<std::uint32_t> depth_ids;
-    for (const BagMessage& message : streams_.depth.messages) depth_ids.push_back(message.connection);
-    std::sort(depth_ids.begin(), depth_ids.end());
-    std::vector<Stamped> depth, colour;
-    depth.reserve(depths);
-    for (const Stamped& each : stamped)
-        (std::binary_search(depth_ids.begin(), depth_ids.end(), each.message.connection) ? depth : colour)
-            .push_back(each);
-    if (depth.empty()) return input_error(bag_->name() + ": " + bag_->left_out());
-    if (colour.empty()) streams_.colour.reset();
-    const bool by_stamp = tell_times(depth, colour);
-    const auto order = [&](std::vector<Stamped>& pictures, std::vector<BagMessage>& messages) {
-        const auto time = [&](const Stamped& each) {
-            return by_stamp ? each.taken_ns : each.message.time_ns;
-        };
-        std::stable_sort(pictures.begin(), pictures.end(),
-                         [&](const Stamped& a, const Stamped& b) { return time(a) < time(b); });
-        std::vector<double> times;
-        messages.clear();
-        for (const Stamped& each : pictures) {
-            times.push_back(1e-9 * static_cast<double>(time(each)));
-            messages.push_back(each.message);
-        }
-        return times;
-    };
-    times_ = order(depth, streams_.depth.messages);
-    if (!has_colour()) return {};
-    const std::vector<double> colour_times = order(colour, streams_.colour->messages);
-    for (const double time : times_) colours_.push_back(nearest_key(colour_times, time));
-    return {};
-}
-
-Result<StoredImage> BagRecording::stored(PlaneRole role, std::int64_t frame) {
-    const BagPictures& from = pictures(role);
-    TRY_ASSIGN(const auto bytes,
-               bag_->read(from.messages[static_cast<std::size_t>(picture_number(role, frame))]));
-    const std::string at = where(role, frame);
-    if (from.is_compressed) {
-        const auto image = parse_ros_compressed_image(bytes);
-        return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
-    }
-    const auto image = parse_ros_image(bytes);
-    return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
-}
 
 /// What a person says stands; the rest is what the recording says.
 Result<SourceDescription> completed(BagRecording& recording, SourceDescription known,

@@ -235,9 +235,48 @@ constexpr std::uint32_t index_entry = 12;              // bytes: seconds, nanose
 class RosBag final : public BagFile {
 public:
     explicit RosBag(std::string name) : BagFile(std::move(name)) {}
-    Result<void> open(const SourceFile& file);
-    Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) override;
-    Result<std::string> read(const BagMessage& message, std::size_t most) override;
+
+    Result<void> open(const SourceFile& file) {
+        TRY_ASSIGN(bytes_, bytes_of_file(file));
+        std::string begin(bag_magic.size() + bag_version.size(), '\0');
+        if (bytes_->size() < begin.size()) return damaged("it ends in its first bytes");
+        TRY(read_bytes(*bytes_, 0, begin.data(), begin.size()));
+        if (!begin.ends_with(bag_version))
+            return input_error(name() + ": is a recording of ROS 1 of version " +
+                               printable(std::string_view(begin).substr(bag_magic.size())) +
+                               ": must be of version 2.0 (rosbag fix makes one of an older one)");
+        return read_index();
+    }
+
+    Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) override {
+        std::vector<BagMessage> found;
+        for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
+            const auto& within = chunks_[number].connections;
+            if (std::ranges::find_first_of(within, connections) == within.end()) continue;
+            TRY(find_messages(number, connections, found));
+            if (found.size() > bytes_->size() / index_entry) return damaged("its index repeats itself");
+        }
+        std::ranges::stable_sort(found, {}, &BagMessage::time_ns);
+        return found;
+    }
+
+    Result<std::string> read(const BagMessage& message, std::size_t most) override {
+        Chunk& chunk = chunks_[message.chunk];
+        TRY(read_chunk(chunk));
+        const bool is_plain = chunk.compression == "none";
+        TRY_ASSIGN(const auto packed, is_plain ? Result<ByteSource*>(bytes_.get()) : unpacked(message.chunk));
+        const std::uint64_t from = is_plain ? chunk.data_at : 0;
+        TRY_ASSIGN(const auto record, record_at(*packed, from + message.offset, from + chunk.size));
+        if (!record.is(BagOp::message) || record.fields.number<std::uint32_t>("conn") != message.connection)
+            return damaged("the message at byte " + std::to_string(message.offset) +
+                           " of the chunk at byte " + std::to_string(chunk.at) +
+                           " is none of its connection");
+        const std::size_t size = std::min<std::size_t>(record.size, most);
+        if (size > largest_message) return too_large(size);
+        std::string data(size, '\0');
+        TRY(read_bytes(*packed, record.data_at, data.data(), data.size()));
+        return data;
+    }
 
 private:
     struct Chunk {
@@ -249,173 +288,126 @@ private:
         std::uint64_t data_at = 0;
         std::uint32_t packed = 0, size = 0;
     };
-    Result<void> read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const;
-    Result<BagRecord> record_at(ByteSource& bytes, std::uint64_t at, std::uint64_t end) const;
-    Result<void> read_index();
-    Result<void> read_chunk(Chunk& chunk);
+
+    Result<void> read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const {
+        auto read = from.read(at, to, count);
+        if (read) return read;
+        return read.error().kind == ErrorKind::input ? damaged(read.error().message)
+                                                     : error_at(name(), read.error());
+    }
+
+    Result<BagRecord> record_at(ByteSource& bytes, std::uint64_t at, std::uint64_t end) const {
+        auto record = read_bag_record(bytes, at, end);
+        if (!record) return error_at(name(), record.error());
+        return record;
+    }
+
+    /// Connections and chunks, as the end of the file lists them.
+    Result<void> read_index() {
+        const std::uint64_t end = bytes_->size();
+        TRY_ASSIGN(const auto header, record_at(*bytes_, bag_magic.size() + bag_version.size(), end));
+        const auto index = header.fields.number<std::uint64_t>("index_pos");
+        const auto connections = header.fields.number<std::uint32_t>("conn_count"),
+                   chunks = header.fields.number<std::uint32_t>("chunk_count");
+        if (!header.is(BagOp::bag_header) || !index || !connections || !chunks)
+            return damaged("it does not begin with a bag's header");
+        if (!header.fields.text("encryptor").value_or("").empty())
+            return input_error(name() + ": is encrypted (" + printable(*header.fields.text("encryptor")) +
+                               "): must be a plain bag");
+        if (*index < header.end() || *index > end)
+            return input_error(
+                name() +
+                ": has no index, as the recorder was stopped before it wrote one, or the file is "
+                "cut: rosbag reindex makes one");
+        std::uint64_t at = *index;
+        for (std::uint32_t n = 0; n < *connections; ++n) {
+            TRY_ASSIGN(const auto record, record_at(*bytes_, at, end));
+            const auto id = record.fields.number<std::uint32_t>("conn");
+            const auto topic = record.fields.text("topic");
+            if (!record.is(BagOp::connection) || !id || !topic || record.size > largest_definition)
+                return damaged("connection " + std::to_string(n) + " of its index is none");
+            std::string data(record.size, '\0');
+            TRY(read_bytes(*bytes_, record.data_at, data.data(), data.size()));
+            const auto fields = BagFields::of(std::move(data));
+            if (!fields) return damaged("connection " + std::to_string(n) + " of its index says nothing");
+            const auto is_it = [&](const BagConnection& other) { return other.id == *id; };
+            if (std::any_of(BagFile::connections().begin(), BagFile::connections().end(), is_it))
+                return damaged("connection " + std::to_string(*id) + " is in its index twice");
+            add_connection({*id, std::string(*topic), std::string(fields->text("type").value_or("")),
+                            std::string(fields->text("md5sum").value_or(""))});
+            at = record.end();
+        }
+        for (std::uint32_t n = 0; n < *chunks; ++n) {
+            TRY_ASSIGN(const auto record, record_at(*bytes_, at, end));
+            const auto chunk_at = record.fields.number<std::uint64_t>("chunk_pos");
+            const auto count = record.fields.number<std::uint32_t>("count");
+            if (!record.is(BagOp::chunk_info) || !chunk_at || !count || record.size != 8ULL * *count)
+                return damaged("chunk " + std::to_string(n) + " of its index is none");
+            std::vector<std::uint32_t> counts(2ULL * *count);  // connection, messages
+            TRY(read_bytes(*bytes_, record.data_at, reinterpret_cast<char*>(counts.data()), record.size));
+            Chunk chunk;
+            chunk.at = *chunk_at;
+            for (std::size_t k = 0; k < counts.size(); k += 2) chunk.connections.push_back(counts[k]);
+            chunks_.push_back(std::move(chunk));
+            at = record.end();
+        }
+        return {};
+    }
+
+    Result<void> read_chunk(Chunk& chunk) {
+        if (chunk.is_read) return {};
+        TRY_ASSIGN(const auto record, record_at(*bytes_, chunk.at, bytes_->size()));
+        const auto compression = record.fields.text("compression");
+        const auto size = record.fields.number<std::uint32_t>("size");
+        if (!record.is(BagOp::chunk) || !compression || !size)
+            return damaged("there is no chunk at byte " + std::to_string(chunk.at));
+        if (*compression != "none" && *compression != "bz2" && *compression != "lz4")
+            return input_error(name() + ": is packed by " + printable(*compression) +
+                               ": must be plain, bz2 or lz4");
+        if (*compression == "none" && *size != record.size)
+            return damaged("the chunk at byte " + std::to_string(chunk.at) + " has a wrong size");
+        chunk.compression = *compression;
+        chunk.data_at = record.data_at;
+        chunk.packed = record.size;
+        chunk.size = *size;
+        chunk.is_read = true;
+        return {};
+    }
+
+    /// By the records of index that follow the chunk.
     Result<void> find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
-                               std::vector<BagMessage>& found);
-    Result<ByteSource*> unpacked(std::uint32_t number);
+                               std::vector<BagMessage>& found) {
+        Chunk& chunk = chunks_[number];
+        TRY(read_chunk(chunk));
+        std::uint64_t at = chunk.data_at + chunk.packed;
+        for (std::size_t n = 0; n < chunk.connections.size(); ++n) {
+            TRY_ASSIGN(const auto record, record_at(*bytes_, at, bytes_->size()));
+            const auto id = record.fields.number<std::uint32_t>("conn");
+            if (!record.is(BagOp::index) || !id || record.size % index_entry != 0)
+                return damaged("the chunk at byte " + std::to_string(chunk.at) + " has no index");
+            at = record.end();
+            if (std::ranges::find(connections, *id) == connections.end()) continue;
+            std::vector<std::uint32_t> entries(record.size / 4);
+            TRY(read_bytes(*bytes_, record.data_at, reinterpret_cast<char*>(entries.data()), record.size));
+            for (std::size_t k = 0; k < entries.size(); k += 3)  // seconds, nanoseconds, offset
+                found.push_back(
+                    {std::int64_t{entries[k]} * 1'000'000'000 + entries[k + 1], *id, number, entries[k + 2]});
+        }
+        return {};
+    }
+
+    Result<ByteSource*> unpacked(std::uint32_t number) {
+        if (const Error* const why = why_given_up(number)) return *why;
+        const Chunk& chunk = chunks_[number];
+        auto bytes =
+            unpacked_chunk(number, *bytes_, {chunk.compression, chunk.data_at, chunk.packed, chunk.size});
+        if (!bytes) return give_up_chunk(number, error_at(name(), bytes.error()));
+        return bytes;
+    }
 
     std::unique_ptr<ByteSource> bytes_;
     std::vector<Chunk> chunks_;
 };
-
-Result<void> RosBag::read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const {
-    auto read = from.read(at, to, count);
-    if (read) return read;
-    return read.error().kind == ErrorKind::input ? damaged(read.error().message)
-                                                 : error_at(name(), read.error());
-}
-
-Result<BagRecord> RosBag::record_at(ByteSource& bytes, std::uint64_t at, std::uint64_t end) const {
-    auto record = read_bag_record(bytes, at, end);
-    if (!record) return error_at(name(), record.error());
-    return record;
-}
-
-Result<void> RosBag::open(const SourceFile& file) {
-    TRY_ASSIGN(bytes_, bytes_of_file(file));
-    std::string begin(bag_magic.size() + bag_version.size(), '\0');
-    if (bytes_->size() < begin.size()) return damaged("it ends in its first bytes");
-    TRY(read_bytes(*bytes_, 0, begin.data(), begin.size()));
-    if (!begin.ends_with(bag_version))
-        return input_error(name() + ": is a recording of ROS 1 of version " +
-                           printable(std::string_view(begin).substr(bag_magic.size())) +
-                           ": must be of version 2.0 (rosbag fix makes one of an older one)");
-    return read_index();
-}
-
-/// Connections and chunks, as the end of the file lists them.
-Result<void> RosBag::read_index() {
-    const std::uint64_t end = bytes_->size();
-    TRY_ASSIGN(const auto header, record_at(*bytes_, bag_magic.size() + bag_version.size(), end));
-    const auto index = header.fields.number<std::uint64_t>("index_pos");
-    const auto connections = header.fields.number<std::uint32_t>("conn_count"),
-               chunks = header.fields.number<std::uint32_t>("chunk_count");
-    if (!header.is(BagOp::bag_header) || !index || !connections || !chunks)
-        return damaged("it does not begin with a bag's header");
-    if (!header.fields.text("encryptor").value_or("").empty())
-        return input_error(name() + ": is encrypted (" + printable(*header.fields.text("encryptor")) +
-                           "): must be a plain bag");
-    if (*index < header.end() || *index > end)
-        return input_error(name() +
-                           ": has no index, as the recorder was stopped before it wrote one, or the file is "
-                           "cut: rosbag reindex makes one");
-    std::uint64_t at = *index;
-    for (std::uint32_t n = 0; n < *connections; ++n) {
-        TRY_ASSIGN(const auto record, record_at(*bytes_, at, end));
-        const auto id = record.fields.number<std::uint32_t>("conn");
-        const auto topic = record.fields.text("topic");
-        if (!record.is(BagOp::connection) || !id || !topic || record.size > largest_definition)
-            return damaged("connection " + std::to_string(n) + " of its index is none");
-        std::string data(record.size, '\0');
-        TRY(read_bytes(*bytes_, record.data_at, data.data(), data.size()));
-        const auto fields = BagFields::of(std::move(data));
-        if (!fields) return damaged("connection " + std::to_string(n) + " of its index says nothing");
-        const auto is_it = [&](const BagConnection& other) { return other.id == *id; };
-        if (std::any_of(BagFile::connections().begin(), BagFile::connections().end(), is_it))
-            return damaged("connection " + std::to_string(*id) + " is in its index twice");
-        add_connection({*id, std::string(*topic), std::string(fields->text("type").value_or("")),
-                        std::string(fields->text("md5sum").value_or(""))});
-        at = record.end();
-    }
-    for (std::uint32_t n = 0; n < *chunks; ++n) {
-        TRY_ASSIGN(const auto record, record_at(*bytes_, at, end));
-        const auto chunk_at = record.fields.number<std::uint64_t>("chunk_pos");
-        const auto count = record.fields.number<std::uint32_t>("count");
-        if (!record.is(BagOp::chunk_info) || !chunk_at || !count || record.size != 8ULL * *count)
-            return damaged("chunk " + std::to_string(n) + " of its index is none");
-        std::vector<std::uint32_t> counts(2ULL * *count);  // connection, messages
-        TRY(read_bytes(*bytes_, record.data_at, reinterpret_cast<char*>(counts.data()), record.size));
-        Chunk chunk;
-        chunk.at = *chunk_at;
-        for (std::size_t k = 0; k < counts.size(); k += 2) chunk.connections.push_back(counts[k]);
-        chunks_.push_back(std::move(chunk));
-        at = record.end();
-    }
-    return {};
-}
-
-Result<void> RosBag::read_chunk(Chunk& chunk) {
-    if (chunk.is_read) return {};
-    TRY_ASSIGN(const auto record, record_at(*bytes_, chunk.at, bytes_->size()));
-    const auto compression = record.fields.text("compression");
-    const auto size = record.fields.number<std::uint32_t>("size");
-    if (!record.is(BagOp::chunk) || !compression || !size)
-        return damaged("there is no chunk at byte " + std::to_string(chunk.at));
-    if (*compression != "none" && *compression != "bz2" && *compression != "lz4")
-        return input_error(name() + ": is packed by " + printable(*compression) +
-                           ": must be plain, bz2 or lz4");
-    if (*compression == "none" && *size != record.size)
-        return damaged("the chunk at byte " + std::to_string(chunk.at) + " has a wrong size");
-    chunk.compression = *compression;
-    chunk.data_at = record.data_at;
-    chunk.packed = record.size;
-    chunk.size = *size;
-    chunk.is_read = true;
-    return {};
-}
-
-/// By the records of index that follow the chunk.
-Result<void> RosBag::find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
-                                   std::vector<BagMessage>& found) {
-    Chunk& chunk = chunks_[number];
-    TRY(read_chunk(chunk));
-    std::uint64_t at = chunk.data_at + chunk.packed;
-    for (std::size_t n = 0; n < chunk.connections.size(); ++n) {
-        TRY_ASSIGN(const auto record, record_at(*bytes_, at, bytes_->size()));
-        const auto id = record.fields.number<std::uint32_t>("conn");
-        if (!record.is(BagOp::index) || !id || record.size % index_entry != 0)
-            return damaged("the chunk at byte " + std::to_string(chunk.at) + " has no index");
-        at = record.end();
-        if (std::ranges::find(connections, *id) == connections.end()) continue;
-        std::vector<std::uint32_t> entries(record.size / 4);
-        TRY(read_bytes(*bytes_, record.data_at, reinterpret_cast<char*>(entries.data()), record.size));
-        for (std::size_t k = 0; k < entries.size(); k += 3)  // seconds, nanoseconds, offset
-            found.push_back(
-                {std::int64_t{entries[k]} * 1'000'000'000 + entries[k + 1], *id, number, entries[k + 2]});
-    }
-    return {};
-}
-
-Result<std::vector<BagMessage>> RosBag::messages(std::span<const std::uint32_t> connections) {
-    std::vector<BagMessage> found;
-    for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
-        const auto& within = chunks_[number].connections;
-        if (std::ranges::find_first_of(within, connections) == within.end()) continue;
-        TRY(find_messages(number, connections, found));
-        if (found.size() > bytes_->size() / index_entry) return damaged("its index repeats itself");
-    }
-    std::ranges::stable_sort(found, {}, &BagMessage::time_ns);
-    return found;
-}
-
-Result<ByteSource*> RosBag::unpacked(std::uint32_t number) {
-    if (const Error* const why = why_given_up(number)) return *why;
-    const Chunk& chunk = chunks_[number];
-    auto bytes =
-        unpacked_chunk(number, *bytes_, {chunk.compression, chunk.data_at, chunk.packed, chunk.size});
-    if (!bytes) return give_up_chunk(number, error_at(name(), bytes.error()));
-    return bytes;
-}
-
-Result<std::string> RosBag::read(const BagMessage& message, std::size_t most) {
-    Chunk& chunk = chunks_[message.chunk];
-    TRY(read_chunk(chunk));
-    const bool is_plain = chunk.compression == "none";
-    TRY_ASSIGN(const auto packed, is_plain ? Result<ByteSource*>(bytes_.get()) : unpacked(message.chunk));
-    const std::uint64_t from = is_plain ? chunk.data_at : 0;
-    TRY_ASSIGN(const auto record, record_at(*packed, from + message.offset, from + chunk.size));
-    if (!record.is(BagOp::message) || record.fields.number<std::uint32_t>("conn") != message.connection)
-        return damaged("the message at byte " + std::to_string(message.offset) + " of the chunk at byte " +
-                       std::to_string(chunk.at) + " is none of its connection");
-    const std::size_t size = std::min<std::size_t>(record.size, most);
-    if (size > largest_message) return too_large(size);
-    std::string data(size, '\0');
-    TRY(read_bytes(*packed, record.data_at, data.data(), data.size()));
-    return data;
-}
 
 }  // namespace
 

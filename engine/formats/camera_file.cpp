@@ -105,8 +105,42 @@ private:
 
 class YamlLines {
 public:
-    explicit YamlLines(std::string_view text);
-    Json block(std::size_t indent, int depth);
+    explicit YamlLines(std::string_view text) {
+        while (!text.empty()) {
+            const auto end = text.find('\n');
+            const std::string_view line = without_comment(text.substr(0, end));
+            text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+            const std::string_view inner = trimmed(line);
+            if (inner == "---" || inner == "...") {
+                if (!lines_.empty()) break;
+                continue;
+            }
+            if (inner.empty() || line[0] == '%') continue;
+            lines_.push_back({static_cast<std::size_t>(inner.data() - line.data()), inner});
+        }
+    }
+
+    Json block(std::size_t indent, int depth) {
+        if (depth > deepest_yaml) {
+            at_ = lines_.size();
+            return nullptr;
+        }
+        if (goes_on(indent) && is_item()) return items(indent, depth);
+        Json map = Json::object();
+        while (goes_on(indent)) {
+            const std::string_view line = lines_[at_].text;
+            auto colon = line.find(": ");
+            if (colon == std::string_view::npos && line.back() == ':') colon = line.size() - 1;
+            ++at_;
+            if (colon == std::string_view::npos) continue;
+            add(map, yaml_name(line.substr(0, colon)),
+                value_of(trimmed(line.substr(colon + 1)), indent, depth));
+            // What stands further in without a reason is passed over.
+            while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
+        }
+        return map;
+    }
+
     std::size_t first_indent() const { return lines_.empty() ? 0 : lines_[0].indent; }
 
 private:
@@ -116,109 +150,71 @@ private:
     };
     bool is_item() const { return lines_[at_].text == "-" || lines_[at_].text.starts_with("- "); }
     bool goes_on(std::size_t indent) const { return at_ < lines_.size() && lines_[at_].indent == indent; }
-    Json items(std::size_t indent, int depth);
-    Json value_of(std::string_view text, std::size_t indent, int depth);
-    std::string gathered(std::string_view text);
-    static void add(Json& map, std::string_view name, Json value);
+
+    Json items(std::size_t indent, int depth) {
+        Json list = Json::array();
+        while (goes_on(indent) && is_item()) {
+            const std::string_view text = trimmed(lines_[at_].text.substr(1));
+            const bool is_bracket = text.starts_with('[') || text.starts_with('{');
+            if (!text.empty() && !is_bracket && text[0] != '"' && text[0] != '\'' &&
+                (text.starts_with("- ") || text.find(": ") != std::string_view::npos || text.back() == ':')) {
+                // A map or a list that begins here: as if it stood in a line of its own, at its own place.
+                lines_[at_].indent += static_cast<std::size_t>(text.data() - lines_[at_].text.data());
+                lines_[at_].text = text;
+                list.push_back(block(lines_[at_].indent, depth + 1));
+            } else {
+                ++at_;
+                list.push_back(value_of(text, indent, depth));
+            }
+        }
+        return list;
+    }
+
+    /// What stands behind a name, or in the lines below it.
+    Json value_of(std::string_view text, std::size_t indent, int depth) {
+        while (!text.empty() && (text[0] == '!' || text[0] == '&')) {
+            const auto end = text.find_first_of(" \t");
+            text = end == std::string_view::npos ? std::string_view() : trimmed(text.substr(end));
+        }
+        if (!text.empty() && (text[0] == '[' || text[0] == '{'))
+            return YamlInBrackets(gathered(text)).value();
+        if (!text.empty() && text[0] != '|' && text[0] != '>') return yaml_scalar(text);
+        if (!text.empty()) {  // a text of several lines, which has no numbers of a camera
+            while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
+            return nullptr;
+        }
+        if (at_ >= lines_.size()) return nullptr;
+        const std::size_t below = lines_[at_].indent;
+        return below > indent || (below == indent && is_item()) ? block(below, depth + 1) : Json();
+    }
+
+    /// A value in brackets may go on over lines.
+    std::string gathered(std::string_view text) {
+        std::string all;
+        std::ptrdiff_t open = 0;
+        const auto add_text = [&](std::string_view more) {
+            for (const char c : more) open += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
+            (all += more) += ' ';
+        };
+        for (add_text(text); open > 0 && at_ < lines_.size(); ++at_) add_text(lines_[at_].text);
+        return all;
+    }
+
+    /// Names with a point lead further in.
+    static void add(Json& map, std::string_view name, Json value) {
+        const auto point = name.find('.');
+        Json* within = &map;
+        if (point != std::string_view::npos && point > 0 && point + 1 < name.size()) {
+            within = &map[std::string(name.substr(0, point))];
+            if (within->is_null()) *within = Json::object();
+            name.remove_prefix(point + 1);
+        }
+        if (within->is_object()) within->emplace(std::string(name), std::move(value));
+    }
 
     std::vector<Line> lines_;
     std::size_t at_ = 0;
 };
-
-YamlLines::YamlLines(std::string_view text) {
-    while (!text.empty()) {
-        const auto end = text.find('\n');
-        const std::string_view line = without_comment(text.substr(0, end));
-        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-        const std::string_view inner = trimmed(line);
-        if (inner == "---" || inner == "...") {
-            if (!lines_.empty()) break;
-            continue;
-        }
-        if (inner.empty() || line[0] == '%') continue;
-        lines_.push_back({static_cast<std::size_t>(inner.data() - line.data()), inner});
-    }
-}
-
-/// Names with a point lead further in.
-void YamlLines::add(Json& map, std::string_view name, Json value) {
-    const auto point = name.find('.');
-    Json* within = &map;
-    if (point != std::string_view::npos && point > 0 && point + 1 < name.size()) {
-        within = &map[std::string(name.substr(0, point))];
-        if (within->is_null()) *within = Json::object();
-        name.remove_prefix(point + 1);
-    }
-    if (within->is_object()) within->emplace(std::string(name), std::move(value));
-}
-
-/// A value in brackets may go on over lines.
-std::string YamlLines::gathered(std::string_view text) {
-    std::string all;
-    std::ptrdiff_t open = 0;
-    const auto add_text = [&](std::string_view more) {
-        for (const char c : more) open += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
-        (all += more) += ' ';
-    };
-    for (add_text(text); open > 0 && at_ < lines_.size(); ++at_) add_text(lines_[at_].text);
-    return all;
-}
-
-/// What stands behind a name, or in the lines below it.
-Json YamlLines::value_of(std::string_view text, std::size_t indent, int depth) {
-    while (!text.empty() && (text[0] == '!' || text[0] == '&')) {
-        const auto end = text.find_first_of(" \t");
-        text = end == std::string_view::npos ? std::string_view() : trimmed(text.substr(end));
-    }
-    if (!text.empty() && (text[0] == '[' || text[0] == '{')) return YamlInBrackets(gathered(text)).value();
-    if (!text.empty() && text[0] != '|' && text[0] != '>') return yaml_scalar(text);
-    if (!text.empty()) {  // a text of several lines, which has no numbers of a camera
-        while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
-        return nullptr;
-    }
-    if (at_ >= lines_.size()) return nullptr;
-    const std::size_t below = lines_[at_].indent;
-    return below > indent || (below == indent && is_item()) ? block(below, depth + 1) : Json();
-}
-
-Json YamlLines::items(std::size_t indent, int depth) {
-    Json list = Json::array();
-    while (goes_on(indent) && is_item()) {
-        const std::string_view text = trimmed(lines_[at_].text.substr(1));
-        const bool is_bracket = text.starts_with('[') || text.starts_with('{');
-        if (!text.empty() && !is_bracket && text[0] != '"' && text[0] != '\'' &&
-            (text.starts_with("- ") || text.find(": ") != std::string_view::npos || text.back() == ':')) {
-            // A map or a list that begins here: as if it stood in a line of its own, at its own place.
-            lines_[at_].indent += static_cast<std::size_t>(text.data() - lines_[at_].text.data());
-            lines_[at_].text = text;
-            list.push_back(block(lines_[at_].indent, depth + 1));
-        } else {
-            ++at_;
-            list.push_back(value_of(text, indent, depth));
-        }
-    }
-    return list;
-}
-
-Json YamlLines::block(std::size_t indent, int depth) {
-    if (depth > deepest_yaml) {
-        at_ = lines_.size();
-        return nullptr;
-    }
-    if (goes_on(indent) && is_item()) return items(indent, depth);
-    Json map = Json::object();
-    while (goes_on(indent)) {
-        const std::string_view line = lines_[at_].text;
-        auto colon = line.find(": ");
-        if (colon == std::string_view::npos && line.back() == ':') colon = line.size() - 1;
-        ++at_;
-        if (colon == std::string_view::npos) continue;
-        add(map, yaml_name(line.substr(0, colon)), value_of(trimmed(line.substr(colon + 1)), indent, depth));
-        // What stands further in without a reason is passed over.
-        while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
-    }
-    return map;
-}
 
 /// YAML as programs write a camera into it, as JSON: maps and lists by indentation or in brackets, numbers
 /// and words. Tags, anchors and comments are passed over; of several documents the first is read, of members

@@ -41,13 +41,56 @@ std::optional<double> finite_number(std::string_view digits) {
 /// The few fields that matter, of a YAML text that Unity wrote.
 class DepthkitMetadata {
 public:
-    static Result<DepthkitMetadata> read(const std::filesystem::path& file);
+    static Result<DepthkitMetadata> read(const std::filesystem::path& file) {
+        constexpr std::size_t largest = 1 << 20;
+        DepthkitMetadata metadata;
+        metadata.file_ = file.string();
+        TRY_ASSIGN(metadata.text_,
+                   read_given_file(file, metadata.file_, "the metadata of a Depthkit video", largest));
+        return metadata;
+    }
 
     /// The value of the one line "field: value", wherever it stands.
-    Result<std::string_view> text(std::string_view field) const;
-    Result<double> number(std::string_view field) const;
+    Result<std::string_view> text(std::string_view field) const {
+        std::optional<std::string_view> found;
+        std::string_view rest = text_;
+        while (!rest.empty()) {
+            const auto end = std::min(rest.find('\n'), rest.size());
+            std::string_view line = trimmed(rest.substr(0, end));
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            if (line.starts_with("- ")) line = trimmed(line.substr(2));
+            if (!line.starts_with(field) || line.substr(field.size(), 1) != ":") continue;
+            if (found)
+                return input_error(file_ + ": has " + std::string(field) +
+                                   " more than once: only videos of one perspective are read");
+            found = trimmed(line.substr(field.size() + 1));
+        }
+        if (found) return *found;
+        return input_error(file_ + ": " + std::string(field) +
+                           " is missing: must be there, as Depthkit's Unity plugins write it");
+    }
+
+    Result<double> number(std::string_view field) const {
+        TRY_ASSIGN(const auto value, text(field));
+        if (const auto number = finite_number(value)) return *number;
+        return refuse(field, value, "a number");
+    }
+
     /// A component of a value such as {x: 512, y: 424}.
-    Result<double> component(std::string_view field, std::string_view name) const;
+    Result<double> component(std::string_view field, std::string_view name) const {
+        TRY_ASSIGN(const auto value, text(field));
+        std::string_view rest = value;
+        while (!rest.empty()) {  // up to each comma or brace
+            const auto end = std::min(rest.find_first_of("{,}"), rest.size());
+            const std::string_view part = trimmed(rest.substr(0, end));
+            rest.remove_prefix(std::min(end + 1, rest.size()));
+            if (!part.starts_with(name) || part.substr(name.size(), 1) != ":") continue;
+            if (const auto number = finite_number(trimmed(part.substr(name.size() + 1)))) return *number;
+            break;
+        }
+        return refuse(field, value, "such as {x: 512, y: 424}, with a number " + std::string(name));
+    }
+
     Error refuse(std::string_view field, std::string_view value, const std::string& right) const {
         return input_error(file_ + ": " + std::string(field) + " is " + printable(value) + ": must be " +
                            right);
@@ -57,54 +100,6 @@ public:
 private:
     std::string file_, text_;
 };
-
-Result<DepthkitMetadata> DepthkitMetadata::read(const std::filesystem::path& file) {
-    constexpr std::size_t largest = 1 << 20;
-    DepthkitMetadata metadata;
-    metadata.file_ = file.string();
-    TRY_ASSIGN(metadata.text_,
-               read_given_file(file, metadata.file_, "the metadata of a Depthkit video", largest));
-    return metadata;
-}
-
-Result<std::string_view> DepthkitMetadata::text(std::string_view field) const {
-    std::optional<std::string_view> found;
-    std::string_view rest = text_;
-    while (!rest.empty()) {
-        const auto end = std::min(rest.find('\n'), rest.size());
-        std::string_view line = trimmed(rest.substr(0, end));
-        rest.remove_prefix(std::min(end + 1, rest.size()));
-        if (line.starts_with("- ")) line = trimmed(line.substr(2));
-        if (!line.starts_with(field) || line.substr(field.size(), 1) != ":") continue;
-        if (found)
-            return input_error(file_ + ": has " + std::string(field) +
-                               " more than once: only videos of one perspective are read");
-        found = trimmed(line.substr(field.size() + 1));
-    }
-    if (found) return *found;
-    return input_error(file_ + ": " + std::string(field) +
-                       " is missing: must be there, as Depthkit's Unity plugins write it");
-}
-
-Result<double> DepthkitMetadata::number(std::string_view field) const {
-    TRY_ASSIGN(const auto value, text(field));
-    if (const auto number = finite_number(value)) return *number;
-    return refuse(field, value, "a number");
-}
-
-Result<double> DepthkitMetadata::component(std::string_view field, std::string_view name) const {
-    TRY_ASSIGN(const auto value, text(field));
-    std::string_view rest = value;
-    while (!rest.empty()) {  // up to each comma or brace
-        const auto end = std::min(rest.find_first_of("{,}"), rest.size());
-        const std::string_view part = trimmed(rest.substr(0, end));
-        rest.remove_prefix(std::min(end + 1, rest.size()));
-        if (!part.starts_with(name) || part.substr(name.size(), 1) != ":") continue;
-        if (const auto number = finite_number(trimmed(part.substr(name.size() + 1)))) return *number;
-        break;
-    }
-    return refuse(field, value, "such as {x: 512, y: 424}, with a number " + std::string(name));
-}
 
 Result<int> whole_pixels(const DepthkitMetadata& metadata, std::string_view field,
                          const Result<double>& number) {
@@ -169,24 +164,130 @@ Result<SceneDescription> scene_from(const DepthkitMetadata& metadata) {
 class DepthkitPictures final : public FrameSource {
 public:
     explicit DepthkitPictures(const SourceFile& video) : source_(video), file_(video.string()) {}
-    Result<void> open();
+
+    Result<void> open() {
+        TRY(rewind());
+        is_all_keys_ = demuxer_->is_all_keys(stream_);
+        return read_rate();
+    }
+
     std::int64_t count() const { return count_; }
     const FrameRate& rate() const { return rate_; }
 
     std::string where(PlaneRole role, std::int64_t frame) const override {
         return where(frame) + ", " + std::string(role_name(role));
     }
-    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override;
+
+    /// Two views of one picture.
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
+        if (newest_number_ != frame) {
+            newest_number_ = -1;
+            newest_ = {};
+            TRY(seek(frame));
+            TRY_ASSIGN(newest_, next());
+            newest_number_ = frame;
+        }
+        PlaneView half = newest_.view;
+        if (half.channels != 3 || half.height % 2 != 0)
+            return input_error(where(frame) + ": is " + std::to_string(half.width) + "x" +
+                               std::to_string(half.height) + (half.channels == 3 ? "" : " grey") +
+                               ": a Depthkit video has colour above depth, both of the same size, in RGB");
+        half.height /= 2;
+        if (role == PlaneRole::depth) half.data = half.row(half.height);
+        return lent_picture(decoder_->info(), {half, newest_.storage});
+    }
+
     std::int64_t access_point(std::int64_t frame) const override { return is_all_keys_ ? frame : 0; }
 
 private:
-    Result<void> rewind();
-    Result<void> read_rate();
-    Result<void> seek(std::int64_t frame);
-    bool begin_at(std::int64_t frame);
-    Result<Plane> next();
-    double ticks_of(std::int64_t frame) const;
-    Result<void> check_time(const TrackDecoder::Picture& picture);
+    Result<void> rewind() {
+        TRY_ASSIGN(auto demuxer, Demuxer::open_quicktime(source_));
+        decoder_.reset();
+        demuxer_ = std::move(demuxer);
+        const AVFormatContext& container = demuxer_->container();
+        const int streams = static_cast<int>(container.nb_streams);
+        stream_ = 0;
+        while (stream_ < streams && container.streams[stream_]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO)
+            ++stream_;
+        if (stream_ == streams) return input_error(file_ + ": has no video track");
+        TRY_ASSIGN(decoder_, TrackDecoder::open(stream(), PlaneRole::colour, file_));
+        demuxer_->select(stream_);
+        number_ = 0;
+        return {};
+    }
+
+    /// Frames by their duration, which is exact where all last equally long; `check_time` finds where not.
+    Result<void> read_rate() {
+        count_ = stream().nb_frames;
+        const AVRational base = stream().time_base;
+        constexpr std::int64_t most = std::int64_t{1} << 31;
+        int num = 0, den = 0;
+        if (count_ > 0 && count_ < most && stream().duration > 0 && stream().duration < most) {
+            const AVRational per_tick = av_make_q(base.den, base.num);
+            av_reduce(&num, &den, count_, stream().duration, 1'000'000'000);
+            av_reduce(&num, &den, std::int64_t{num} * per_tick.num, std::int64_t{den} * per_tick.den,
+                      1'000'000'000);
+        }
+        if (num <= 0 || den <= 0)
+            return input_error(file_ + ": does not say how many frames it has, or how long");
+        rate_ = {num, den};
+        return {};
+    }
+
+    Result<void> seek(std::int64_t frame) {
+        if (frame == number_) return {};
+        const bool is_led = is_all_keys_ && frame > 0 && begin_at(frame);
+        if (!is_led && (is_all_keys_ || frame < number_)) TRY(rewind());
+        while (number_ < frame) TRY(next());
+        return {};
+    }
+
+    /// False where the index does not lead there: then the reading may be anywhere.
+    bool begin_at(std::int64_t frame) {
+        const double time = static_cast<double>(origin_) + ticks_of(frame);
+        const bool is_somewhere = demuxer_->seek(stream_, std::llround(time));
+        const auto packet = is_somewhere ? demuxer_->peek(stream_) : Result<const AVPacket*>(nullptr);
+        const double nearest = std::min(1.0, ticks_of(1) / 2);
+        if (!packet || !*packet || std::fabs(static_cast<double>((*packet)->pts) - time) > nearest)
+            return false;
+        decoder_->restart(frame);
+        number_ = frame;
+        return true;
+    }
+
+    Result<Plane> next() {
+        while (true) {
+            TRY_ASSIGN(auto decoded, decoder_->receive());
+            if (decoded) {
+                TRY(check_time(*decoded));
+                ++number_;
+                return std::move(decoded->plane);
+            }
+            if (decoder_->drained()) break;
+            TRY_ASSIGN(const auto packet, demuxer_->next(stream_));
+            TRY(decoder_->send(packet.get()));
+        }
+        return input_error(where(number_) + ": is where the video ends, but it promises " +
+                           std::to_string(count_) + " frames: it is truncated or damaged");
+    }
+
+    /// After frame 0, in the stream's time base.
+    double ticks_of(std::int64_t frame) const {
+        const AVRational base = stream().time_base;
+        return static_cast<double>(frame) * static_cast<double>(rate_.den) / static_cast<double>(rate_.num) *
+               base.den / base.num;
+    }
+
+    /// At the frame number's time, up to one tick of the stream's clock.
+    Result<void> check_time(const TrackDecoder::Picture& picture) {
+        if (number_ == 0) origin_ = picture.timestamp;
+        const double expected = ticks_of(number_);
+        const double actual = static_cast<double>(picture.timestamp) - static_cast<double>(origin_);
+        if (picture.timestamp != AV_NOPTS_VALUE && std::fabs(actual - expected) <= 1.0) return {};
+        return input_error(where(number_) + ": is not at its time: must be evenly spaced frames, " +
+                           clip_tags::rate_text(rate_) + " a second");
+    }
+
     const AVStream& stream() const { return *demuxer_->container().streams[stream_]; }
     std::string where(std::int64_t frame) const { return file_ + ": frame " + std::to_string(frame); }
 
@@ -206,118 +307,6 @@ private:
     Plane newest_{};
     std::int64_t newest_number_ = -1;
 };
-
-Result<void> DepthkitPictures::open() {
-    TRY(rewind());
-    is_all_keys_ = demuxer_->is_all_keys(stream_);
-    return read_rate();
-}
-
-/// Two views of one picture.
-Result<TrackPicture> DepthkitPictures::picture(PlaneRole role, std::int64_t frame) {
-    if (newest_number_ != frame) {
-        newest_number_ = -1;
-        newest_ = {};
-        TRY(seek(frame));
-        TRY_ASSIGN(newest_, next());
-        newest_number_ = frame;
-    }
-    PlaneView half = newest_.view;
-    if (half.channels != 3 || half.height % 2 != 0)
-        return input_error(where(frame) + ": is " + std::to_string(half.width) + "x" +
-                           std::to_string(half.height) + (half.channels == 3 ? "" : " grey") +
-                           ": a Depthkit video has colour above depth, both of the same size, in RGB");
-    half.height /= 2;
-    if (role == PlaneRole::depth) half.data = half.row(half.height);
-    return lent_picture(decoder_->info(), {half, newest_.storage});
-}
-
-Result<void> DepthkitPictures::rewind() {
-    TRY_ASSIGN(auto demuxer, Demuxer::open_quicktime(source_));
-    decoder_.reset();
-    demuxer_ = std::move(demuxer);
-    const AVFormatContext& container = demuxer_->container();
-    const int streams = static_cast<int>(container.nb_streams);
-    stream_ = 0;
-    while (stream_ < streams && container.streams[stream_]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO)
-        ++stream_;
-    if (stream_ == streams) return input_error(file_ + ": has no video track");
-    TRY_ASSIGN(decoder_, TrackDecoder::open(stream(), PlaneRole::colour, file_));
-    demuxer_->select(stream_);
-    number_ = 0;
-    return {};
-}
-
-/// After frame 0, in the stream's time base.
-double DepthkitPictures::ticks_of(std::int64_t frame) const {
-    const AVRational base = stream().time_base;
-    return static_cast<double>(frame) * static_cast<double>(rate_.den) / static_cast<double>(rate_.num) *
-           base.den / base.num;
-}
-
-Result<void> DepthkitPictures::seek(std::int64_t frame) {
-    if (frame == number_) return {};
-    const bool is_led = is_all_keys_ && frame > 0 && begin_at(frame);
-    if (!is_led && (is_all_keys_ || frame < number_)) TRY(rewind());
-    while (number_ < frame) TRY(next());
-    return {};
-}
-
-/// False where the index does not lead there: then the reading may be anywhere.
-bool DepthkitPictures::begin_at(std::int64_t frame) {
-    const double time = static_cast<double>(origin_) + ticks_of(frame);
-    const bool is_somewhere = demuxer_->seek(stream_, std::llround(time));
-    const auto packet = is_somewhere ? demuxer_->peek(stream_) : Result<const AVPacket*>(nullptr);
-    const double nearest = std::min(1.0, ticks_of(1) / 2);
-    if (!packet || !*packet || std::fabs(static_cast<double>((*packet)->pts) - time) > nearest) return false;
-    decoder_->restart(frame);
-    number_ = frame;
-    return true;
-}
-
-/// Frames by their duration, which is exact where all last equally long; `check_time` finds where not.
-Result<void> DepthkitPictures::read_rate() {
-    count_ = stream().nb_frames;
-    const AVRational base = stream().time_base;
-    constexpr std::int64_t most = std::int64_t{1} << 31;
-    int num = 0, den = 0;
-    if (count_ > 0 && count_ < most && stream().duration > 0 && stream().duration < most) {
-        const AVRational per_tick = av_make_q(base.den, base.num);
-        av_reduce(&num, &den, count_, stream().duration, 1'000'000'000);
-        av_reduce(&num, &den, std::int64_t{num} * per_tick.num, std::int64_t{den} * per_tick.den,
-                  1'000'000'000);
-    }
-    if (num <= 0 || den <= 0)
-        return input_error(file_ + ": does not say how many frames it has, or how long");
-    rate_ = {num, den};
-    return {};
-}
-
-Result<Plane> DepthkitPictures::next() {
-    while (true) {
-        TRY_ASSIGN(auto decoded, decoder_->receive());
-        if (decoded) {
-            TRY(check_time(*decoded));
-            ++number_;
-            return std::move(decoded->plane);
-        }
-        if (decoder_->drained()) break;
-        TRY_ASSIGN(const auto packet, demuxer_->next(stream_));
-        TRY(decoder_->send(packet.get()));
-    }
-    return input_error(where(number_) + ": is where the video ends, but it promises " +
-                       std::to_string(count_) + " frames: it is truncated or damaged");
-}
-
-/// At the frame number's time, up to one tick of the stream's clock.
-Result<void> DepthkitPictures::check_time(const TrackDecoder::Picture& picture) {
-    if (number_ == 0) origin_ = picture.timestamp;
-    const double expected = ticks_of(number_);
-    const double actual = static_cast<double>(picture.timestamp) - static_cast<double>(origin_);
-    if (picture.timestamp != AV_NOPTS_VALUE && std::fabs(actual - expected) <= 1.0) return {};
-    return input_error(where(number_) + ": is not at its time: must be evenly spaced frames, " +
-                       clip_tags::rate_text(rate_) + " a second");
-}
 
 }  // namespace
 

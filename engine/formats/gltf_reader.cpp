@@ -295,101 +295,98 @@ bool is_touched(const Node& material) {
 class MaterialReader {
 public:
     explicit MaterialReader(const GltfFile& gltf) : gltf_(gltf), name_(gltf.file().string()) {}
-    GltfTouch read();
+
+    GltfTouch read() {
+        const Node material = chosen();
+        const auto stiffness = entry(material, "stiffness", ""), held = entry(material, "friction", "static");
+        if (stiffness) touch_.properties[0] = layer(*stiffness);
+        if (held) touch_.properties[1] = layer(*held);
+        const bool has_one_friction =
+            held && !extra(*held, "touchable_kind");  // for static and dynamic alike
+        const auto sliding = has_one_friction ? held : entry(material, "friction", "dynamic");
+        if (sliding) touch_.properties[2] = layer(*sliding);
+        if (has_one_friction) say("friction of " + name_ + " is static and dynamic friction alike");
+        for (const char* other : {"vibrotactileTexture", "temperature", "vibration"})
+            if (material.has(other)) say(std::string(other) + " of " + name_ + " is not used");
+        if (!material.has("custom")) return std::move(touch_);
+        for (const Node& custom : gltf_array(material["custom"])) {
+            if (is_height(custom) && !touch_.height)
+                touch_.height = layer(custom);
+            else
+                say("custom of " + name_ + " is not used");
+        }
+        return std::move(touch_);
+    }
 
 private:
-    Node chosen();
-    std::optional<Node> entry(const Node& material, const char* property, const char* kind);
-    GltfLayer layer(const Node& entry);
+    Node chosen() {
+        const char* const right =
+            "has no material with stiffness or friction in the whole file's "
+            "extensions.MPEG_haptic_material.materials";
+        const std::vector<Node> materials = materials_of(gltf_);
+        const auto count = std::count_if(materials.begin(), materials.end(), is_touched);
+        if (count == 0) throw Refusal{right};
+        if (const auto index = material_of_mesh(gltf_)) {
+            const auto k = static_cast<std::size_t>(index->whole());
+            if (k >= materials.size())
+                index->refuse("a number of one of " + std::to_string(materials.size()) + " materials");
+            if (is_touched(materials[k])) return materials[k];
+        }
+        if (count > 1) say(name_ + " has " + std::to_string(count) + " haptic materials: the first is taken");
+        return *std::find_if(materials.begin(), materials.end(), is_touched);
+    }
+
+    /// Of the textures of a property, and of this kind or of none, the one of high resolution, or of low
+    /// where there is none. A reference leads to signals in binary form, which is not read.
+    std::optional<Node> entry(const Node& material, const char* property, const char* kind) {
+        if (!material.has(property)) return std::nullopt;
+        std::vector<Node> entries;
+        bool has_reference = false;
+        for (const Node& one : gltf_array(material[property])) {
+            const auto own = extra(one, "touchable_kind");
+            if (!own || own->text() == kind) entries.push_back(one);
+            has_reference = has_reference || (one.has("type") && one["type"].text() == "Reference");
+        }
+        for (const std::string wanted : {"High_Resolution", "Low_Resolution"})
+            for (const Node& one : entries) {
+                if ((one.has("type") ? one["type"].text() : "High_Resolution") != wanted) continue;
+                if (entries.size() > 1)
+                    say(std::string(property) + " has " + std::to_string(entries.size()) +
+                        " textures: the first of type " + wanted + " is taken");
+                return one;
+            }
+        if (has_reference)
+            throw Refusal{std::string(property) +
+                          " has only a texture of type Reference, which leads to signals in binary form "
+                          "(MPEG_haptic) that are not read: must be High_Resolution or Low_Resolution"};
+        if (!entries.empty())
+            say(std::string(property) +
+                " has only textures of other types than High_Resolution and Low_Resolution, "
+                "which are not used");
+        return std::nullopt;
+    }
+
+    GltfLayer layer(const Node& entry) {
+        const Node info = entry["texture"];
+        if (gltf_extension(info, "KHR_texture_transform"))
+            say("KHR_texture_transform of " + name_ + " is not used: pictures lie over the whole of depth's");
+        gltf_.element("textures", info["index"]);
+        GltfLayer layer{static_cast<std::size_t>(info["index"].whole())};
+        if (const auto channel = extra(entry, "touchable_channel"))
+            layer.channel = static_cast<int>(channel->integer(0, 2));
+        if (const auto range = extra(entry, "touchable_range")) {
+            const auto ends = range->elements(2, 2, "[black, white], two numbers");
+            layer.range = {ends[0].number(), ends[1].number()};
+        }
+        return layer;
+    }
+
     void say(const std::string& what) { touch_.notes.push_back(what); }
 
     const GltfFile& gltf_;
     const std::string name_;
     GltfTouch touch_;
 };
-
-Node MaterialReader::chosen() {
-    const char* const right =
-        "has no material with stiffness or friction in the whole file's "
-        "extensions.MPEG_haptic_material.materials";
-    const std::vector<Node> materials = materials_of(gltf_);
-    const auto count = std::count_if(materials.begin(), materials.end(), is_touched);
-    if (count == 0) throw Refusal{right};
-    if (const auto index = material_of_mesh(gltf_)) {
-        const auto k = static_cast<std::size_t>(index->whole());
-        if (k >= materials.size())
-            index->refuse("a number of one of " + std::to_string(materials.size()) + " materials");
-        if (is_touched(materials[k])) return materials[k];
-    }
-    if (count > 1) say(name_ + " has " + std::to_string(count) + " haptic materials: the first is taken");
-    return *std::find_if(materials.begin(), materials.end(), is_touched);
-}
-
-/// Of the textures of a property, and of this kind or of none, the one of high resolution, or of low where
-/// there is none. A reference leads to signals in binary form, which is not read.
-std::optional<Node> MaterialReader::entry(const Node& material, const char* property, const char* kind) {
-    if (!material.has(property)) return std::nullopt;
-    std::vector<Node> entries;
-    bool has_reference = false;
-    for (const Node& one : gltf_array(material[property])) {
-        const auto own = extra(one, "touchable_kind");
-        if (!own || own->text() == kind) entries.push_back(one);
-        has_reference = has_reference || (one.has("type") && one["type"].text() == "Reference");
-    }
-    for (const std::string wanted : {"High_Resolution", "Low_Resolution"})
-        for (const Node& one : entries) {
-            if ((one.has("type") ? one["type"].text() : "High_Resolution") != wanted) continue;
-            if (entries.size() > 1)
-                say(std::string(property) + " has " + std::to_string(entries.size()) +
-                    " textures: the first of type " + wanted + " is taken");
-            return one;
-        }
-    if (has_reference)
-        throw Refusal{std::string(property) +
-                      " has only a texture of type Reference, which leads to signals in binary form "
-                      "(MPEG_haptic) that are not read: must be High_Resolution or Low_Resolution"};
-    if (!entries.empty())
-        say(std::string(property) +
-            " has only textures of other types than High_Resolution and Low_Resolution, "
-            "which are not used");
-    return std::nullopt;
-}
-
-GltfLayer MaterialReader::layer(const Node& entry) {
-    const Node info = entry["texture"];
-    if (gltf_extension(info, "KHR_texture_transform"))
-        say("KHR_texture_transform of " + name_ + " is not used: pictures lie over the whole of depth's");
-    gltf_.element("textures", info["index"]);
-    GltfLayer layer{static_cast<std::size_t>(info["index"].whole())};
-    if (const auto channel = extra(entry, "touchable_channel"))
-        layer.channel = static_cast<int>(channel->integer(0, 2));
-    if (const auto range = extra(entry, "touchable_range")) {
-        const auto ends = range->elements(2, 2, "[black, white], two numbers");
-        layer.range = {ends[0].number(), ends[1].number()};
-    }
-    return layer;
-}
-
-GltfTouch MaterialReader::read() {
-    const Node material = chosen();
-    const auto stiffness = entry(material, "stiffness", ""), held = entry(material, "friction", "static");
-    if (stiffness) touch_.properties[0] = layer(*stiffness);
-    if (held) touch_.properties[1] = layer(*held);
-    const bool has_one_friction = held && !extra(*held, "touchable_kind");  // for static and dynamic alike
-    const auto sliding = has_one_friction ? held : entry(material, "friction", "dynamic");
-    if (sliding) touch_.properties[2] = layer(*sliding);
-    if (has_one_friction) say("friction of " + name_ + " is static and dynamic friction alike");
-    for (const char* other : {"vibrotactileTexture", "temperature", "vibration"})
-        if (material.has(other)) say(std::string(other) + " of " + name_ + " is not used");
-    if (!material.has("custom")) return std::move(touch_);
-    for (const Node& custom : gltf_array(material["custom"])) {
-        if (is_height(custom) && !touch_.height)
-            touch_.height = layer(custom);
-        else
-            say("custom of " + name_ + " is not used");
-    }
-    return std::move(touch_);
-}
 
 /// Where nothing is said of a property: stiffness in N/mm, static and dynamic friction.
 std::array<double, 3> untouched(const Scene& scene) {

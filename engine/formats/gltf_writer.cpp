@@ -44,104 +44,97 @@ std::vector<int> mesh_places(int pixels, int longer_side) {
 class MeshOfFrame {
 public:
     MeshOfFrame(const RawFrame& frame, const Scene& scene) : depth_(frame.depth), scene_(scene) {}
-    FallbackMesh made();
+
+    FallbackMesh made() {
+        const int longer_side = std::max(scene_.width, scene_.height);
+        const std::vector<int> columns = mesh_places(scene_.width, longer_side),
+                               rows = mesh_places(scene_.height, longer_side);
+        for (const int y : rows)
+            for (const int x : columns) add_vertex(x, y);
+        const auto width = static_cast<std::uint32_t>(columns.size());
+        for (std::uint32_t row = 0; row + 1 < rows.size(); ++row)
+            for (std::uint32_t column = 0; column + 1 < width; ++column) {
+                const std::uint32_t top = row * width + column, bottom = top + width;
+                add_triangle({top, bottom, bottom + 1});
+                add_triangle({top, bottom + 1, top + 1});
+            }
+        if (mesh_.triangles.empty()) add_rectangle();
+        return std::move(mesh_);
+    }
 
 private:
     using Corner = std::array<std::uint32_t, 3>;
 
-    void add_vertex(int x, int y);
-    void add_triangle(Corner corners);
-    bool is_edge(std::uint32_t a, std::uint32_t b) const;
-    std::uint32_t add_behind(std::uint32_t vertex, std::uint32_t deeper);
-    void add_rectangle();
+    void add_vertex(int x, int y) {
+        const auto there = planar(x, y);
+        is_hole_.push_back(!there);
+        add_position(x, y, there.value_or(scene_.depth.far));
+    }
+
+    /// Where no corner is in a hole. Corners that lie far before another are as deep as that, so that from
+    /// the clip's own camera nothing is missing between two surfaces.
+    void add_triangle(Corner corners) {
+        for (const std::uint32_t corner : corners)
+            if (is_hole_[corner]) return;
+        const std::uint32_t deepest =
+            *std::min_element(corners.begin(), corners.end(), [this](std::uint32_t a, std::uint32_t b) {
+                return mesh_.positions[a][2] < mesh_.positions[b][2];
+            });
+        for (std::uint32_t& corner : corners)
+            if (corner != deepest && is_edge(corner, deepest)) corner = add_behind(corner, deepest);
+        mesh_.triangles.push_back(corners);
+    }
+
+    /// Whether one lies far behind the other.
+    bool is_edge(std::uint32_t a, std::uint32_t b) const {
+        const auto &from = mesh_.positions[a], &to = mesh_.positions[b];
+        const double nearer = std::min(-from[2], -to[2]), deeper = to[2] - from[2];
+        const double across_x = nearer * (to[0] / to[2] - from[0] / from[2]),
+                     across_y = nearer * (to[1] / to[2] - from[1] / from[2]);
+        return deeper * deeper >
+               steepest_slope * steepest_slope * (across_x * across_x + across_y * across_y);
+    }
+
+    /// Another vertex where the camera sees this one, but as deep as that other.
+    std::uint32_t add_behind(std::uint32_t vertex, std::uint32_t deeper) {
+        std::array<float, 3> position = mesh_.positions[vertex];
+        const float farther = mesh_.positions[deeper][2] / position[2];
+        for (float& each : position) each *= farther;
+        mesh_.positions.push_back(position);
+        mesh_.texture_places.push_back(std::array(mesh_.texture_places[vertex]));
+        return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
+    }
+
+    void add_rectangle() {
+        mesh_ = {};
+        for (const int y : {0, scene_.height - 1})
+            for (const int x : {0, scene_.width - 1}) add_position(x, y, scene_.depth.far);
+        mesh_.triangles = {{0, 2, 3}, {0, 3, 1}};
+    }
+
     /// Along -Z, scene units; nothing in a hole.
-    std::optional<double> planar(int x, int y) const;
-    void add_position(int x, int y, double planar);
+    std::optional<double> planar(int x, int y) const {
+        const DepthCoding& coding = scene_.depth;
+        if (coding.kind == DepthCodingKind::hue) return std::nullopt;
+        const int code = depth_.sample(x, y);
+        if (!coding.is_valid(static_cast<std::uint16_t>(code))) return std::nullopt;
+        return planar_depth(scene_.camera, coding.semantics, x, y,
+                            coding.depth(static_cast<std::uint16_t>(code)));
+    }
+
+    void add_position(int x, int y, double planar) {
+        const glm::dvec3 point = scene_.metres_per_unit * unproject(scene_.camera, x, y, planar);
+        mesh_.positions.push_back(
+            {static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)});
+        mesh_.texture_places.push_back(
+            {static_cast<float>((x + 0.5) / scene_.width), static_cast<float>((y + 0.5) / scene_.height)});
+    }
 
     const PlaneView& depth_;
     const Scene& scene_;
     FallbackMesh mesh_;
     std::vector<bool> is_hole_;
 };
-
-std::optional<double> MeshOfFrame::planar(int x, int y) const {
-    const DepthCoding& coding = scene_.depth;
-    if (coding.kind == DepthCodingKind::hue) return std::nullopt;
-    const int code = depth_.sample(x, y);
-    if (!coding.is_valid(static_cast<std::uint16_t>(code))) return std::nullopt;
-    return planar_depth(scene_.camera, coding.semantics, x, y,
-                        coding.depth(static_cast<std::uint16_t>(code)));
-}
-
-void MeshOfFrame::add_position(int x, int y, double planar) {
-    const glm::dvec3 point = scene_.metres_per_unit * unproject(scene_.camera, x, y, planar);
-    mesh_.positions.push_back(
-        {static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)});
-    mesh_.texture_places.push_back(
-        {static_cast<float>((x + 0.5) / scene_.width), static_cast<float>((y + 0.5) / scene_.height)});
-}
-
-void MeshOfFrame::add_vertex(int x, int y) {
-    const auto there = planar(x, y);
-    is_hole_.push_back(!there);
-    add_position(x, y, there.value_or(scene_.depth.far));
-}
-
-/// Whether one lies far behind the other.
-bool MeshOfFrame::is_edge(std::uint32_t a, std::uint32_t b) const {
-    const auto &from = mesh_.positions[a], &to = mesh_.positions[b];
-    const double nearer = std::min(-from[2], -to[2]), deeper = to[2] - from[2];
-    const double across_x = nearer * (to[0] / to[2] - from[0] / from[2]),
-                 across_y = nearer * (to[1] / to[2] - from[1] / from[2]);
-    return deeper * deeper > steepest_slope * steepest_slope * (across_x * across_x + across_y * across_y);
-}
-
-/// Another vertex where the camera sees this one, but as deep as that other.
-std::uint32_t MeshOfFrame::add_behind(std::uint32_t vertex, std::uint32_t deeper) {
-    std::array<float, 3> position = mesh_.positions[vertex];
-    const float farther = mesh_.positions[deeper][2] / position[2];
-    for (float& each : position) each *= farther;
-    mesh_.positions.push_back(position);
-    mesh_.texture_places.push_back(std::array(mesh_.texture_places[vertex]));
-    return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
-}
-
-/// Where no corner is in a hole. Corners that lie far before another are as deep as that, so that from the
-/// clip's own camera nothing is missing between two surfaces.
-void MeshOfFrame::add_triangle(Corner corners) {
-    for (const std::uint32_t corner : corners)
-        if (is_hole_[corner]) return;
-    const std::uint32_t deepest = *std::min_element(
-        corners.begin(), corners.end(),
-        [this](std::uint32_t a, std::uint32_t b) { return mesh_.positions[a][2] < mesh_.positions[b][2]; });
-    for (std::uint32_t& corner : corners)
-        if (corner != deepest && is_edge(corner, deepest)) corner = add_behind(corner, deepest);
-    mesh_.triangles.push_back(corners);
-}
-
-void MeshOfFrame::add_rectangle() {
-    mesh_ = {};
-    for (const int y : {0, scene_.height - 1})
-        for (const int x : {0, scene_.width - 1}) add_position(x, y, scene_.depth.far);
-    mesh_.triangles = {{0, 2, 3}, {0, 3, 1}};
-}
-
-FallbackMesh MeshOfFrame::made() {
-    const int longer_side = std::max(scene_.width, scene_.height);
-    const std::vector<int> columns = mesh_places(scene_.width, longer_side),
-                           rows = mesh_places(scene_.height, longer_side);
-    for (const int y : rows)
-        for (const int x : columns) add_vertex(x, y);
-    const auto width = static_cast<std::uint32_t>(columns.size());
-    for (std::uint32_t row = 0; row + 1 < rows.size(); ++row)
-        for (std::uint32_t column = 0; column + 1 < width; ++column) {
-            const std::uint32_t top = row * width + column, bottom = top + width;
-            add_triangle({top, bottom, bottom + 1});
-            add_triangle({top, bottom + 1, top + 1});
-        }
-    if (mesh_.triangles.empty()) add_rectangle();
-    return std::move(mesh_);
-}
 
 /// A track of the clip's MP4 file.
 struct GltfTrack {
@@ -202,7 +195,29 @@ class GltfScene {
 public:
     GltfScene(const SceneDescription& described, const GltfClipFiles& files, const FallbackMesh& mesh)
         : described_(described), scene_(described.scene), files_(files), mesh_(mesh) {}
-    std::string text();
+
+    std::string text() {
+        gltf_ = {{"asset", {{"version", "2.0"}, {"generator", "touchable"}}},
+                 {"extensionsUsed", OrderedJson::array()},
+                 {"scene", 0},
+                 {"scenes", OrderedJson::array({{{"nodes", {0, 1}}}})},
+                 {"nodes", OrderedJson::array(
+                               {{{"name", "clip"}, {"mesh", 0}}, {{"name", "camera"}, {"camera", 0}}})}};
+        add_mesh_data();
+        add_textures();
+        if (is_moving()) add_media();
+        add_haptic_material();
+        add_mesh();
+        add_camera();
+        OrderedJson& used = gltf_["extensionsUsed"];
+        used.push_back("KHR_materials_unlit");
+        if (is_moving())
+            for (const char* name :
+                 {"MPEG_media", "MPEG_buffer_circular", "MPEG_accessor_timed", "MPEG_texture_video"})
+                used.push_back(name);
+        if (is_touched_) used.push_back("MPEG_haptic_material");
+        return gltf_.dump(1) + "\n";
+    }
 
 private:
     int add(const char* array, OrderedJson element) {
@@ -212,16 +227,184 @@ private:
     }
     bool is_moving() const { return !files_.video.empty(); }
     int& texture_of(PlaneRole role) { return textures_[static_cast<std::size_t>(role)]; }
-    void add_mesh_data();
-    void add_textures();
-    OrderedJson video_texture(PlaneRole role, const GltfPlane& plane);
+
+    /// The buffer of the still mesh, its views and what they hold.
+    void add_mesh_data() {
+        const std::size_t vertices = mesh_.positions.size(), corners = 3 * mesh_.triangles.size();
+        const int buffer =
+            add("buffers", {{"uri", as_uri(files_.mesh)}, {"byteLength", 4 * corners + (12 + 8) * vertices}});
+        std::size_t at = 0;
+        const auto view = [&](std::size_t bytes, int target) {
+            const int number =
+                add("bufferViews",
+                    {{"buffer", buffer}, {"byteOffset", at}, {"byteLength", bytes}, {"target", target}});
+            at += bytes;
+            return number;
+        };
+        std::array<float, 3> least = mesh_.positions.front(), most = least;
+        for (const auto& position : mesh_.positions)
+            for (std::size_t k = 0; k < position.size(); ++k) {
+                least[k] = std::min(least[k], position[k]);
+                most[k] = std::max(most[k], position[k]);
+            }
+        indices_ = add("accessors", {{"bufferView", view(4 * corners, gl_element_array_buffer)},
+                                     {"componentType", gl_uint},
+                                     {"count", corners},
+                                     {"type", "SCALAR"}});
+        attributes_["POSITION"] = add("accessors", {{"bufferView", view(12 * vertices, gl_array_buffer)},
+                                                    {"componentType", gl_float},
+                                                    {"count", vertices},
+                                                    {"type", "VEC3"},
+                                                    {"min", least},
+                                                    {"max", most}});
+        attributes_["TEXCOORD_0"] = add("accessors", {{"bufferView", view(8 * vertices, gl_array_buffer)},
+                                                      {"componentType", gl_float},
+                                                      {"count", vertices},
+                                                      {"type", "VEC2"}});
+    }
+
+    /// What is drawn is the first, with a picture for those who know no video; the others are data.
+    void add_textures() {
+        const auto sampler = [&](int filter) {
+            return add("samplers", {{"magFilter", filter},
+                                    {"minFilter", filter},
+                                    {"wrapS", gl_clamp_to_edge},
+                                    {"wrapT", gl_clamp_to_edge}});
+        };
+        const int smooth = sampler(gl_linear), exact = sampler(gl_nearest);
+        const auto picture = [&](const std::string& name) {
+            return add("images", {{"uri", as_uri(name)}, {"mimeType", "image/png"}});
+        };
+        for (const PlaneRole role : texture_order) {
+            const auto& plane = files_.plane(role);
+            const bool is_drawn = role == PlaneRole::colour;
+            if (!plane && !is_drawn) continue;
+            OrderedJson texture{{"name", plane ? role_name(role) : "poster"},
+                                {"sampler", is_drawn ? smooth : exact}};
+            if (is_drawn)
+                texture["source"] = picture(files_.poster);
+            else if (plane->tracks.empty())
+                texture["source"] = picture(plane->picture);
+            if (plane && !plane->tracks.empty())
+                texture["extensions"]["MPEG_texture_video"] = video_texture(role, *plane);
+            texture_of(role) = add("textures", std::move(texture));
+        }
+    }
+
+    /// What is to be MPEG_texture_video of a texture, and the buffer that its frames come into.
+    OrderedJson video_texture(PlaneRole role, const GltfPlane& plane) {
+        const bool is_wide = plane.tracks.size() > 1,
+                   is_hue = role == PlaneRole::depth && scene_.depth.kind == DepthCodingKind::hue,
+                   is_rgb = role == PlaneRole::colour || role == PlaneRole::haptic || is_hue;
+        const std::size_t pixels = static_cast<std::size_t>(scene_.width) *
+                                   static_cast<std::size_t>(scene_.height),
+                          bytes = pixels * (is_rgb    ? 3
+                                            : is_wide ? 2
+                                                      : 1);
+        const int buffer =
+            add("buffers",
+                {{"byteLength", bytes},
+                 {"extensions",
+                  {{"MPEG_buffer_circular", {{"media", 0}, {"count", 2}, {"tracks", plane.tracks}}}}}});
+        const int accessor = add(
+            "accessors",
+            {{"bufferView", add("bufferViews", {{"buffer", buffer}, {"byteLength", bytes}})},
+             {"componentType", is_wide ? gl_ushort : gl_ubyte},
+             {"normalized", true},
+             {"count", pixels},
+             {"type", is_rgb ? "VEC3" : "SCALAR"},
+             {"extensions", {{"MPEG_accessor_timed", {{"suggestedUpdateRate", scene_.rate.per_second()}}}}}});
+        return {{"accessor", accessor},
+                {"width", scene_.width},
+                {"height", scene_.height},
+                {"format", is_rgb                     ? "RGB"
+                           : role == PlaneRole::depth ? "DEPTH_COMPONENT"
+                                                      : "RED"}};
+    }
+
     OrderedJson haptic_texture(PlaneRole role, const char* type, PropertyRange range, int channel,
-                               const char* kind);
-    void add_haptic_material();
-    void add_media();
-    void add_mesh();
-    void add_camera();
-    OrderedJson own_extras();
+                               const char* kind) {
+        OrderedJson extras{{"touchable_range", {range.min, range.max}}, {"touchable_channel", channel}};
+        if (kind) extras["touchable_kind"] = kind;
+        is_touched_ = true;
+        return {{"texture", {{"index", texture_of(role)}}}, {"type", type}, {"extras", std::move(extras)}};
+    }
+
+    /// The extension knows one friction, no heights and no units: "extras" do.
+    void add_haptic_material() {
+        OrderedJson material{{"name", "haptics"}};
+        const HapticRanges& ranges = scene_.haptic;
+        if (files_.plane(PlaneRole::haptic)) {
+            const auto layer = [&](PropertyRange range, int channel, const char* kind) {
+                return haptic_texture(PlaneRole::haptic, "High_Resolution", range, channel, kind);
+            };
+            material["stiffness"] = OrderedJson::array({layer(ranges.stiffness, 0, nullptr)});
+            material["friction"] = OrderedJson::array(
+                {layer(ranges.static_friction, 1, "static"), layer(ranges.dynamic_friction, 2, "dynamic")});
+        }
+        const double white = scene_.height_coding.max_height > 0
+                                 ? largest_height(scene_.height_coding, scene_.depth) * scene_.metres_per_unit
+                                 : 0;
+        if (files_.plane(PlaneRole::height))
+            material["custom"] =
+                OrderedJson::array({haptic_texture(PlaneRole::height, "Other", {0, white}, 0, "height")});
+        if (is_touched_)
+            gltf_["extensions"]["MPEG_haptic_material"]["materials"] = OrderedJson::array({material});
+    }
+
+    void add_media() {
+        OrderedJson tracks = OrderedJson::array();
+        for (const GltfTrack& track : files_.tracks)
+            tracks.push_back(
+                {{"track", "#track_ID=" + std::to_string(track.number)}, {"codecs", track.codecs}});
+        const OrderedJson file{{"uri", as_uri(files_.video)}, {"mimeType", "video/mp4"}, {"tracks", tracks}};
+        gltf_["extensions"]["MPEG_media"]["media"] =
+            OrderedJson::array({{{"name", scene_.name.empty() ? "clip" : scene_.name},
+                                 {"autoplay", true},
+                                 {"loop", true},
+                                 {"alternatives", OrderedJson::array({file})}}});
+    }
+
+    void add_mesh() {
+        const int look = add("materials", {{"name", "clip"},
+                                           {"pbrMetallicRoughness",
+                                            {{"baseColorTexture", {{"index", texture_of(PlaneRole::colour)}}},
+                                             {"metallicFactor", 0},
+                                             {"roughnessFactor", 1}}},
+                                           {"extensions", {{"KHR_materials_unlit", OrderedJson::object()}}},
+                                           {"doubleSided", true}});
+        OrderedJson mesh{
+            {"name", "clip"},
+            {"primitives",
+             OrderedJson::array({{{"attributes", attributes_}, {"indices", indices_}, {"material", look}}})}};
+        if (is_touched_) mesh["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = 0;
+        mesh["extras"] = own_extras();
+        add("meshes", std::move(mesh));
+    }
+
+    /// The clip's own, as far as glTF has such: its axis goes through the picture's middle.
+    void add_camera() {
+        const Camera& camera = scene_.camera;
+        const double across = scene_.width / camera.fx, down = scene_.height / camera.fy;
+        const double near = std::max(1e-3, scene_.depth.near * scene_.metres_per_unit / 10);
+        add("cameras",
+            {{"type", "perspective"},
+             {"perspective",
+              {{"yfov", 2 * arctangent(down / 2)}, {"aspectRatio", across / down}, {"znear", near}}}});
+    }
+
+    /// What no extension says: which texture is depth, and what its values and the camera are.
+    OrderedJson own_extras() {
+        SceneDescription described = described_;
+        described.scene.folder.reset();
+        described.scene.video.reset();
+        described.scene.stored = {};
+        described.unstated.rate = is_moving();  // its file says it
+        OrderedJson own{{"depth", texture_of(PlaneRole::depth)}};
+        if (files_.plane(PlaneRole::colour)) own["colour"] = texture_of(PlaneRole::colour);
+        own["scene"] = OrderedJson::parse(scene_to_json(described));
+        return {{"touchable", std::move(own)}};
+    }
 
     const SceneDescription& described_;
     const Scene& scene_;
@@ -233,204 +416,6 @@ private:
     int indices_ = 0;
     bool is_touched_ = false;
 };
-
-/// The buffer of the still mesh, its views and what they hold.
-void GltfScene::add_mesh_data() {
-    const std::size_t vertices = mesh_.positions.size(), corners = 3 * mesh_.triangles.size();
-    const int buffer =
-        add("buffers", {{"uri", as_uri(files_.mesh)}, {"byteLength", 4 * corners + (12 + 8) * vertices}});
-    std::size_t at = 0;
-    const auto view = [&](std::size_t bytes, int target) {
-        const int number =
-            add("bufferViews",
-                {{"buffer", buffer}, {"byteOffset", at}, {"byteLength", bytes}, {"target", target}});
-        at += bytes;
-        return number;
-    };
-    std::array<float, 3> least = mesh_.positions.front(), most = least;
-    for (const auto& position : mesh_.positions)
-        for (std::size_t k = 0; k < position.size(); ++k) {
-            least[k] = std::min(least[k], position[k]);
-            most[k] = std::max(most[k], position[k]);
-        }
-    indices_ = add("accessors", {{"bufferView", view(4 * corners, gl_element_array_buffer)},
-                                 {"componentType", gl_uint},
-                                 {"count", corners},
-                                 {"type", "SCALAR"}});
-    attributes_["POSITION"] = add("accessors", {{"bufferView", view(12 * vertices, gl_array_buffer)},
-                                                {"componentType", gl_float},
-                                                {"count", vertices},
-                                                {"type", "VEC3"},
-                                                {"min", least},
-                                                {"max", most}});
-    attributes_["TEXCOORD_0"] = add("accessors", {{"bufferView", view(8 * vertices, gl_array_buffer)},
-                                                  {"componentType", gl_float},
-                                                  {"count", vertices},
-                                                  {"type", "VEC2"}});
-}
-
-/// What is to be MPEG_texture_video of a texture, and the buffer that its frames come into.
-OrderedJson GltfScene::video_texture(PlaneRole role, const GltfPlane& plane) {
-    const bool is_wide = plane.tracks.size() > 1,
-               is_hue = role == PlaneRole::depth && scene_.depth.kind == DepthCodingKind::hue,
-               is_rgb = role == PlaneRole::colour || role == PlaneRole::haptic || is_hue;
-    const std::size_t pixels =
-                          static_cast<std::size_t>(scene_.width) * static_cast<std::size_t>(scene_.height),
-                      bytes = pixels * (is_rgb    ? 3
-                                        : is_wide ? 2
-                                                  : 1);
-    const int buffer = add(
-        "buffers",
-        {{"byteLength", bytes},
-         {"extensions", {{"MPEG_buffer_circular", {{"media", 0}, {"count", 2}, {"tracks", plane.tracks}}}}}});
-    const int accessor =
-        add("accessors",
-            {{"bufferView", add("bufferViews", {{"buffer", buffer}, {"byteLength", bytes}})},
-             {"componentType", is_wide ? gl_ushort : gl_ubyte},
-             {"normalized", true},
-             {"count", pixels},
-             {"type", is_rgb ? "VEC3" : "SCALAR"},
-             {"extensions", {{"MPEG_accessor_timed", {{"suggestedUpdateRate", scene_.rate.per_second()}}}}}});
-    return {{"accessor", accessor},
-            {"width", scene_.width},
-            {"height", scene_.height},
-            {"format", is_rgb                     ? "RGB"
-                       : role == PlaneRole::depth ? "DEPTH_COMPONENT"
-                                                  : "RED"}};
-}
-
-/// What is drawn is the first, with a picture for those who know no video; the others are data.
-void GltfScene::add_textures() {
-    const auto sampler = [&](int filter) {
-        return add("samplers", {{"magFilter", filter},
-                                {"minFilter", filter},
-                                {"wrapS", gl_clamp_to_edge},
-                                {"wrapT", gl_clamp_to_edge}});
-    };
-    const int smooth = sampler(gl_linear), exact = sampler(gl_nearest);
-    const auto picture = [&](const std::string& name) {
-        return add("images", {{"uri", as_uri(name)}, {"mimeType", "image/png"}});
-    };
-    for (const PlaneRole role : texture_order) {
-        const auto& plane = files_.plane(role);
-        const bool is_drawn = role == PlaneRole::colour;
-        if (!plane && !is_drawn) continue;
-        OrderedJson texture{{"name", plane ? role_name(role) : "poster"},
-                            {"sampler", is_drawn ? smooth : exact}};
-        if (is_drawn)
-            texture["source"] = picture(files_.poster);
-        else if (plane->tracks.empty())
-            texture["source"] = picture(plane->picture);
-        if (plane && !plane->tracks.empty())
-            texture["extensions"]["MPEG_texture_video"] = video_texture(role, *plane);
-        texture_of(role) = add("textures", std::move(texture));
-    }
-}
-
-OrderedJson GltfScene::haptic_texture(PlaneRole role, const char* type, PropertyRange range, int channel,
-                                      const char* kind) {
-    OrderedJson extras{{"touchable_range", {range.min, range.max}}, {"touchable_channel", channel}};
-    if (kind) extras["touchable_kind"] = kind;
-    is_touched_ = true;
-    return {{"texture", {{"index", texture_of(role)}}}, {"type", type}, {"extras", std::move(extras)}};
-}
-
-/// The extension knows one friction, no heights and no units: "extras" do.
-void GltfScene::add_haptic_material() {
-    OrderedJson material{{"name", "haptics"}};
-    const HapticRanges& ranges = scene_.haptic;
-    if (files_.plane(PlaneRole::haptic)) {
-        const auto layer = [&](PropertyRange range, int channel, const char* kind) {
-            return haptic_texture(PlaneRole::haptic, "High_Resolution", range, channel, kind);
-        };
-        material["stiffness"] = OrderedJson::array({layer(ranges.stiffness, 0, nullptr)});
-        material["friction"] = OrderedJson::array(
-            {layer(ranges.static_friction, 1, "static"), layer(ranges.dynamic_friction, 2, "dynamic")});
-    }
-    const double white = scene_.height_coding.max_height > 0
-                             ? largest_height(scene_.height_coding, scene_.depth) * scene_.metres_per_unit
-                             : 0;
-    if (files_.plane(PlaneRole::height))
-        material["custom"] =
-            OrderedJson::array({haptic_texture(PlaneRole::height, "Other", {0, white}, 0, "height")});
-    if (is_touched_)
-        gltf_["extensions"]["MPEG_haptic_material"]["materials"] = OrderedJson::array({material});
-}
-
-void GltfScene::add_media() {
-    OrderedJson tracks = OrderedJson::array();
-    for (const GltfTrack& track : files_.tracks)
-        tracks.push_back({{"track", "#track_ID=" + std::to_string(track.number)}, {"codecs", track.codecs}});
-    const OrderedJson file{{"uri", as_uri(files_.video)}, {"mimeType", "video/mp4"}, {"tracks", tracks}};
-    gltf_["extensions"]["MPEG_media"]["media"] =
-        OrderedJson::array({{{"name", scene_.name.empty() ? "clip" : scene_.name},
-                             {"autoplay", true},
-                             {"loop", true},
-                             {"alternatives", OrderedJson::array({file})}}});
-}
-
-/// What no extension says: which texture is depth, and what its values and the camera are.
-OrderedJson GltfScene::own_extras() {
-    SceneDescription described = described_;
-    described.scene.folder.reset();
-    described.scene.video.reset();
-    described.scene.stored = {};
-    described.unstated.rate = is_moving();  // its file says it
-    OrderedJson own{{"depth", texture_of(PlaneRole::depth)}};
-    if (files_.plane(PlaneRole::colour)) own["colour"] = texture_of(PlaneRole::colour);
-    own["scene"] = OrderedJson::parse(scene_to_json(described));
-    return {{"touchable", std::move(own)}};
-}
-
-void GltfScene::add_mesh() {
-    const int look = add("materials", {{"name", "clip"},
-                                       {"pbrMetallicRoughness",
-                                        {{"baseColorTexture", {{"index", texture_of(PlaneRole::colour)}}},
-                                         {"metallicFactor", 0},
-                                         {"roughnessFactor", 1}}},
-                                       {"extensions", {{"KHR_materials_unlit", OrderedJson::object()}}},
-                                       {"doubleSided", true}});
-    OrderedJson mesh{
-        {"name", "clip"},
-        {"primitives",
-         OrderedJson::array({{{"attributes", attributes_}, {"indices", indices_}, {"material", look}}})}};
-    if (is_touched_) mesh["extensions"]["MPEG_haptic_material"]["hapticMaterialIndex"] = 0;
-    mesh["extras"] = own_extras();
-    add("meshes", std::move(mesh));
-}
-
-/// The clip's own, as far as glTF has such: its axis goes through the picture's middle.
-void GltfScene::add_camera() {
-    const Camera& camera = scene_.camera;
-    const double across = scene_.width / camera.fx, down = scene_.height / camera.fy;
-    const double near = std::max(1e-3, scene_.depth.near * scene_.metres_per_unit / 10);
-    add("cameras", {{"type", "perspective"},
-                    {"perspective",
-                     {{"yfov", 2 * arctangent(down / 2)}, {"aspectRatio", across / down}, {"znear", near}}}});
-}
-
-std::string GltfScene::text() {
-    gltf_ = {{"asset", {{"version", "2.0"}, {"generator", "touchable"}}},
-             {"extensionsUsed", OrderedJson::array()},
-             {"scene", 0},
-             {"scenes", OrderedJson::array({{{"nodes", {0, 1}}}})},
-             {"nodes",
-              OrderedJson::array({{{"name", "clip"}, {"mesh", 0}}, {{"name", "camera"}, {"camera", 0}}})}};
-    add_mesh_data();
-    add_textures();
-    if (is_moving()) add_media();
-    add_haptic_material();
-    add_mesh();
-    add_camera();
-    OrderedJson& used = gltf_["extensionsUsed"];
-    used.push_back("KHR_materials_unlit");
-    if (is_moving())
-        for (const char* name :
-             {"MPEG_media", "MPEG_buffer_circular", "MPEG_accessor_timed", "MPEG_texture_video"})
-            used.push_back(name);
-    if (is_touched_) used.push_back("MPEG_haptic_material");
-    return gltf_.dump(1) + "\n";
-}
 
 template <class Number>
 void append_word(std::string& bytes, Number number) {

@@ -24,27 +24,6 @@ namespace {
 // A static MPEG-4 scene in one MP4 file, whose planes are tracks of one picture each: the reader, then the
 // writer.
 
-/// Each plane's picture, the first sample of its track. FFmpeg refuses files of MP4Box, so its tables are not
-/// asked.
-class Mp4Stills final : public FrameSource {
-public:
-    explicit Mp4Stills(const SourceFile& source) : source_(source), file_(source.string()) {}
-    Result<void> find(const Mp4Scene& scene, StoredClip& clip);
-    void rule(DepthCodingKind depth) { rules_.depth = depth; }
-
-    std::string where(PlaneRole role, std::int64_t) const override {
-        return file_ + ": track " + std::string(role_name(role));
-    }
-    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override;
-    Result<StoredImage> stored(PlaneRole role) const;
-
-private:
-    SourceFile source_;
-    std::string file_;
-    StillRules rules_{DepthCodingKind::linear, true};  // as the paper's own example is
-    std::array<mpeg4::FirstSample, all_roles.size()> samples_{};
-};
-
 /// Nothing where the scene has no such plane. Errors have no place.
 Result<std::optional<mpeg4::FirstSample>> sample_of_plane(const mpeg4::Bytes& movie, const Mp4Scene& scene,
                                                           PlaneRole role) {
@@ -73,41 +52,60 @@ Result<void> check_textures(const mpeg4::ClipNodes& nodes, const std::string& fi
     return {};
 }
 
-Result<void> Mp4Stills::find(const Mp4Scene& scene, StoredClip& clip) {
-    TRY(check_textures(scene.nodes, file_));
-    const auto bytes = bytes_of_file(source_);
-    const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
-    if (!movie) return error_at(file_, movie.error());
-    for (const PlaneRole role : all_roles) {
-        const auto sample = sample_of_plane(*movie, scene, role);
-        if (!sample) return error_at(file_, sample.error());
-        if (!*sample) continue;
-        samples_[static_cast<std::size_t>(role)] = **sample;
-        clip.roles.push_back(role);
-        if ((*sample)->count > 1)
-            clip.notes.push_back("track " + std::string(role_name(role)) + " has " +
-                                 std::to_string((*sample)->count) +
-                                 " pictures; its ImageTexture is the first");
+/// Each plane's picture, the first sample of its track. FFmpeg refuses files of MP4Box, so its tables are not
+/// asked.
+class Mp4Stills final : public FrameSource {
+public:
+    explicit Mp4Stills(const SourceFile& source) : source_(source), file_(source.string()) {}
+
+    Result<void> find(const Mp4Scene& scene, StoredClip& clip) {
+        TRY(check_textures(scene.nodes, file_));
+        const auto bytes = bytes_of_file(source_);
+        const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
+        if (!movie) return error_at(file_, movie.error());
+        for (const PlaneRole role : all_roles) {
+            const auto sample = sample_of_plane(*movie, scene, role);
+            if (!sample) return error_at(file_, sample.error());
+            if (!*sample) continue;
+            samples_[static_cast<std::size_t>(role)] = **sample;
+            clip.roles.push_back(role);
+            if ((*sample)->count > 1)
+                clip.notes.push_back("track " + std::string(role_name(role)) + " has " +
+                                     std::to_string((*sample)->count) +
+                                     " pictures; its ImageTexture is the first");
+        }
+        return {};
     }
-    return {};
-}
 
-Result<StoredImage> Mp4Stills::stored(PlaneRole role) const {
-    TRY_ASSIGN(const auto file, bytes_of_file(source_));
-    const auto& [at, size, count] = samples_[static_cast<std::size_t>(role)];
-    const auto picture = size > largest_picture
-                             ? input_error("has " + std::to_string(size) + " bytes: must be " +
-                                           std::to_string(largest_picture) + " at most")
-                             : mpeg4::bytes_at(*file, at, size);
-    if (!picture) return error_at(where(role, 0), picture.error());
-    if (!is_png_or_jpeg(*picture)) return input_error(where(role, 0) + ": is neither PNG nor JPEG");
-    return decode_stored_image(std::string(picture->begin(), picture->end()), where(role, 0));
-}
+    void rule(DepthCodingKind depth) { rules_.depth = depth; }
 
-Result<TrackPicture> Mp4Stills::picture(PlaneRole role, std::int64_t frame) {
-    TRY_ASSIGN(auto read, stored(role));
-    return track_picture(std::move(read), role, rules_, where(role, frame));
-}
+    std::string where(PlaneRole role, std::int64_t) const override {
+        return file_ + ": track " + std::string(role_name(role));
+    }
+
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
+        TRY_ASSIGN(auto read, stored(role));
+        return track_picture(std::move(read), role, rules_, where(role, frame));
+    }
+
+    Result<StoredImage> stored(PlaneRole role) const {
+        TRY_ASSIGN(const auto file, bytes_of_file(source_));
+        const auto& [at, size, count] = samples_[static_cast<std::size_t>(role)];
+        const auto picture = size > largest_picture
+                                 ? input_error("has " + std::to_string(size) + " bytes: must be " +
+                                               std::to_string(largest_picture) + " at most")
+                                 : mpeg4::bytes_at(*file, at, size);
+        if (!picture) return error_at(where(role, 0), picture.error());
+        if (!is_png_or_jpeg(*picture)) return input_error(where(role, 0) + ": is neither PNG nor JPEG");
+        return decode_stored_image(std::string(picture->begin(), picture->end()), where(role, 0));
+    }
+
+private:
+    SourceFile source_;
+    std::string file_;
+    StillRules rules_{DepthCodingKind::linear, true};  // as the paper's own example is
+    std::array<mpeg4::FirstSample, all_roles.size()> samples_{};
+};
 
 struct Still {
     PlaneRole role;
@@ -136,18 +134,122 @@ public:
     Mp4StillsWriter(const std::filesystem::path& path, const SceneDescription& described, Existing existing)
         : described_(described), output_(path, existing) {}
     Result<void> open() const { return output_.check(); }
-    Result<void> write(const RawFrame& frame) override;
-    Result<std::filesystem::path> complete() override;
-    Result<void> finish() override;
+
+    Result<void> write(const RawFrame& frame) override {
+        if (!stills_.empty())
+            return Error{ErrorKind::internal, output_.target().string() + ": is of one frame"};
+        TRY(check_.check(frame, described_.scene));
+        for (const auto& [role, object] : still_order) {
+            const PlaneView& plane = plane_of(frame, role);
+            if (plane.empty()) continue;
+            TRY_ASSIGN(auto png, png_bytes(plane, PngEffort::quick, png_colours(role)));
+            stills_.push_back({role, object, std::move(png)});
+        }
+        return {};
+    }
+
+    Result<std::filesystem::path> complete() override {
+        if (stills_.empty()) return refuse("not written: no frame was given");
+        TRY_ASSIGN(auto file, tracks());
+        TRY_ASSIGN(const auto stream, scene_stream());
+        TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(file));
+        if (boxes.empty() || boxes.back().type != "moov")
+            return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
+        const mpeg4::BytesView movie = boxes.back().content;
+        constexpr std::size_t head_bytes = 8;
+        const std::size_t at = file.size() - movie.size() - head_bytes;
+        TRY_ASSIGN(const auto end, mpeg4::with_scene_stream(movie, stream, 1, at));
+        std::string text(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(at));
+        text.append(end.begin(), end.end());
+        TRY(output_.write(text));
+        complete_ = true;
+        return output_.path();
+    }
+
+    Result<void> finish() override {
+        if (!complete_) TRY(complete());
+        return output_.commit();
+    }
 
 private:
     Error refuse(const std::string& what) const {
         return input_error(output_.target().string() + ": " + what);
     }
-    Result<void> add_track(AVFormatContext& muxer, const Still& still) const;
-    Result<void> add_picture(AVFormatContext& muxer, std::size_t track) const;
-    Result<mpeg4::Bytes> tracks() const;
-    Result<mpeg4::SceneStream> scene_stream() const;
+
+    Result<void> add_track(AVFormatContext& muxer, const Still& still) const {
+        AVStream* const stream = avformat_new_stream(&muxer, nullptr);
+        if (!stream) return refuse("out of memory");
+        AVCodecParameters& stored = *stream->codecpar;
+        stored.codec_type = AVMEDIA_TYPE_VIDEO;
+        stored.codec_id = AV_CODEC_ID_PNG;
+        stored.width = described_.scene.width;
+        stored.height = described_.scene.height;
+        stream->id = static_cast<int>(muxer.nb_streams);
+        stream->time_base = {1, 1000};
+        av_dict_set(&stream->metadata, "handler_name", std::string(role_name(still.role)).c_str(), 0);
+        return {};
+    }
+
+    /// For a second, as a still picture has no time.
+    Result<void> add_picture(AVFormatContext& muxer, std::size_t track) const {
+        const std::string& png = stills_[track].png;
+        const PacketPtr packet(av_packet_alloc());
+        if (!packet || av_new_packet(packet.get(), static_cast<int>(png.size())) < 0)
+            return refuse("out of memory");
+        std::memcpy(packet->data, png.data(), png.size());
+        packet->stream_index = static_cast<int>(track);
+        packet->pts = packet->dts = 0;
+        packet->duration = av_rescale_q(1, {1, 1}, muxer.streams[track]->time_base);
+        packet->flags |= AV_PKT_FLAG_KEY;
+        const int status = av_write_frame(&muxer, packet.get());
+        return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
+    }
+
+    /// The file before it has its scene.
+    Result<mpeg4::Bytes> tracks() const {
+        AVFormatContext* made = nullptr;
+        int status = avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr);
+        const StillMuxer muxer(made);
+        if (status >= 0) status = avio_open_dyn_buf(&made->pb);
+        if (status < 0) return Error{ErrorKind::internal, "MP4 muxer: " + ffmpeg_text(status)};
+        muxer->flags |= AVFMT_FLAG_BITEXACT;
+        for (const Still& still : stills_) TRY(add_track(*muxer, still));
+        status = avformat_write_header(muxer.get(), nullptr);
+        for (std::size_t track = 0; status >= 0 && track < stills_.size(); ++track)
+            TRY(add_picture(*muxer, track));
+        if (status >= 0) status = av_write_trailer(muxer.get());
+        if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
+        std::uint8_t* bytes = nullptr;
+        const int size = avio_close_dyn_buf(std::exchange(muxer->pb, nullptr), &bytes);
+        mpeg4::Bytes all(bytes, bytes + size);
+        av_free(bytes);
+        return all;
+    }
+
+    Result<mpeg4::SceneStream> scene_stream() const {
+        SceneDescription pictures = described_;
+        pictures.scene.stored = {};  // as codes
+        pictures.scene.folder.emplace();
+        for (const Still& still : stills_)
+            pattern_of(*pictures.scene.folder, still.role) = role_name(still.role);
+        mpeg4::ClipNodes nodes = mpeg4::nodes_of_pictures(pictures);
+        mpeg4::SceneStream stream;
+        for (std::size_t track = 0; track < stills_.size(); ++track) {
+            const Still& still = stills_[track];
+            stream.objects[still.object] = static_cast<std::uint32_t>(track + 1);
+            const mpeg4::ClipNodes::Texture texture{{.object = still.object}, false};
+            if (still.role == PlaneRole::depth) nodes.depth = texture;
+            if (still.role == PlaneRole::colour) nodes.colour = texture;
+            if (still.role == PlaneRole::haptic) nodes.haptic = texture;
+            if (still.role == PlaneRole::height) nodes.height = texture;
+        }
+        const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, pictures.scene.width, pictures.scene.height);
+        stream.config = mpeg4::config_for(tree, pictures.scene.width, pictures.scene.height);
+        auto scene = mpeg4::encode_scene(tree, stream.config);
+        if (!scene) return refuse("MPEG-4 has no such scene: " + scene.error().message);
+        stream.scene = std::move(*scene);
+        return stream;
+    }
 
     SceneDescription described_;
     NewFile output_;
@@ -155,115 +257,6 @@ private:
     std::vector<Still> stills_;  // still k is track k + 1
     bool complete_ = false;
 };
-
-Result<void> Mp4StillsWriter::write(const RawFrame& frame) {
-    if (!stills_.empty()) return Error{ErrorKind::internal, output_.target().string() + ": is of one frame"};
-    TRY(check_.check(frame, described_.scene));
-    for (const auto& [role, object] : still_order) {
-        const PlaneView& plane = plane_of(frame, role);
-        if (plane.empty()) continue;
-        TRY_ASSIGN(auto png, png_bytes(plane, PngEffort::quick, png_colours(role)));
-        stills_.push_back({role, object, std::move(png)});
-    }
-    return {};
-}
-
-Result<void> Mp4StillsWriter::add_track(AVFormatContext& muxer, const Still& still) const {
-    AVStream* const stream = avformat_new_stream(&muxer, nullptr);
-    if (!stream) return refuse("out of memory");
-    AVCodecParameters& stored = *stream->codecpar;
-    stored.codec_type = AVMEDIA_TYPE_VIDEO;
-    stored.codec_id = AV_CODEC_ID_PNG;
-    stored.width = described_.scene.width;
-    stored.height = described_.scene.height;
-    stream->id = static_cast<int>(muxer.nb_streams);
-    stream->time_base = {1, 1000};
-    av_dict_set(&stream->metadata, "handler_name", std::string(role_name(still.role)).c_str(), 0);
-    return {};
-}
-
-/// For a second, as a still picture has no time.
-Result<void> Mp4StillsWriter::add_picture(AVFormatContext& muxer, std::size_t track) const {
-    const std::string& png = stills_[track].png;
-    const PacketPtr packet(av_packet_alloc());
-    if (!packet || av_new_packet(packet.get(), static_cast<int>(png.size())) < 0)
-        return refuse("out of memory");
-    std::memcpy(packet->data, png.data(), png.size());
-    packet->stream_index = static_cast<int>(track);
-    packet->pts = packet->dts = 0;
-    packet->duration = av_rescale_q(1, {1, 1}, muxer.streams[track]->time_base);
-    packet->flags |= AV_PKT_FLAG_KEY;
-    const int status = av_write_frame(&muxer, packet.get());
-    return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
-}
-
-/// The file before it has its scene.
-Result<mpeg4::Bytes> Mp4StillsWriter::tracks() const {
-    AVFormatContext* made = nullptr;
-    int status = avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr);
-    const StillMuxer muxer(made);
-    if (status >= 0) status = avio_open_dyn_buf(&made->pb);
-    if (status < 0) return Error{ErrorKind::internal, "MP4 muxer: " + ffmpeg_text(status)};
-    muxer->flags |= AVFMT_FLAG_BITEXACT;
-    for (const Still& still : stills_) TRY(add_track(*muxer, still));
-    status = avformat_write_header(muxer.get(), nullptr);
-    for (std::size_t track = 0; status >= 0 && track < stills_.size(); ++track)
-        TRY(add_picture(*muxer, track));
-    if (status >= 0) status = av_write_trailer(muxer.get());
-    if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
-    std::uint8_t* bytes = nullptr;
-    const int size = avio_close_dyn_buf(std::exchange(muxer->pb, nullptr), &bytes);
-    mpeg4::Bytes all(bytes, bytes + size);
-    av_free(bytes);
-    return all;
-}
-
-Result<mpeg4::SceneStream> Mp4StillsWriter::scene_stream() const {
-    SceneDescription pictures = described_;
-    pictures.scene.stored = {};  // as codes
-    pictures.scene.folder.emplace();
-    for (const Still& still : stills_) pattern_of(*pictures.scene.folder, still.role) = role_name(still.role);
-    mpeg4::ClipNodes nodes = mpeg4::nodes_of_pictures(pictures);
-    mpeg4::SceneStream stream;
-    for (std::size_t track = 0; track < stills_.size(); ++track) {
-        const Still& still = stills_[track];
-        stream.objects[still.object] = static_cast<std::uint32_t>(track + 1);
-        const mpeg4::ClipNodes::Texture texture{{.object = still.object}, false};
-        if (still.role == PlaneRole::depth) nodes.depth = texture;
-        if (still.role == PlaneRole::colour) nodes.colour = texture;
-        if (still.role == PlaneRole::haptic) nodes.haptic = texture;
-        if (still.role == PlaneRole::height) nodes.height = texture;
-    }
-    const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, pictures.scene.width, pictures.scene.height);
-    stream.config = mpeg4::config_for(tree, pictures.scene.width, pictures.scene.height);
-    auto scene = mpeg4::encode_scene(tree, stream.config);
-    if (!scene) return refuse("MPEG-4 has no such scene: " + scene.error().message);
-    stream.scene = std::move(*scene);
-    return stream;
-}
-
-Result<std::filesystem::path> Mp4StillsWriter::complete() {
-    if (stills_.empty()) return refuse("not written: no frame was given");
-    TRY_ASSIGN(auto file, tracks());
-    TRY_ASSIGN(const auto stream, scene_stream());
-    TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(file));
-    if (boxes.empty() || boxes.back().type != "moov")
-        return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
-    const mpeg4::BytesView movie = boxes.back().content;
-    constexpr std::size_t head_bytes = 8;
-    const std::size_t at = file.size() - movie.size() - head_bytes;
-    TRY_ASSIGN(const auto end, mpeg4::with_scene_stream(movie, stream, 1, at));
-    std::string text(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(at));
-    text.append(end.begin(), end.end());
-    TRY(output_.write(text));
-    complete_ = true;
-    return output_.path();
-}
-
-Result<void> Mp4StillsWriter::finish() {
-    if (!complete_) TRY(complete());
-    return output_.commit();
-}
 
 }  // namespace
 

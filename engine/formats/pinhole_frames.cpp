@@ -95,17 +95,104 @@ public:
         if (scene_.folder) scene_.folder->cameras.clear();
         if (scene_.folder) scene_.folder->camera_numbers = {};
     }
-    Result<void> open();
+
+    /// What a person should know, by frame 0.
+    Result<void> open() {
+        TRY(look_at_cameras());
+        if (lens_.any())
+            notes_.push_back(
+                "the lens of the depth camera is undone: each pixel has the depth of the nearest "
+                "one that was stored");
+        const bool has_colour = std::any_of(tracks().begin(), tracks().end(), [](const TrackInfo& track) {
+            return track.role == role_name(PlaneRole::colour);
+        });
+        if (!registration_ || !has_colour || is_live()) return {};
+        TRY_ASSIGN(const auto first, next());
+        if (auto back = rewind(); !back || !first) return back;
+        registration_->look_at(first->depth);  // it may be read without its colour
+        const auto per_cent = [](double share) { return short_number(std::round(1000 * share) / 10) + " %"; };
+        notes_.push_back(
+            "colour is brought onto depth's pixels: in frame 0 its camera does not see " +
+            per_cent(registration_->unseen_share()) + " of those with depth; " +
+            per_cent(registration_->grey_share()) +
+            " of all pixels, with depth or without, are grey: hidden from it, or beyond its picture");
+        return {};
+    }
 
     const Scene& scene() const override { return scene_; }
     const std::vector<std::string>& notes() const override { return notes_; }
     std::span<const Camera> frame_cameras() const override { return {}; }
-    Result<std::optional<RawFrame>> next() override;
+
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = inner().next();
+        if (!frame || !*frame) return frame;
+        RawFrame& raw = **frame;
+        const auto number = static_cast<std::size_t>(raw.number);
+        take_pixels_of(number < cameras_.size() ? cameras_[number] : scene_.camera);
+        if (!from_.empty())
+            for (const PlaneRole role : all_roles) {
+                const bool is_its_own = role == PlaneRole::colour && registration_.has_value();
+                if (plane_of(raw, role).empty() || is_its_own) continue;
+                add_plane(raw, role,
+                          unbent(plane_of(raw, role), role == PlaneRole::depth ? no_depth_.value_or(0) : 0));
+            }
+        if (registration_ && !raw.colour.empty())
+            add_plane(raw, PlaneRole::colour, plane_from(registration_->registered(raw.depth, raw.colour)));
+        return frame;
+    }
 
 private:
-    Result<void> look_at_cameras();
-    void take_pixels_of(const Camera& stored);
-    Plane unbent(const PlaneView& plane, std::uint16_t beyond) const;
+    Result<void> look_at_cameras() {
+        std::size_t moved = 0;
+        double largest = 0;
+        for (const Camera& camera : cameras_) {
+            const PixelShift shift = shift_between(scene_.camera, camera, scene_.width, scene_.height);
+            largest = std::max(largest, shift.length());
+            if (!shift.moves()) continue;
+            ++moved;
+            if (!no_depth_ && !shift.is_inside)
+                return input_error(
+                    "depth.invalid is []: must have a code that means no depth, because by folder.cameras "
+                    "frame " +
+                    std::to_string(&camera - cameras_.data()) + " does not see all of the clip's pixels");
+        }
+        if (moved > 0)
+            notes_.push_back("cameras differ: " + std::to_string(moved) + " of " +
+                             std::to_string(cameras_.size()) +
+                             " frames are brought onto the clip's camera, by up to " + short_number(largest) +
+                             " pixels: each pixel has the depth of the nearest one that was stored");
+        else if (!cameras_.empty())
+            notes_.push_back("cameras differ by at most " + short_number(largest) +
+                             " pixels: every pixel stays where it is");
+        return {};
+    }
+
+    /// Depth stays what it is, planar or range: the same ray from the same place meets the same point.
+    void take_pixels_of(const Camera& stored) {
+        if (from_camera_ == stored) return;
+        from_camera_ = stored;
+        from_.clear();
+        if (lens_.any())
+            from_ = unbent_pixels(scene_, lens_, stored);
+        else if (shift_between(scene_.camera, stored, scene_.width, scene_.height).moves())
+            from_ = shifted_pixels(scene_, stored);
+    }
+
+    Plane unbent(const PlaneView& plane, std::uint16_t beyond) const {
+        const int bytes = plane.bytes_per_sample * plane.channels;
+        Image image{plane.width, plane.height, plane.bytes_per_sample, plane.channels, {}};
+        image.samples.resize(from_.size() * static_cast<std::size_t>(bytes));
+        std::uint8_t* to = image.samples.data();
+        for (const std::int32_t from : from_) {
+            if (from >= 0)
+                std::memcpy(to, plane.row(from / plane.width) + std::ptrdiff_t{bytes} * (from % plane.width),
+                            static_cast<std::size_t>(bytes));
+            else if (plane.channels == 1)
+                std::memcpy(to, &beyond, static_cast<std::size_t>(bytes));
+            to += bytes;
+        }
+        return plane_from(std::move(image));
+    }
 
     Scene scene_;
     std::vector<std::string> notes_;
@@ -116,99 +203,6 @@ private:
     std::optional<std::uint16_t> no_depth_{};
     std::optional<ColourRegistration> registration_;
 };
-
-/// What a person should know, by frame 0.
-Result<void> PinholeReader::open() {
-    TRY(look_at_cameras());
-    if (lens_.any())
-        notes_.push_back(
-            "the lens of the depth camera is undone: each pixel has the depth of the nearest "
-            "one that was stored");
-    const bool has_colour = std::any_of(tracks().begin(), tracks().end(), [](const TrackInfo& track) {
-        return track.role == role_name(PlaneRole::colour);
-    });
-    if (!registration_ || !has_colour || is_live()) return {};
-    TRY_ASSIGN(const auto first, next());
-    if (auto back = rewind(); !back || !first) return back;
-    registration_->look_at(first->depth);  // it may be read without its colour
-    const auto per_cent = [](double share) { return short_number(std::round(1000 * share) / 10) + " %"; };
-    notes_.push_back(
-        "colour is brought onto depth's pixels: in frame 0 its camera does not see " +
-        per_cent(registration_->unseen_share()) + " of those with depth; " +
-        per_cent(registration_->grey_share()) +
-        " of all pixels, with depth or without, are grey: hidden from it, or beyond its picture");
-    return {};
-}
-
-Result<void> PinholeReader::look_at_cameras() {
-    std::size_t moved = 0;
-    double largest = 0;
-    for (const Camera& camera : cameras_) {
-        const PixelShift shift = shift_between(scene_.camera, camera, scene_.width, scene_.height);
-        largest = std::max(largest, shift.length());
-        if (!shift.moves()) continue;
-        ++moved;
-        if (!no_depth_ && !shift.is_inside)
-            return input_error(
-                "depth.invalid is []: must have a code that means no depth, because by folder.cameras "
-                "frame " +
-                std::to_string(&camera - cameras_.data()) + " does not see all of the clip's pixels");
-    }
-    if (moved > 0)
-        notes_.push_back("cameras differ: " + std::to_string(moved) + " of " +
-                         std::to_string(cameras_.size()) +
-                         " frames are brought onto the clip's camera, by up to " + short_number(largest) +
-                         " pixels: each pixel has the depth of the nearest one that was stored");
-    else if (!cameras_.empty())
-        notes_.push_back("cameras differ by at most " + short_number(largest) +
-                         " pixels: every pixel stays where it is");
-    return {};
-}
-
-/// Depth stays what it is, planar or range: the same ray from the same place meets the same point.
-void PinholeReader::take_pixels_of(const Camera& stored) {
-    if (from_camera_ == stored) return;
-    from_camera_ = stored;
-    from_.clear();
-    if (lens_.any())
-        from_ = unbent_pixels(scene_, lens_, stored);
-    else if (shift_between(scene_.camera, stored, scene_.width, scene_.height).moves())
-        from_ = shifted_pixels(scene_, stored);
-}
-
-Plane PinholeReader::unbent(const PlaneView& plane, std::uint16_t beyond) const {
-    const int bytes = plane.bytes_per_sample * plane.channels;
-    Image image{plane.width, plane.height, plane.bytes_per_sample, plane.channels, {}};
-    image.samples.resize(from_.size() * static_cast<std::size_t>(bytes));
-    std::uint8_t* to = image.samples.data();
-    for (const std::int32_t from : from_) {
-        if (from >= 0)
-            std::memcpy(to, plane.row(from / plane.width) + std::ptrdiff_t{bytes} * (from % plane.width),
-                        static_cast<std::size_t>(bytes));
-        else if (plane.channels == 1)
-            std::memcpy(to, &beyond, static_cast<std::size_t>(bytes));
-        to += bytes;
-    }
-    return plane_from(std::move(image));
-}
-
-Result<std::optional<RawFrame>> PinholeReader::next() {
-    auto frame = inner().next();
-    if (!frame || !*frame) return frame;
-    RawFrame& raw = **frame;
-    const auto number = static_cast<std::size_t>(raw.number);
-    take_pixels_of(number < cameras_.size() ? cameras_[number] : scene_.camera);
-    if (!from_.empty())
-        for (const PlaneRole role : all_roles) {
-            const bool is_its_own = role == PlaneRole::colour && registration_.has_value();
-            if (plane_of(raw, role).empty() || is_its_own) continue;
-            add_plane(raw, role,
-                      unbent(plane_of(raw, role), role == PlaneRole::depth ? no_depth_.value_or(0) : 0));
-        }
-    if (registration_ && !raw.colour.empty())
-        add_plane(raw, PlaneRole::colour, plane_from(registration_->registered(raw.depth, raw.colour)));
-    return frame;
-}
 
 }  // namespace
 

@@ -29,18 +29,104 @@ std::string_view without_mark(std::string_view text) {
 class SceneTextClip {
 public:
     explicit SceneTextClip(const SourceFile& file) : source_(file), folder_(file.path().parent_path()) {}
-    Opened open(const std::optional<SceneDescription>& described, Colour colour);
+
+    Opened open(const std::optional<SceneDescription>& replacement, Colour colour) {
+        TRY(read_nodes());
+        TRY_ASSIGN(auto described, describe());
+        if (described.scene.name.empty()) described.scene.name = source_.path().stem().string();
+        if (replacement) {
+            SceneDescription other = *replacement;
+            other.scene.folder = described.scene.folder;
+            other.scene.video = described.scene.video;
+            described = std::move(other);
+        }
+        auto reader = described.scene.video
+                          ? open_video_clip(folder_, described, colour, video_)
+                          : open_image_folder(folder_, described, notes_, colour, pictures_);
+        if (reader) (*reader)->add_input(source_.path());
+        return reader;
+    }
 
 private:
     Error refuse(const std::string& what) const { return input_error(source_.string() + ": " + what); }
-    Result<void> read_nodes();
-    Result<std::string> file_of(const PlaneTexture& texture, const char* plane) const;
+
+    Result<void> read_nodes() {
+        TRY_ASSIGN(const auto bytes, bytes_of_file(source_));
+        if (bytes->size() > longest_scene_text)
+            return refuse("is no MPEG-4 scene: its text has more than 1 MiB");
+        const std::string text = first_bytes(*bytes, longest_scene_text);
+        const auto scene = mpeg4::parse_scene_text(without_mark(text));
+        if (!scene) return refuse(scene.error().message);
+        auto nodes = mpeg4::clip_nodes_of(*scene);
+        if (!nodes) return refuse("its MPEG-4 scene is no touchable clip: " + nodes.error().message);
+        nodes_ = std::move(*nodes);
+        return {};
+    }
+
+    /// In the scene's folder or below.
+    Result<std::string> file_of(const PlaneTexture& texture, const char* plane) const {
+        const std::string of_plane = std::string("the texture of ") + plane;
+        if (texture.url.object > 0)
+            return refuse(of_plane + " is object " + std::to_string(texture.url.object) +
+                          " of an MP4 file: open that file, or name a picture beside this text");
+        const std::filesystem::path named = std::filesystem::path(texture.url.file).lexically_normal();
+        if (named.empty() || named.is_absolute() || *named.begin() == ".." ||
+            texture.url.file.find("://") != std::string::npos)
+            return refuse(of_plane + " is " + in_quotes(texture.url.file) +
+                          ": must be a file beside this text or in a folder below");
+        return named.string();
+    }
+
     Result<std::string> file_of(const std::optional<PlaneTexture>& texture, const char* plane) const {
         return texture ? file_of(*texture, plane) : Result<std::string>(std::string());
     }
-    Result<SceneDescription> with_pictures(FolderSource pictures);
-    Result<SceneDescription> with_videos(const FolderSource& files);
-    Result<SceneDescription> describe();
+
+    Result<SceneDescription> with_pictures(FolderSource pictures) {
+        TRY_ASSIGN(const auto first, pictures_->look(folder_ / pictures.depth));
+        auto described = mpeg4::described_by_pictures(nodes_, first->image.width, first->image.height,
+                                                      first->bits, notes_);
+        if (!described) return refuse(described.error().message);
+        pictures.haptic_may_be_lossy = true;  // as the paper's own example is
+        described->scene.folder = std::move(pictures);
+        return described;
+    }
+
+    Result<SceneDescription> with_videos(const FolderSource& files) {
+        TRY_ASSIGN(video_, VideoFile::open(SourceFile(folder_ / files.depth), PlaneRole::depth));
+        TRY_ASSIGN(const auto first, video_->next());
+        if (!first) return refuse(files.depth + " has no pictures");
+        constexpr int bits = 8;
+        auto described = mpeg4::described_by(nodes_, first->width, first->height, bits);
+        if (!described) return refuse(described.error().message);
+        TRY(video_->seek(0));
+        VideoSource source{files.depth, files.colour};
+        source.haptic = files.haptic;
+        source.height = files.height;
+        described->scene.video = std::move(source);
+        return described;
+    }
+
+    Result<SceneDescription> describe() {
+        FolderSource files;
+        TRY_ASSIGN(files.depth, file_of(nodes_.depth, "depth"));
+        TRY_ASSIGN(files.colour, file_of(nodes_.colour, "colour"));
+        TRY_ASSIGN(files.haptic, file_of(nodes_.haptic, "haptic"));
+        TRY_ASSIGN(files.height, file_of(nodes_.height, "height"));
+        for (const auto& [texture, plane] : {std::pair{&nodes_.haptic, "haptic"}, {&nodes_.height, "height"}})
+            if (*texture && (*texture)->is_movie)
+                return refuse(std::string("the texture of ") + plane +
+                              " is a MovieTexture in a file of its own, which is not read: must be an "
+                              "ImageTexture, or a "
+                              "track of an MP4 file");
+        const bool is_movie = nodes_.depth.is_movie;
+        if (nodes_.colour && nodes_.colour->is_movie != is_movie)
+            return refuse("depth and colour must both be an ImageTexture, or both a MovieTexture");
+        for (const std::string* name : {&files.depth, &files.colour, &files.haptic, &files.height})
+            if (!name->empty() && !is_still(*name))
+                return refuse(in_quotes(*name) +
+                              " has a % or * in its name, which stand for numbers: rename it");
+        return is_movie ? with_videos(files) : with_pictures(std::move(files));
+    }
 
     SourceFile source_;
     std::filesystem::path folder_;
@@ -49,94 +135,6 @@ private:
     std::shared_ptr<VideoFile> video_;
     std::vector<std::string> notes_;
 };
-
-Result<void> SceneTextClip::read_nodes() {
-    TRY_ASSIGN(const auto bytes, bytes_of_file(source_));
-    if (bytes->size() > longest_scene_text) return refuse("is no MPEG-4 scene: its text has more than 1 MiB");
-    const std::string text = first_bytes(*bytes, longest_scene_text);
-    const auto scene = mpeg4::parse_scene_text(without_mark(text));
-    if (!scene) return refuse(scene.error().message);
-    auto nodes = mpeg4::clip_nodes_of(*scene);
-    if (!nodes) return refuse("its MPEG-4 scene is no touchable clip: " + nodes.error().message);
-    nodes_ = std::move(*nodes);
-    return {};
-}
-
-/// In the scene's folder or below.
-Result<std::string> SceneTextClip::file_of(const PlaneTexture& texture, const char* plane) const {
-    const std::string of_plane = std::string("the texture of ") + plane;
-    if (texture.url.object > 0)
-        return refuse(of_plane + " is object " + std::to_string(texture.url.object) +
-                      " of an MP4 file: open that file, or name a picture beside this text");
-    const std::filesystem::path named = std::filesystem::path(texture.url.file).lexically_normal();
-    if (named.empty() || named.is_absolute() || *named.begin() == ".." ||
-        texture.url.file.find("://") != std::string::npos)
-        return refuse(of_plane + " is " + in_quotes(texture.url.file) +
-                      ": must be a file beside this text or in a folder below");
-    return named.string();
-}
-
-Result<SceneDescription> SceneTextClip::with_pictures(FolderSource pictures) {
-    TRY_ASSIGN(const auto first, pictures_->look(folder_ / pictures.depth));
-    auto described =
-        mpeg4::described_by_pictures(nodes_, first->image.width, first->image.height, first->bits, notes_);
-    if (!described) return refuse(described.error().message);
-    pictures.haptic_may_be_lossy = true;  // as the paper's own example is
-    described->scene.folder = std::move(pictures);
-    return described;
-}
-
-Result<SceneDescription> SceneTextClip::with_videos(const FolderSource& files) {
-    TRY_ASSIGN(video_, VideoFile::open(SourceFile(folder_ / files.depth), PlaneRole::depth));
-    TRY_ASSIGN(const auto first, video_->next());
-    if (!first) return refuse(files.depth + " has no pictures");
-    constexpr int bits = 8;
-    auto described = mpeg4::described_by(nodes_, first->width, first->height, bits);
-    if (!described) return refuse(described.error().message);
-    TRY(video_->seek(0));
-    VideoSource source{files.depth, files.colour};
-    source.haptic = files.haptic;
-    source.height = files.height;
-    described->scene.video = std::move(source);
-    return described;
-}
-
-Result<SceneDescription> SceneTextClip::describe() {
-    FolderSource files;
-    TRY_ASSIGN(files.depth, file_of(nodes_.depth, "depth"));
-    TRY_ASSIGN(files.colour, file_of(nodes_.colour, "colour"));
-    TRY_ASSIGN(files.haptic, file_of(nodes_.haptic, "haptic"));
-    TRY_ASSIGN(files.height, file_of(nodes_.height, "height"));
-    for (const auto& [texture, plane] : {std::pair{&nodes_.haptic, "haptic"}, {&nodes_.height, "height"}})
-        if (*texture && (*texture)->is_movie)
-            return refuse(
-                std::string("the texture of ") + plane +
-                " is a MovieTexture in a file of its own, which is not read: must be an ImageTexture, or a "
-                "track of an MP4 file");
-    const bool is_movie = nodes_.depth.is_movie;
-    if (nodes_.colour && nodes_.colour->is_movie != is_movie)
-        return refuse("depth and colour must both be an ImageTexture, or both a MovieTexture");
-    for (const std::string* name : {&files.depth, &files.colour, &files.haptic, &files.height})
-        if (!name->empty() && !is_still(*name))
-            return refuse(in_quotes(*name) + " has a % or * in its name, which stand for numbers: rename it");
-    return is_movie ? with_videos(files) : with_pictures(std::move(files));
-}
-
-Opened SceneTextClip::open(const std::optional<SceneDescription>& replacement, Colour colour) {
-    TRY(read_nodes());
-    TRY_ASSIGN(auto described, describe());
-    if (described.scene.name.empty()) described.scene.name = source_.path().stem().string();
-    if (replacement) {
-        SceneDescription other = *replacement;
-        other.scene.folder = described.scene.folder;
-        other.scene.video = described.scene.video;
-        described = std::move(other);
-    }
-    auto reader = described.scene.video ? open_video_clip(folder_, described, colour, video_)
-                                        : open_image_folder(folder_, described, notes_, colour, pictures_);
-    if (reader) (*reader)->add_input(source_.path());
-    return reader;
-}
 
 }  // namespace
 

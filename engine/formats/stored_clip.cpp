@@ -12,13 +12,35 @@
 namespace touchable {
 namespace {
 
+Error interrupted_search() {
+    return {ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
+}
+
+/// A palette is a way to store 8-bit RGB, which a picture of few colours may have and the next one not.
+bool is_same_format(const std::string& a, const std::string& b) {
+    const auto is_rgb = [](const std::string& format) { return format == "rgb24" || format == "pal8"; };
+    return a == b || (is_rgb(a) && is_rgb(b));
+}
+
 class StoredClipReader final : public ClipReader {
 public:
     explicit StoredClipReader(StoredClip clip) : clip_(std::move(clip)), values_(clip_.described) {
         for (const PlaneRole role : clip_.roles) tracks_.push_back({role});
         for (const auto& file : clip_.inputs) add_input(file);
     }
-    Result<void> open();
+
+    Result<void> open() {
+        auto scene = settle(clip_.described, clip_.found);
+        if (!scene) return error_at(clip_.name, scene.error());
+        scene_ = std::move(*scene);
+        const auto is_of_scene = [&](const Camera& camera) { return camera == scene_.camera; };
+        if (std::all_of(clip_.cameras.begin(), clip_.cameras.end(), is_of_scene)) clip_.cameras.clear();
+        for (Track& track : tracks_) TRY(read_first(track));
+        note(no_depth_note(frame_of_newest(), scene_.depth));
+        note(default_touch_note(std::ranges::count(clip_.roles, PlaneRole::haptic) > 0, scene_));
+        return {};
+    }
+
     bool leaves_far_open() const { return values_.leaves_far_open(); }
 
     const Scene& scene() const override { return scene_; }
@@ -27,9 +49,25 @@ public:
     std::optional<std::int64_t> frame_count() const override { return clip_.count; }
     const std::vector<std::string>& notes() const override { return clip_.notes; }
     std::span<const Camera> frame_cameras() const override { return clip_.cameras; }
-    Result<std::optional<RawFrame>> next() override;
+
+    Result<std::optional<RawFrame>> next() override {
+        if (number_ == clip_.count) return std::optional<RawFrame>{};
+        TRY(read_all(number_));
+        RawFrame frame = frame_of_newest();
+        ++number_;
+        return std::optional(std::move(frame));
+    }
+
     Result<void> rewind() override { return seek(0); }
-    Result<void> seek(std::int64_t frame) override;
+
+    Result<void> seek(std::int64_t frame) override {
+        if (frame < 0 || frame > clip_.count)
+            return usage_error(clip_.name + ": has no frame " + std::to_string(frame) +
+                               ": must be from 0 to " + std::to_string(clip_.count - 1));
+        number_ = frame;
+        return {};
+    }
+
     std::int64_t access_point(std::int64_t frame) const override {
         return clip_.pictures->access_point(frame);
     }
@@ -45,12 +83,114 @@ private:
     void note(std::optional<std::string> said) {
         if (said) clip_.notes.push_back(std::move(*said));
     }
-    Result<void> read_first(Track& track);
-    Result<void> look_at_some(const StoredImage& first);
-    Result<void> read_all(std::int64_t frame);
-    Result<void> read(Track& track, std::int64_t frame);
-    Result<void> take(Track& track, std::int64_t frame, TrackPicture picture);
-    RawFrame frame_of_newest() const;
+
+    /// How frame 0 is stored stands for all.
+    Result<void> read_first(Track& track) {
+        TRY_ASSIGN(auto picture, clip_.pictures->picture(track.role, 0));
+        const StoredImage& stored = picture.image;
+        const Image& image = stored.image;
+        infos_.push_back({std::string(role_name(track.role)), stored.codec, stored.pixel_format, image.width,
+                          image.height, picture.lossless});
+        const bool is_depth = track.role == PlaneRole::depth;
+        if (!is_depth && (image.width != scene_.width || image.height != scene_.height))
+            note(resampling_note(track.role, image.width, image.height, scene_));
+        if (!picture.lossless) note(lossy_note(track.role, stored.codec));
+        if (is_depth && picture.lent.view.empty() && values_.needs_looks(stored)) TRY(look_at_some(stored));
+        if (track.role == PlaneRole::haptic && image.channels == 1) note(take_grey_haptic(scene_));
+        return take(track, 0, std::move(picture));
+    }
+
+    /// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
+    /// damaged tells nothing.
+    Result<void> look_at_some(const StoredImage& first) {
+        values_.look(first);
+        for (const std::int64_t frame : telling_frames(clip_.count)) {
+            if (stop_requested()) return interrupted_search();
+            if (frame == 0) continue;
+            auto picture = clip_.pictures->picture(PlaneRole::depth, frame);
+            if (!picture && picture.error().kind == ErrorKind::interrupted) return picture.error();
+            if (!picture) continue;
+            values_.look(picture->image);
+            if (frame < first_frames) clip_.pictures->keep(frame, std::move(picture->image));
+        }
+        if (stop_requested()) return interrupted_search();
+        auto said = values_.settle(scene_);
+        if (!said) return error_at(clip_.name, said.error());
+        note(std::move(*said));
+        return {};
+    }
+
+    /// What is wrong with the first of several tracks counts, in whatever order they were read.
+    Result<void> read_all(std::int64_t frame) {
+        std::vector<Result<void>> outcomes(tracks_.size());
+        const auto read_one = [&](std::size_t n) {
+            if (with_colour_ || tracks_[n].role != PlaneRole::colour) outcomes[n] = read(tracks_[n], frame);
+        };
+        if (clip_.pictures->reads_side_by_side()) {
+            const auto whom = WorkAlongside::this_thread();
+            side_by_side_.for_each_band(static_cast<int>(tracks_.size()), 1, [&](const RowBand& band) {
+                const WorkAlongside alongside(whom);
+                for (int n = band.first; n < band.last; ++n) read_one(static_cast<std::size_t>(n));
+            });
+        } else {
+            for (std::size_t n = 0; n < tracks_.size(); ++n) {
+                read_one(n);
+                if (!outcomes[n]) break;
+            }
+        }
+        for (Result<void>& outcome : outcomes)
+            if (!outcome) return std::move(outcome);
+        return {};
+    }
+
+    Result<void> read(Track& track, std::int64_t frame) {
+        if (track.number == clip_.pictures->picture_number(track.role, frame)) return {};
+        track = {track.role};  // first, so that its memory can serve the next
+        TRY_ASSIGN(auto picture, clip_.pictures->picture(track.role, frame));
+        const TrackInfo& first = infos_[static_cast<std::size_t>(&track - tracks_.data())];
+        const auto text = [](int width, int height, const std::string& format) {
+            return std::to_string(width) + "x" + std::to_string(height) + ' ' + format;
+        };
+        const StoredImage& stored = picture.image;
+        const Image& image = stored.image;
+        if (image.width != first.width || image.height != first.height ||
+            !is_same_format(stored.pixel_format, first.pixel_format))
+            return input_error(clip_.pictures->where(track.role, frame) + ": is " +
+                               text(image.width, image.height, stored.pixel_format) + ", but frame 0 is " +
+                               text(first.width, first.height, first.pixel_format));
+        return take(track, frame, std::move(picture));
+    }
+
+    /// As the newest of its track.
+    Result<void> take(Track& track, std::int64_t frame, TrackPicture picture) {
+        const std::string where = clip_.pictures->where(track.role, frame);
+        const bool is_depth = track.role == PlaneRole::depth;
+        StoredImage& stored = picture.image;
+        if (!is_depth && !stored.values.empty())
+            return input_error(where + ": is a picture of floats: must be of integers");
+        Plane plane = std::move(picture.lent);
+        if (plane.view.empty()) {
+            const bool makes_codes = is_depth && values_.makes_codes();
+            const int bits = makes_codes ? 16 : stored.bits;
+            Image codes = makes_codes ? values_.codes(std::move(stored)) : std::move(stored.image);
+            if (stop_requested())
+                return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+            plane = plane_from(std::move(codes), bits);
+        }
+        TRY_ASSIGN(track.newest, fit_plane(track.role, std::move(plane), scene_, where));
+        track.number = clip_.pictures->picture_number(track.role, frame);
+        return {};
+    }
+
+    /// Number `number_`.
+    RawFrame frame_of_newest() const {
+        RawFrame frame;
+        frame.number = number_;
+        frame.time_ns = scene_.rate.time_ns(number_);
+        for (const Track& track : tracks_)
+            if (with_colour_ || track.role != PlaneRole::colour) add_plane(frame, track.role, track.newest);
+        return frame;
+    }
 
     StoredClip clip_;
     Scene scene_;
@@ -61,152 +201,6 @@ private:
     std::int64_t number_ = 0;   // of the frame that `next` gives
     bool with_colour_ = true;
 };
-
-Result<void> StoredClipReader::open() {
-    auto scene = settle(clip_.described, clip_.found);
-    if (!scene) return error_at(clip_.name, scene.error());
-    scene_ = std::move(*scene);
-    const auto is_of_scene = [&](const Camera& camera) { return camera == scene_.camera; };
-    if (std::all_of(clip_.cameras.begin(), clip_.cameras.end(), is_of_scene)) clip_.cameras.clear();
-    for (Track& track : tracks_) TRY(read_first(track));
-    note(no_depth_note(frame_of_newest(), scene_.depth));
-    note(default_touch_note(std::ranges::count(clip_.roles, PlaneRole::haptic) > 0, scene_));
-    return {};
-}
-
-/// How frame 0 is stored stands for all.
-Result<void> StoredClipReader::read_first(Track& track) {
-    TRY_ASSIGN(auto picture, clip_.pictures->picture(track.role, 0));
-    const StoredImage& stored = picture.image;
-    const Image& image = stored.image;
-    infos_.push_back({std::string(role_name(track.role)), stored.codec, stored.pixel_format, image.width,
-                      image.height, picture.lossless});
-    const bool is_depth = track.role == PlaneRole::depth;
-    if (!is_depth && (image.width != scene_.width || image.height != scene_.height))
-        note(resampling_note(track.role, image.width, image.height, scene_));
-    if (!picture.lossless) note(lossy_note(track.role, stored.codec));
-    if (is_depth && picture.lent.view.empty() && values_.needs_looks(stored)) TRY(look_at_some(stored));
-    if (track.role == PlaneRole::haptic && image.channels == 1) note(take_grey_haptic(scene_));
-    return take(track, 0, std::move(picture));
-}
-
-Error interrupted_search() {
-    return {ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
-}
-
-/// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
-/// damaged tells nothing.
-Result<void> StoredClipReader::look_at_some(const StoredImage& first) {
-    values_.look(first);
-    for (const std::int64_t frame : telling_frames(clip_.count)) {
-        if (stop_requested()) return interrupted_search();
-        if (frame == 0) continue;
-        auto picture = clip_.pictures->picture(PlaneRole::depth, frame);
-        if (!picture && picture.error().kind == ErrorKind::interrupted) return picture.error();
-        if (!picture) continue;
-        values_.look(picture->image);
-        if (frame < first_frames) clip_.pictures->keep(frame, std::move(picture->image));
-    }
-    if (stop_requested()) return interrupted_search();
-    auto said = values_.settle(scene_);
-    if (!said) return error_at(clip_.name, said.error());
-    note(std::move(*said));
-    return {};
-}
-
-/// What is wrong with the first of several tracks counts, in whatever order they were read.
-Result<void> StoredClipReader::read_all(std::int64_t frame) {
-    std::vector<Result<void>> outcomes(tracks_.size());
-    const auto read_one = [&](std::size_t n) {
-        if (with_colour_ || tracks_[n].role != PlaneRole::colour) outcomes[n] = read(tracks_[n], frame);
-    };
-    if (clip_.pictures->reads_side_by_side()) {
-        const auto rules = StopScope::current();
-        side_by_side_.for_each_band(static_cast<int>(tracks_.size()), 1, [&](const RowBand& band) {
-            const StopScope scope(rules);
-            for (int n = band.first; n < band.last; ++n) read_one(static_cast<std::size_t>(n));
-        });
-    } else {
-        for (std::size_t n = 0; n < tracks_.size(); ++n) {
-            read_one(n);
-            if (!outcomes[n]) break;
-        }
-    }
-    for (Result<void>& outcome : outcomes)
-        if (!outcome) return std::move(outcome);
-    return {};
-}
-
-/// A palette is a way to store 8-bit RGB, which a picture of few colours may have and the next one not.
-bool is_same_format(const std::string& a, const std::string& b) {
-    const auto is_rgb = [](const std::string& format) { return format == "rgb24" || format == "pal8"; };
-    return a == b || (is_rgb(a) && is_rgb(b));
-}
-
-Result<void> StoredClipReader::read(Track& track, std::int64_t frame) {
-    if (track.number == clip_.pictures->picture_number(track.role, frame)) return {};
-    track = {track.role};  // first, so that its memory can serve the next
-    TRY_ASSIGN(auto picture, clip_.pictures->picture(track.role, frame));
-    const TrackInfo& first = infos_[static_cast<std::size_t>(&track - tracks_.data())];
-    const auto text = [](int width, int height, const std::string& format) {
-        return std::to_string(width) + "x" + std::to_string(height) + ' ' + format;
-    };
-    const StoredImage& stored = picture.image;
-    const Image& image = stored.image;
-    if (image.width != first.width || image.height != first.height ||
-        !is_same_format(stored.pixel_format, first.pixel_format))
-        return input_error(clip_.pictures->where(track.role, frame) + ": is " +
-                           text(image.width, image.height, stored.pixel_format) + ", but frame 0 is " +
-                           text(first.width, first.height, first.pixel_format));
-    return take(track, frame, std::move(picture));
-}
-
-/// As the newest of its track.
-Result<void> StoredClipReader::take(Track& track, std::int64_t frame, TrackPicture picture) {
-    const std::string where = clip_.pictures->where(track.role, frame);
-    const bool is_depth = track.role == PlaneRole::depth;
-    StoredImage& stored = picture.image;
-    if (!is_depth && !stored.values.empty())
-        return input_error(where + ": is a picture of floats: must be of integers");
-    Plane plane = std::move(picture.lent);
-    if (plane.view.empty()) {
-        const bool makes_codes = is_depth && values_.makes_codes();
-        const int bits = makes_codes ? 16 : stored.bits;
-        Image codes = makes_codes ? values_.codes(std::move(stored)) : std::move(stored.image);
-        if (stop_requested())
-            return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
-        plane = plane_from(std::move(codes), bits);
-    }
-    TRY_ASSIGN(track.newest, fit_plane(track.role, std::move(plane), scene_, where));
-    track.number = clip_.pictures->picture_number(track.role, frame);
-    return {};
-}
-
-/// Number `number_`.
-RawFrame StoredClipReader::frame_of_newest() const {
-    RawFrame frame;
-    frame.number = number_;
-    frame.time_ns = scene_.rate.time_ns(number_);
-    for (const Track& track : tracks_)
-        if (with_colour_ || track.role != PlaneRole::colour) add_plane(frame, track.role, track.newest);
-    return frame;
-}
-
-Result<void> StoredClipReader::seek(std::int64_t frame) {
-    if (frame < 0 || frame > clip_.count)
-        return usage_error(clip_.name + ": has no frame " + std::to_string(frame) + ": must be from 0 to " +
-                           std::to_string(clip_.count - 1));
-    number_ = frame;
-    return {};
-}
-
-Result<std::optional<RawFrame>> StoredClipReader::next() {
-    if (number_ == clip_.count) return std::optional<RawFrame>{};
-    TRY(read_all(number_));
-    RawFrame frame = frame_of_newest();
-    ++number_;
-    return std::optional(std::move(frame));
-}
 
 }  // namespace
 

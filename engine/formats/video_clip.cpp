@@ -120,187 +120,187 @@ std::string words_of(const DepthInVideo& found) {
 class VideoGuess {
 public:
     VideoGuess(const SourceFile& file, const SourceDescription& known) : file_(file), known_(known) {}
-    Result<GuessedScene> make();
+
+    Result<GuessedScene> make() {
+        TRY_ASSIGN(auto video, VideoFile::open(file_, PlaneRole::depth));
+        TRY_ASSIGN(auto frame, video->next());
+        if (!frame) return refuse("has no frames");
+        if (!known_.metres_per_code && known_.preset.empty()) {
+            const TrackInfo info = video->info();
+            TRY_ASSIGN(const auto lerobot, find_lerobot_depth(file_, info.codec, info.pixel_format));
+            if (lerobot) return of_lerobot(*lerobot, std::move(video));
+        }
+        RgbConverter converter;
+        VideoPicture picture(std::move(frame), converter, video->where(0));
+        const auto said = video_values_named(known_.preset);
+        if (said && !picture.has_colours())
+            return usage_error(file_.string() + ": has no colours, so its depth is grey: leave preset " +
+                                   known_.preset + " out",
+                               {{Setting::preset}});
+        if (said) known_.preset.clear();
+        const auto camera = record3d_camera(file_);
+        const bool is_disparity = video->is_disparity();
+        if (is_disparity && known_.preset.empty() && !known_.metres_per_code)
+            known_.preset = "relative-inverse";
+        const auto found = is_disparity ? DepthInVideo{VideoLayout::alone, VideoValues::grey, 0}
+                           : camera     ? record3d_depth(picture, said)
+                                        : find_depth_in(picture, said);
+        if (!found)
+            return refuse(
+                "is a video in colour in which no depth was found: frame 0, " +
+                std::to_string(picture.width()) + "x" + std::to_string(picture.height()) +
+                ", has no grey half and is no map of hues; a preset says that it is hue, or the mean "
+                "of colours; a "
+                "scene file with \"video\" says where depth "
+                "is (docs/scene_file.md), then: touchable play SCENE.json; a Depthkit video needs " +
+                depthkit_metadata_name(file_.path()).string() + " beside it");
+        const auto part = depth_part(found->layout, picture.width(), picture.height(), found->bar);
+        if (!part) return refuse("is of odd width: Record3D's have two halves");
+        const bool is_hue = found->values == VideoValues::hue;
+        source_ = {file_.path().filename().string(), "", found->layout, found->values};
+        if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
+        constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
+        TRY_ASSIGN(auto guessed,
+                   is_hue ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
+                          : of_grey(picture, *part));
+        Scene& scene = guessed.scene;
+        scene.name = file_.path().stem().string();
+        scene.rate = video->rate();
+        scene.video = source_;
+        std::string what = is_disparity ? "depth is the disparity of a Cinematic video" : words_of(*found);
+        if (camera && is_hue)
+            what =
+                "as Record3D exports it: depth is the left half, 3 m x hue, and the camera is what the "
+                "file's "
+                "end says";
+        if (found->bar > 0)
+            what += ", and " + std::to_string(found->bar) + " columns between them are of neither";
+        if (is_disparity && video->has_other_pictures()) {
+            scene.video->colour = scene.video->depth;
+            what += ", colour is its other track";
+        } else if (found->layout == VideoLayout::alone) {
+            if (auto colour = colour_video_beside(file_.path())) {
+                scene.video->colour = *colour;
+                what = "colour is " + *colour + ", " + what.substr(0, what.find(" and has no colour"));
+            }
+        }
+        const Hints values{{Setting::preset, "hue"}, {Setting::preset, "mean"}};
+        scene.remarks = joined_remarks({{what, true, otherwise, picture.has_colours() ? values : Hints{}}},
+                                       scene.remarks);
+        if (is_hue && !camera)
+            add_remark(scene.remarks,
+                       {"red is 0.5 m and the whole circle of hues goes to 1.5 m", true,
+                        "a scene file's depth.near and far say otherwise, touchable init-scene "
+                        "writes one to begin with"});
+        guessed.video = std::move(video);
+        return guessed;
+    }
 
 private:
-    Result<GuessedScene> of_hue(const PicturePart& part, const DepthCoding& coding) const;
-    Result<GuessedScene> of_grey(VideoPicture& picture, const PicturePart& part);
-    Result<GuessedScene> of_lerobot(const LeRobotDepth& depth, std::shared_ptr<VideoFile> video);
-    void add_lerobot_colour(const LeRobotDepth& depth, const VideoFile& video, Scene& scene) const;
-    Result<GuessedScene> described(const StoredImage& depth, const DepthCoding* coding = nullptr) const;
+    Result<GuessedScene> of_hue(const PicturePart& part, const DepthCoding& coding) const {
+        if (known_.metres_per_code)
+            return usage_error(file_.string() +
+                                   ": a unit is of grey depth, and here depth is hue: a scene file's "
+                                   "depth.near and far say what hues stand for; leave the unit out",
+                               {{Setting::depth_unit}});
+        StoredImage size;
+        size.image = {part.width, part.height, 1, 3, {}};
+        return described(size, &coding);
+    }
+
+    /// Samples of up to 11 bits are guessed as those of 8 are: they are too few for lengths.
+    Result<GuessedScene> of_grey(VideoPicture& picture, const PicturePart& part) {
+        constexpr int fewest_of_lengths = 12;
+        auto plane = picture.depth(source_.values, part);
+        if (!plane && source_.values == VideoValues::grey) {
+            source_.values = VideoValues::mean;
+            plane = picture.depth(VideoValues::mean, part);
+        }
+        if (!plane) return plane.error();
+        const int bits = source_.values == VideoValues::mean ? 8 : picture.bits(),
+                  bytes = bits < fewest_of_lengths ? 1 : 2;
+        StoredImage stored;
+        stored.bits = bits < fewest_of_lengths ? 8 : bits;
+        stored.image = {part.width, part.height, bytes, 1, {}};
+        for (int y = 0; y < part.height; ++y)
+            for (int x = 0; x < part.width; ++x) {
+                const auto code =
+                    static_cast<std::uint16_t>(plane->view.sample(x, y) >> (bytes == 1 ? bits - 8 : 0));
+                const auto* bytes_of = reinterpret_cast<const std::uint8_t*>(&code);
+                if (bytes == 1)
+                    stored.image.samples.push_back(static_cast<std::uint8_t>(code));
+                else
+                    stored.image.samples.insert(stored.image.samples.end(), bytes_of, bytes_of + 2);
+            }
+        TRY_ASSIGN(auto guessed, described(stored));
+        Scene& scene = guessed.scene;
+        scene.depth_bits = bits;
+        scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
+        if (guessed.unstated.far) scene.depth.far = scene.depth.scale * scene.depth.code_max;
+        derive_valid_range(scene.depth);
+        return guessed;
+    }
+
+    Result<GuessedScene> of_lerobot(const LeRobotDepth& depth, std::shared_ptr<VideoFile> video) {
+        StoredImage size;
+        size.image = {video->info().width, video->info().height, 2, 1, {}};
+        if (depth.camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *depth.camera;
+        TRY_ASSIGN(auto guessed, described(size, &depth.coding));
+        Scene& scene = guessed.scene;
+        const DepthCoding& coding = depth.coding;
+        scene.depth_bits = 12;
+        scene.name = file_.path().stem().string();
+        scene.rate = video->rate();
+        scene.video =
+            VideoSource{file_.path().filename().string(), "", VideoLayout::alone, VideoValues::grey};
+        const std::string steps = coding.kind == DepthCodingKind::log
+                                      ? "ln(depth + " + short_number(coding.shift) + " m)"
+                                      : std::string("depth");
+        const std::string what = "even steps of " + steps + " from " + short_number(coding.near) + " to " +
+                                 short_number(coding.far) + " m, 0 is no depth";
+        const bool is_said = !depth.info.empty();
+        if (is_said) guessed.inputs.push_back(depth.info);
+        const Remark remark =
+            is_said
+                ? Remark{"depth is LeRobot's, as " + depth.info.filename().string() + " says: " + what}
+                : Remark{"depth is as LeRobot usually stores it, as it is HEVC of 12 bits: " + what,
+                         true,
+                         "its data set's meta/info.json, beside the video or above it, says otherwise; where "
+                         "codes are lengths, their unit",
+                         {{Setting::depth_unit}}};
+        scene.remarks = joined_remarks({remark}, scene.remarks);
+        add_lerobot_colour(depth, *video, scene);
+        guessed.video = std::move(video);
+        return guessed;
+    }
+
+    /// Videos of other lengths are of other episodes.
+    void add_lerobot_colour(const LeRobotDepth& depth, const VideoFile& video, Scene& scene) const {
+        if (depth.colour.empty()) return;
+        const auto colour = VideoFile::open(file_.path().parent_path() / depth.colour, PlaneRole::colour);
+        if (colour && (*colour)->count() == video.count()) {
+            scene.video->colour = depth.colour.string();
+            add_remark(scene.remarks, {"colour is " + depth.colour.string(), true, otherwise});
+        } else {
+            add_remark(scene.remarks, {depth.colour.string() + " has " +
+                                       (colour ? std::to_string((*colour)->count()) : std::string("no")) +
+                                       " frames and depth " + std::to_string(video.count()) +
+                                       ": it is left out, as they are not of the same episodes"});
+        }
+    }
+
+    Result<GuessedScene> described(const StoredImage& depth, const DepthCoding* coding = nullptr) const {
+        auto guessed = guess_scene(file_.path().parent_path(), depth, known_, coding);
+        if (!guessed) return error_at(file_.string(), guessed.error());
+        return guessed;
+    }
+
     Error refuse(const std::string& what) const { return input_error(file_.string() + ": " + what); }
 
     const SourceFile& file_;
     SourceDescription known_;
     VideoSource source_;
 };
-
-Result<GuessedScene> VideoGuess::described(const StoredImage& depth, const DepthCoding* coding) const {
-    auto guessed = guess_scene(file_.path().parent_path(), depth, known_, coding);
-    if (!guessed) return error_at(file_.string(), guessed.error());
-    return guessed;
-}
-
-Result<GuessedScene> VideoGuess::of_hue(const PicturePart& part, const DepthCoding& coding) const {
-    if (known_.metres_per_code)
-        return usage_error(file_.string() +
-                               ": a unit is of grey depth, and here depth is hue: a scene file's "
-                               "depth.near and far say what hues stand for; leave the unit out",
-                           {{Setting::depth_unit}});
-    StoredImage size;
-    size.image = {part.width, part.height, 1, 3, {}};
-    return described(size, &coding);
-}
-
-/// Samples of up to 11 bits are guessed as those of 8 are: they are too few for lengths.
-Result<GuessedScene> VideoGuess::of_grey(VideoPicture& picture, const PicturePart& part) {
-    constexpr int fewest_of_lengths = 12;
-    auto plane = picture.depth(source_.values, part);
-    if (!plane && source_.values == VideoValues::grey) {
-        source_.values = VideoValues::mean;
-        plane = picture.depth(VideoValues::mean, part);
-    }
-    if (!plane) return plane.error();
-    const int bits = source_.values == VideoValues::mean ? 8 : picture.bits(),
-              bytes = bits < fewest_of_lengths ? 1 : 2;
-    StoredImage stored;
-    stored.bits = bits < fewest_of_lengths ? 8 : bits;
-    stored.image = {part.width, part.height, bytes, 1, {}};
-    for (int y = 0; y < part.height; ++y)
-        for (int x = 0; x < part.width; ++x) {
-            const auto code =
-                static_cast<std::uint16_t>(plane->view.sample(x, y) >> (bytes == 1 ? bits - 8 : 0));
-            const auto* bytes_of = reinterpret_cast<const std::uint8_t*>(&code);
-            if (bytes == 1)
-                stored.image.samples.push_back(static_cast<std::uint8_t>(code));
-            else
-                stored.image.samples.insert(stored.image.samples.end(), bytes_of, bytes_of + 2);
-        }
-    TRY_ASSIGN(auto guessed, described(stored));
-    Scene& scene = guessed.scene;
-    scene.depth_bits = bits;
-    scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
-    if (guessed.unstated.far) scene.depth.far = scene.depth.scale * scene.depth.code_max;
-    derive_valid_range(scene.depth);
-    return guessed;
-}
-
-/// Videos of other lengths are of other episodes.
-void VideoGuess::add_lerobot_colour(const LeRobotDepth& depth, const VideoFile& video, Scene& scene) const {
-    if (depth.colour.empty()) return;
-    const auto colour = VideoFile::open(file_.path().parent_path() / depth.colour, PlaneRole::colour);
-    if (colour && (*colour)->count() == video.count()) {
-        scene.video->colour = depth.colour.string();
-        add_remark(scene.remarks, {"colour is " + depth.colour.string(), true, otherwise});
-    } else {
-        add_remark(scene.remarks, {depth.colour.string() + " has " +
-                                   (colour ? std::to_string((*colour)->count()) : std::string("no")) +
-                                   " frames and depth " + std::to_string(video.count()) +
-                                   ": it is left out, as they are not of the same episodes"});
-    }
-}
-
-Result<GuessedScene> VideoGuess::of_lerobot(const LeRobotDepth& depth, std::shared_ptr<VideoFile> video) {
-    StoredImage size;
-    size.image = {video->info().width, video->info().height, 2, 1, {}};
-    if (depth.camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *depth.camera;
-    TRY_ASSIGN(auto guessed, described(size, &depth.coding));
-    Scene& scene = guessed.scene;
-    const DepthCoding& coding = depth.coding;
-    scene.depth_bits = 12;
-    scene.name = file_.path().stem().string();
-    scene.rate = video->rate();
-    scene.video = VideoSource{file_.path().filename().string(), "", VideoLayout::alone, VideoValues::grey};
-    const std::string steps = coding.kind == DepthCodingKind::log
-                                  ? "ln(depth + " + short_number(coding.shift) + " m)"
-                                  : std::string("depth");
-    const std::string what = "even steps of " + steps + " from " + short_number(coding.near) + " to " +
-                             short_number(coding.far) + " m, 0 is no depth";
-    const bool is_said = !depth.info.empty();
-    if (is_said) guessed.inputs.push_back(depth.info);
-    const Remark remark =
-        is_said ? Remark{"depth is LeRobot's, as " + depth.info.filename().string() + " says: " + what}
-                : Remark{"depth is as LeRobot usually stores it, as it is HEVC of 12 bits: " + what,
-                         true,
-                         "its data set's meta/info.json, beside the video or above it, says otherwise; where "
-                         "codes are lengths, their unit",
-                         {{Setting::depth_unit}}};
-    scene.remarks = joined_remarks({remark}, scene.remarks);
-    add_lerobot_colour(depth, *video, scene);
-    guessed.video = std::move(video);
-    return guessed;
-}
-
-Result<GuessedScene> VideoGuess::make() {
-    TRY_ASSIGN(auto video, VideoFile::open(file_, PlaneRole::depth));
-    TRY_ASSIGN(auto frame, video->next());
-    if (!frame) return refuse("has no frames");
-    if (!known_.metres_per_code && known_.preset.empty()) {
-        const TrackInfo info = video->info();
-        TRY_ASSIGN(const auto lerobot, find_lerobot_depth(file_, info.codec, info.pixel_format));
-        if (lerobot) return of_lerobot(*lerobot, std::move(video));
-    }
-    RgbConverter converter;
-    VideoPicture picture(std::move(frame), converter, video->where(0));
-    const auto said = video_values_named(known_.preset);
-    if (said && !picture.has_colours())
-        return usage_error(
-            file_.string() + ": has no colours, so its depth is grey: leave preset " + known_.preset + " out",
-            {{Setting::preset}});
-    if (said) known_.preset.clear();
-    const auto camera = record3d_camera(file_);
-    const bool is_disparity = video->is_disparity();
-    if (is_disparity && known_.preset.empty() && !known_.metres_per_code) known_.preset = "relative-inverse";
-    const auto found = is_disparity ? DepthInVideo{VideoLayout::alone, VideoValues::grey, 0}
-                       : camera     ? record3d_depth(picture, said)
-                                    : find_depth_in(picture, said);
-    if (!found)
-        return refuse("is a video in colour in which no depth was found: frame 0, " +
-                      std::to_string(picture.width()) + "x" + std::to_string(picture.height()) +
-                      ", has no grey half and is no map of hues; a preset says that it is hue, or the mean "
-                      "of colours; a "
-                      "scene file with \"video\" says where depth "
-                      "is (docs/scene_file.md), then: touchable play SCENE.json; a Depthkit video needs " +
-                      depthkit_metadata_name(file_.path()).string() + " beside it");
-    const auto part = depth_part(found->layout, picture.width(), picture.height(), found->bar);
-    if (!part) return refuse("is of odd width: Record3D's have two halves");
-    const bool is_hue = found->values == VideoValues::hue;
-    source_ = {file_.path().filename().string(), "", found->layout, found->values};
-    if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
-    constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
-    TRY_ASSIGN(auto guessed,
-               is_hue ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
-                      : of_grey(picture, *part));
-    Scene& scene = guessed.scene;
-    scene.name = file_.path().stem().string();
-    scene.rate = video->rate();
-    scene.video = source_;
-    std::string what = is_disparity ? "depth is the disparity of a Cinematic video" : words_of(*found);
-    if (camera && is_hue)
-        what =
-            "as Record3D exports it: depth is the left half, 3 m x hue, and the camera is what the file's "
-            "end says";
-    if (found->bar > 0)
-        what += ", and " + std::to_string(found->bar) + " columns between them are of neither";
-    if (is_disparity && video->has_other_pictures()) {
-        scene.video->colour = scene.video->depth;
-        what += ", colour is its other track";
-    } else if (found->layout == VideoLayout::alone) {
-        if (auto colour = colour_video_beside(file_.path())) {
-            scene.video->colour = *colour;
-            what = "colour is " + *colour + ", " + what.substr(0, what.find(" and has no colour"));
-        }
-    }
-    const Hints values{{Setting::preset, "hue"}, {Setting::preset, "mean"}};
-    scene.remarks =
-        joined_remarks({{what, true, otherwise, picture.has_colours() ? values : Hints{}}}, scene.remarks);
-    if (is_hue && !camera)
-        add_remark(scene.remarks, {"red is 0.5 m and the whole circle of hues goes to 1.5 m", true,
-                                   "a scene file's depth.near and far say otherwise, touchable init-scene "
-                                   "writes one to begin with"});
-    guessed.video = std::move(video);
-    return guessed;
-}
 
 /// Depth in a track of one file; colour beside it in the same pictures, or in a track of its own.
 class VideoPictures final : public FrameSource {
@@ -313,13 +313,40 @@ public:
         colour_late_ = late;
     }
     /// The codes for black and white in depth's first picture.
-    Result<CodeRange> code_range();
+    Result<CodeRange> code_range() {
+        TRY_ASSIGN(const auto first, read_depth(0));
+        return first->code_range(source_.values);
+    }
 
     std::string where(PlaneRole role, std::int64_t frame) const override {
         const bool is_own = role == PlaneRole::colour && colour_;
         return is_own ? colour_->where(picture_number(role, frame)) : depth_->where(frame);
     }
-    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override;
+
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
+        if (role == PlaneRole::colour && colour_) {
+            TRY_ASSIGN(auto picture, read(*colour_, picture_number(role, frame), colour_converter_));
+            TRY_ASSIGN(auto rgb, picture.rgb());
+            return lent_picture(colour_->info(), std::move(rgb));
+        }
+        TRY_ASSIGN(const auto picture, read_depth(frame));
+        const int width = picture->width(), height = picture->height();
+        const int bar = bar_of(width, height);
+        const auto part = depth_part(source_.layout, width, height, bar);
+        if (!part)
+            return input_error(depth_->where(frame) + ": is " + std::to_string(width) + "x" +
+                               std::to_string(height) +
+                               ": does not divide into two halves, as video.layout says");
+        const bool is_depth = role == PlaneRole::depth;
+        TRY_ASSIGN(auto plane, is_depth ? picture->depth(source_.values, *part) : picture->rgb());
+        if (!is_depth) plane.view = part_of(plane.view, colour_part(source_.layout, width, height, bar));
+        TrackPicture made = lent_picture(depth_->info(), std::move(plane));
+        // Values of colours that are luma and differences were changed before they were encoded.
+        made.lossless =
+            made.lossless && (source_.values == VideoValues::grey || made.image.pixel_format == "gbrp");
+        return made;
+    }
+
     /// Of colour in a track of its own, what is nearest in time.
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
         const bool is_own = role == PlaneRole::colour && colour_;
@@ -328,9 +355,30 @@ public:
     std::int64_t access_point(std::int64_t frame) const override { return depth_->access_point(frame); }
 
 private:
-    static Result<VideoPicture> read(VideoFile& video, std::int64_t number, RgbConverter& converter);
-    Result<VideoPicture*> read_depth(std::int64_t frame);
-    int bar_of(int width, int height) const;
+    static Result<VideoPicture> read(VideoFile& video, std::int64_t number, RgbConverter& converter) {
+        TRY(video.seek(number));
+        TRY_ASSIGN(auto frame, video.next());
+        return VideoPicture(std::move(frame), converter, video.where(number));
+    }
+
+    /// Once for both planes that may be in it.
+    Result<VideoPicture*> read_depth(std::int64_t frame) {
+        if (newest_number_ != frame) {
+            newest_number_ = -1;
+            newest_.reset();
+            TRY_ASSIGN(auto picture, read(*depth_, frame, depth_converter_));
+            newest_.emplace(std::move(picture));
+            newest_number_ = frame;
+        }
+        return &*newest_;
+    }
+
+    /// Between two parts that are less than halves.
+    int bar_of(int width, int height) const {
+        const bool is_beside = is_side_by_side(source_.layout);
+        const int side = is_beside ? width : height, bar = side - 2 * (is_beside ? width_ : height_);
+        return may_be_bar(bar, side) ? bar : 0;
+    }
 
     VideoSource source_;
     int width_, height_;  // of depth
@@ -341,60 +389,6 @@ private:
     std::optional<VideoPicture> newest_;  // of depth
     std::int64_t newest_number_ = -1;
 };
-
-Result<VideoPicture> VideoPictures::read(VideoFile& video, std::int64_t number, RgbConverter& converter) {
-    TRY(video.seek(number));
-    TRY_ASSIGN(auto frame, video.next());
-    return VideoPicture(std::move(frame), converter, video.where(number));
-}
-
-/// Once for both planes that may be in it.
-Result<VideoPicture*> VideoPictures::read_depth(std::int64_t frame) {
-    if (newest_number_ != frame) {
-        newest_number_ = -1;
-        newest_.reset();
-        TRY_ASSIGN(auto picture, read(*depth_, frame, depth_converter_));
-        newest_.emplace(std::move(picture));
-        newest_number_ = frame;
-    }
-    return &*newest_;
-}
-
-Result<CodeRange> VideoPictures::code_range() {
-    TRY_ASSIGN(const auto first, read_depth(0));
-    return first->code_range(source_.values);
-}
-
-/// Between two parts that are less than halves.
-int VideoPictures::bar_of(int width, int height) const {
-    const bool is_beside = is_side_by_side(source_.layout);
-    const int side = is_beside ? width : height, bar = side - 2 * (is_beside ? width_ : height_);
-    return may_be_bar(bar, side) ? bar : 0;
-}
-
-Result<TrackPicture> VideoPictures::picture(PlaneRole role, std::int64_t frame) {
-    if (role == PlaneRole::colour && colour_) {
-        TRY_ASSIGN(auto picture, read(*colour_, picture_number(role, frame), colour_converter_));
-        TRY_ASSIGN(auto rgb, picture.rgb());
-        return lent_picture(colour_->info(), std::move(rgb));
-    }
-    TRY_ASSIGN(const auto picture, read_depth(frame));
-    const int width = picture->width(), height = picture->height();
-    const int bar = bar_of(width, height);
-    const auto part = depth_part(source_.layout, width, height, bar);
-    if (!part)
-        return input_error(depth_->where(frame) + ": is " + std::to_string(width) + "x" +
-                           std::to_string(height) +
-                           ": does not divide into two halves, as video.layout says");
-    const bool is_depth = role == PlaneRole::depth;
-    TRY_ASSIGN(auto plane, is_depth ? picture->depth(source_.values, *part) : picture->rgb());
-    if (!is_depth) plane.view = part_of(plane.view, colour_part(source_.layout, width, height, bar));
-    TrackPicture made = lent_picture(depth_->info(), std::move(plane));
-    // Values of colours that are luma and differences were changed before they were encoded.
-    made.lossless =
-        made.lossless && (source_.values == VideoValues::grey || made.image.pixel_format == "gbrp");
-    return made;
-}
 
 /// The planes of the description belong to the codes for black and white. The coding's own are those of its
 /// least and greatest code, evenly beyond.

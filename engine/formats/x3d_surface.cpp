@@ -79,14 +79,97 @@ class SurfaceReader {
 public:
     SurfaceReader(const std::filesystem::path& file, const Scene& scene, const Nodes& nodes)
         : file_(file), unit_(scene.haptic.stiffness.max), nodes_(nodes), surface_(nodes.with_maps.front()) {}
-    Result<HapticLayers> read();
+
+    Result<HapticLayers> read() {
+        HapticLayers layers;
+        layers.files.push_back(file_);
+        TRY_ASSIGN(const auto relative, is_relative());
+        for (std::size_t k = 0; k < properties.size(); ++k) {
+            TRY_ASSIGN(layers.properties[k], layer(properties[k]));
+        }
+        PropertyRange& stiffness = layers.properties[0].range;
+        const double unit = relative ? unit_ : 1e-3;
+        stiffness = {stiffness.min * unit, stiffness.max * unit};
+        add_notes(relative, layers);
+        return layers;
+    }
 
 private:
-    Result<double> number(const char* field, double usual) const;
-    Result<bool> is_relative() const;
-    Result<LinkedFile> picture(pugi::xml_node texture, const char* map) const;
-    Result<HapticLayer> layer(const Property& property) const;
-    void add_notes(bool relative, HapticLayers& layers) const;
+    /// What is empty counts as left out.
+    Result<double> number(const char* field, double usual) const {
+        const std::string_view given = surface_.attribute(field).value();
+        std::string_view text = trimmed(given, blanks);
+        if (text.empty()) return usual;
+        if (text.front() == '+') text.remove_prefix(1);
+        const auto value = parsed_number(text);
+        if (!value || *value < 0) return refused(field, given, "a number, 0 or above");
+        return *value;
+    }
+
+    Result<bool> is_relative() const {
+        const std::string_view given = surface_.attribute("useRelativeValues").value(),
+                               text = trimmed(given, blanks);
+        if (text.empty() || text == "true" || text == "TRUE") return true;
+        if (text == "false" || text == "FALSE") return false;
+        return refused("useRelativeValues", given, "true or false");
+    }
+
+    Result<LinkedFile> picture(pugi::xml_node texture, const char* map) const {
+        if (const auto use = texture.attribute("USE")) {
+            const auto named = nodes_.named.find(use.value());
+            if (named == nodes_.named.end())
+                return refused(map, std::string("USE ") + use.value(), "the DEF of a node in this file");
+            texture = named->second;
+        }
+        if (std::string_view(texture.name()) != "ImageTexture")
+            return refused(map, texture.name(), "an ImageTexture");
+        const auto urls = strings_in(texture.attribute("url").value());
+        const auto local = std::find_if(urls.begin(), urls.end(), is_local_link);
+        if (local == urls.end())
+            return refused(map, texture.attribute("url").value(),
+                           "a picture in a file, such as url='\"stiff.png\"'");
+        std::error_code ignored;
+        for (const std::string& url : urls) {
+            if (!is_local_link(url)) continue;
+            auto link = follow_link(url, file_);
+            if (link && !link->file.empty() && !std::filesystem::exists(link->file, ignored)) continue;
+            return link;
+        }
+        return follow_link(*local, file_);
+    }
+
+    Result<HapticLayer> layer(const Property& property) const {
+        const auto texture = map_of(surface_, property.map);
+        TRY_ASSIGN(const auto least,
+                   texture ? number(property.least, 0) : number(property.value, property.usual));
+        if (!texture) return HapticLayer{{}, {least, least}};
+        TRY_ASSIGN(const auto most, number(property.most, 1));
+        if (most < least)
+            return refused(
+                property.most, short_number(most),
+                (std::string("at least ") + property.least + ", which is " + short_number(least)).c_str());
+        TRY_ASSIGN(auto from, picture(texture, property.map));
+        return HapticLayer{std::move(from), {least, most}};
+    }
+
+    void add_notes(bool relative, HapticLayers& layers) const {
+        const std::string name = file_.string();
+        if (nodes_.with_maps.size() > 1)
+            layers.notes.push_back(name + " has " + std::to_string(nodes_.with_maps.size()) +
+                                   " HapticTexturesSurface nodes with maps: the first is taken");
+        if (relative)
+            add_remark(layers.remarks, {"stiffness of " + file_.filename().string() +
+                                            " is relative to a device's largest: 1 is taken for " +
+                                            short_number(unit_) + " N/mm",
+                                        true,
+                                        "the upper end of haptic.stiffness in the clip's scene file says it "
+                                        "otherwise; or useRelativeValues='false' and N/m"});
+        if (map_of(surface_, "dampingMap")) layers.notes.push_back("dampingMap of " + name + " is not used");
+        if (surface_.parent().child("TextureTransform"))
+            layers.notes.push_back("TextureTransform of " + name +
+                                   " is not used: pictures lie over the whole of depth's");
+    }
+
     Error refused(const char* field, std::string_view value, const char* right) const {
         return input_error(file_.string() + ": HapticTexturesSurface: " + field + " is " + in_quotes(value) +
                            ": must be " + right);
@@ -97,95 +180,6 @@ private:
     const Nodes& nodes_;
     const pugi::xml_node surface_;
 };
-
-/// What is empty counts as left out.
-Result<double> SurfaceReader::number(const char* field, double usual) const {
-    const std::string_view given = surface_.attribute(field).value();
-    std::string_view text = trimmed(given, blanks);
-    if (text.empty()) return usual;
-    if (text.front() == '+') text.remove_prefix(1);
-    const auto value = parsed_number(text);
-    if (!value || *value < 0) return refused(field, given, "a number, 0 or above");
-    return *value;
-}
-
-Result<bool> SurfaceReader::is_relative() const {
-    const std::string_view given = surface_.attribute("useRelativeValues").value(),
-                           text = trimmed(given, blanks);
-    if (text.empty() || text == "true" || text == "TRUE") return true;
-    if (text == "false" || text == "FALSE") return false;
-    return refused("useRelativeValues", given, "true or false");
-}
-
-Result<LinkedFile> SurfaceReader::picture(pugi::xml_node texture, const char* map) const {
-    if (const auto use = texture.attribute("USE")) {
-        const auto named = nodes_.named.find(use.value());
-        if (named == nodes_.named.end())
-            return refused(map, std::string("USE ") + use.value(), "the DEF of a node in this file");
-        texture = named->second;
-    }
-    if (std::string_view(texture.name()) != "ImageTexture")
-        return refused(map, texture.name(), "an ImageTexture");
-    const auto urls = strings_in(texture.attribute("url").value());
-    const auto local = std::find_if(urls.begin(), urls.end(), is_local_link);
-    if (local == urls.end())
-        return refused(map, texture.attribute("url").value(),
-                       "a picture in a file, such as url='\"stiff.png\"'");
-    std::error_code ignored;
-    for (const std::string& url : urls) {
-        if (!is_local_link(url)) continue;
-        auto link = follow_link(url, file_);
-        if (link && !link->file.empty() && !std::filesystem::exists(link->file, ignored)) continue;
-        return link;
-    }
-    return follow_link(*local, file_);
-}
-
-Result<HapticLayer> SurfaceReader::layer(const Property& property) const {
-    const auto texture = map_of(surface_, property.map);
-    TRY_ASSIGN(const auto least,
-               texture ? number(property.least, 0) : number(property.value, property.usual));
-    if (!texture) return HapticLayer{{}, {least, least}};
-    TRY_ASSIGN(const auto most, number(property.most, 1));
-    if (most < least)
-        return refused(
-            property.most, short_number(most),
-            (std::string("at least ") + property.least + ", which is " + short_number(least)).c_str());
-    TRY_ASSIGN(auto from, picture(texture, property.map));
-    return HapticLayer{std::move(from), {least, most}};
-}
-
-void SurfaceReader::add_notes(bool relative, HapticLayers& layers) const {
-    const std::string name = file_.string();
-    if (nodes_.with_maps.size() > 1)
-        layers.notes.push_back(name + " has " + std::to_string(nodes_.with_maps.size()) +
-                               " HapticTexturesSurface nodes with maps: the first is taken");
-    if (relative)
-        add_remark(layers.remarks,
-                   {"stiffness of " + file_.filename().string() +
-                        " is relative to a device's largest: 1 is taken for " + short_number(unit_) + " N/mm",
-                    true,
-                    "the upper end of haptic.stiffness in the clip's scene file says it "
-                    "otherwise; or useRelativeValues='false' and N/m"});
-    if (map_of(surface_, "dampingMap")) layers.notes.push_back("dampingMap of " + name + " is not used");
-    if (surface_.parent().child("TextureTransform"))
-        layers.notes.push_back("TextureTransform of " + name +
-                               " is not used: pictures lie over the whole of depth's");
-}
-
-Result<HapticLayers> SurfaceReader::read() {
-    HapticLayers layers;
-    layers.files.push_back(file_);
-    TRY_ASSIGN(const auto relative, is_relative());
-    for (std::size_t k = 0; k < properties.size(); ++k) {
-        TRY_ASSIGN(layers.properties[k], layer(properties[k]));
-    }
-    PropertyRange& stiffness = layers.properties[0].range;
-    const double unit = relative ? unit_ : 1e-3;
-    stiffness = {stiffness.min * unit, stiffness.max * unit};
-    add_notes(relative, layers);
-    return layers;
-}
 
 }  // namespace
 
