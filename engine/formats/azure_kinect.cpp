@@ -1,3 +1,6 @@
+// Recordings of an Azure Kinect: their calibration, and the scene that it makes. The pictures are read as
+// those of any video.
+
 #include "engine/formats/formats_read.hpp"
 
 #include <memory>
@@ -13,8 +16,6 @@
 
 namespace touchable {
 namespace {
-
-// A recording's calibration, and the scene that it makes; the pictures are read as those of any video.
 
 using checked_json::Node;
 

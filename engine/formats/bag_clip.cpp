@@ -1,3 +1,6 @@
+// Recordings of ROS as clips. Their topics are messages of connections (BagFile). One topic of pictures is
+// depth, another one of them may be its colour; cameras, poses and units are in topics beside them.
+
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
@@ -28,9 +31,6 @@ namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A recording's topics are messages of connections (BagFile). One topic of pictures is depth, another one of
-// them may be its colour; cameras, poses and units are in topics beside them.
 
 /// A topic of pictures.
 struct BagPictures {

@@ -1,3 +1,6 @@
+// How chunks are unpacked, and recordings of ROS 1: records of fields and data, which an index at the end
+// lists.
+
 #include "engine/formats/bag_file.hpp"
 
 #include <bzlib.h>
@@ -13,9 +16,6 @@
 
 namespace touchable {
 namespace {
-
-// How chunks are unpacked, and recordings of ROS 1: records of fields and data, which an index at the end
-// lists.
 
 constexpr std::uint32_t largest_chunk = 128 << 20;  // recorders begin another one after each MiB or ten
 constexpr std::size_t piece_bytes = 64 << 10;

@@ -128,10 +128,9 @@ struct FoundPoses {
 std::optional<FoundPoses> poses_beside(const std::filesystem::path& folder, const PictureFiles& depth,
                                        const FrameRate& rate, double metres_per_unit);
 
-// Files beside pictures that say that colour does not lie on depth's pixels.
-
-/// A matrix that takes points from depth's camera to colour's or back (depth_M_color.txt,
-/// extrinsic_color.txt), and is more than the unit matrix; nothing where there is none.
+/// A file beside pictures that says that colour does not lie on depth's pixels: a matrix that takes points
+/// from depth's camera to colour's or back (depth_M_color.txt, extrinsic_color.txt), and is more than the
+/// unit matrix; nothing where there is none.
 std::optional<std::filesystem::path> colour_movement_in(const std::filesystem::path& folder);
 
 /// Colour's camera as ViSP stores it: depth_M_color.txt (`movement`; to depth's camera, metres), and beside

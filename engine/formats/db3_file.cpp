@@ -1,3 +1,5 @@
+// A database that reads nothing but the bytes it is given (SqliteBytes), and the recording in it.
+
 #include "engine/formats/bag_file.hpp"
 
 #include <sqlite3.h>
@@ -21,8 +23,6 @@
 
 namespace touchable {
 namespace {
-
-// A database that reads nothing but the bytes it is given (SqliteBytes), and the recording in it.
 
 /// A database of SQLite in bytes that may be hostile. It is read as it is: no other file is opened
 /// (neither journal nor write-ahead log), nothing is written, and neither views nor virtual tables nor

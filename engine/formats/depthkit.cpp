@@ -1,3 +1,5 @@
+// Depthkit's metadata (DepthkitMetadata), and the video that they describe (DepthkitPictures).
+
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
@@ -18,8 +20,6 @@
 
 namespace touchable {
 namespace {
-
-// Depthkit's metadata, and the video that they describe.
 
 /// A colour means a depth where R + G + B > 0.3, of bytes as 0 to 1.
 constexpr int least_sum = 77;

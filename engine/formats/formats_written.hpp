@@ -1,5 +1,19 @@
 #pragma once
 
+// Writers of the formats that other programs read, beside our own clips (engine/clip): pictures in a folder,
+// one frame as pictures, as an MPEG-4 scene's text or in one MP4 file, a glTF scene, LeRobot's video of
+// depth.
+//
+// Each create_ function checks that the clip can be stored so and returns a ClipWriter, which takes the
+// frames in order; `finish` gives the files their names. Until then they lie in a hidden folder or file
+// beside their place, which is removed with the writer: a clip is there as a whole, or not at all.
+// `existing`: whether a file of that name may be replaced. A _files function lists every file that a writer
+// may write, so that a caller can compare them with its inputs first. Pictures are PNG, which keeps every
+// value.
+//
+// A writer is used by one thread; several writers may be used at once. Errors are one line with the name that
+// the file would have had.
+
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -14,20 +28,6 @@
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
-
-// Writers of the formats that other programs read, beside our own clips (engine/clip): pictures in a folder,
-// one frame as pictures, as an MPEG-4 scene's text or in one MP4 file, a glTF scene, LeRobot's video of
-// depth.
-//
-// Each create_ function checks that the clip can be stored so and returns a ClipWriter, which takes the
-// frames in order; `finish` gives the files their names. Until then they lie in a hidden folder or file
-// beside their place, which is removed with the writer: a clip is there as a whole, or not at all.
-// `existing`: whether a file of that name may be replaced. A _files function lists every file that a writer
-// may write, so that a caller can compare them with its inputs first. Pictures are PNG, which keeps every
-// value.
-//
-// A writer is used by one thread; several writers may be used at once. Errors are one line with the name that
-// the file would have had.
 
 /// A folder that opens as a clip as it is: scene.json, depth_000000.png and so on, colour_, haptic_ and
 /// height_; a plane that is the same in every frame is one picture, such as haptic.png. `existing`: of an

@@ -1,3 +1,6 @@
+// A glTF file of version 2, what its haptic material says of touch, and the clip that its textures are. Until
+// read_gltf all of it throws: a checked_json::Refusal, or the Error of a file that it names.
+
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
@@ -24,9 +27,6 @@
 
 namespace touchable {
 namespace {
-
-// A glTF file of version 2, what its haptic material says of touch, and the clip that its textures are. Until
-// read_gltf all of it throws: a checked_json::Refusal, or the Error of a file that it names.
 
 using checked_json::Node;
 using checked_json::Refusal;

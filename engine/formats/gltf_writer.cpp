@@ -1,3 +1,6 @@
+// The scene is drawn as a still mesh by programs that know no video (FallbackMesh). Its video, its haptic
+// material and its scene file stand in extensions and "extras", which they may leave unread (GltfScene).
+
 #include "engine/formats/gltf_writer.hpp"
 
 #include <algorithm>
@@ -24,9 +27,6 @@ namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The scene is drawn as a still mesh by programs that know no video (FallbackMesh). Its video, its haptic
-// material and its scene file stand in extensions and "extras", which they may leave unread (GltfScene).
 
 constexpr int most_cells = 96;  // of the mesh, along the longer side
 /// Of the distance between two vertices across the line of sight, at the nearer one: what is steeper is taken

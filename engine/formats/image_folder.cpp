@@ -1,3 +1,6 @@
+// Folders of pictures: read as clips (FolderPictures), and written (PictureWriter), frames first into a
+// hidden folder beside their place.
+
 #include "engine/formats/formats_read.hpp"
 
 #include <fcntl.h>
@@ -33,8 +36,6 @@ namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Reading
 
 /// Of files with pictures of several planes.
 PictureLayer layer_of(PlaneRole role) {
@@ -216,7 +217,7 @@ private:
     bool reads_side_by_side_ = false;
 };
 
-// Writing: frames come into a hidden folder beside their place.
+// --- Writing
 
 constexpr const char* scene_name = "scene.json";
 constexpr const char* times_list = "depth.txt";

@@ -1,3 +1,5 @@
+// LeRobot's depth: its codes, the description of its videos (info.json), and the writer of such a video.
+
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
@@ -24,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// LeRobot's depth: its codes, the description of its videos (info.json), and the writer of such a video.
 using checked_json::Json;
 using OrderedJson = nlohmann::ordered_json;
 

@@ -1,3 +1,6 @@
+// Recordings in MCAP: records in the file and in its chunks, by the indices of the chunks where these are
+// right.
+
 #include "engine/formats/bag_file.hpp"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// A static MPEG-4 scene in one MP4 file, whose planes are tracks of one picture each: the reader, then the
+// writer.
+
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
@@ -20,9 +23,6 @@
 
 namespace touchable {
 namespace {
-
-// A static MPEG-4 scene in one MP4 file, whose planes are tracks of one picture each: the reader, then the
-// writer.
 
 /// Nothing where the scene has no such plane. Errors have no place.
 Result<std::optional<mpeg4::FirstSample>> sample_of_plane(const mpeg4::Bytes& movie, const Mp4Scene& scene,

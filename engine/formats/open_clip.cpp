@@ -1,3 +1,6 @@
+// Opens clips of every kind. Files come first: what recognises each kind, what opens it, and the table of all
+// (Format); then folders, scene files and URLs.
+
 #include "engine/formats/open_clip.hpp"
 
 #include <algorithm>
@@ -28,9 +31,6 @@ namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Files first: what recognises each kind, what opens it, and the table of all; then folders, scene files and
-// URLs.
 
 /// What the caller of open_clip wants of the clip.
 struct OpenSettings {

@@ -1,5 +1,8 @@
 #pragma once
 
+// The files of a folder of pictures: those of each plane by a scene's patterns and lists, which frame each is
+// of and when that was taken; and, of a folder that no scene describes, which rows of pictures it has.
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -15,9 +18,6 @@
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
-
-// The files of a folder of pictures: those of each plane by a scene's patterns and lists, which frame each is
-// of and when that was taken; and, of a folder that no scene describes, which rows of pictures it has.
 
 /// The files of a plane, one a frame. The last serves all frames that come after it as well: a still and a
 /// stack, which may be described as millions of frames, have one file.

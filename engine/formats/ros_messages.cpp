@@ -1,3 +1,5 @@
+// Messages of ROS 1, their making from CDR, and the pictures in them.
+
 #include "engine/formats/ros_messages.hpp"
 
 #include <algorithm>
@@ -13,8 +15,6 @@
 
 namespace touchable {
 namespace {
-
-// Messages of ROS 1, their making from CDR, and the pictures in them.
 
 static_assert(std::endian::native == std::endian::little, "numbers are read as they are stored");
 

@@ -1,5 +1,8 @@
 #pragma once
 
+// Messages as ROS 1 serialises them, and what ROS 2 has of them, brought into that form. Texts and data are
+// parts of the bytes given. A message is nothing where the bytes are too few for it.
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,9 +16,6 @@
 #include "engine/picture/image.hpp"
 
 namespace touchable {
-
-// Messages as ROS 1 serialises them, and what ROS 2 has of them, brought into that form. Texts and data are
-// parts of the bytes given. A message is nothing where the bytes are too few for it.
 
 /// A type of messages that is read, in the one form that it has had: its name, and the hash of its
 /// definition.

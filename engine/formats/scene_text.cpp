@@ -1,3 +1,5 @@
+// Texts of MPEG-4 scenes, and the pictures or videos that they name, as clips (SceneTextClip).
+
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>

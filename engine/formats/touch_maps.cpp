@@ -1,3 +1,6 @@
+// Touch in pictures of other programs: links that lead to them, layers of one property each and their
+// joining, maps of a whole clip, videos of touch (TouchPictures).
+
 #include "engine/formats/touch_maps.hpp"
 
 #include <algorithm>
@@ -19,8 +22,6 @@
 
 namespace touchable {
 namespace {
-
-// Links that lead to pictures; layers of one property each, joined; maps of a whole clip; videos of touch.
 
 /// "http" of "http://host/a.png"; a drive's letter is one as well.
 std::string scheme_of(std::string_view url) {

@@ -1,5 +1,9 @@
 #pragma once
 
+// What the numbers of a depth picture tell of how they were stored: their unit, bits in another order, a
+// renderer's background, the even steps that floats came from. What goes over all pixels is unfinished where
+// the thread is asked to stop meanwhile; callers check stop_requested.
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,10 +17,6 @@
 
 namespace touchable {
 
-// What the numbers of a depth picture tell of how they were stored: their unit, bits in another order, a
-// renderer's background, the even steps that floats came from. What goes over all pixels is unfinished where
-// the thread is asked to stop meanwhile; callers check stop_requested.
-
 /// Sample `k` of a picture of one channel, of 8 bits, or of 16 in host order.
 inline std::uint16_t sample_at(const Image& image, std::size_t k) {
     if (image.bytes_per_sample == 1) return image.samples[k];
@@ -29,14 +29,13 @@ inline std::size_t pixel_count(const Image& image) {
     return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
-// Of pictures of 16 bits: 0 and 65535 say nothing, one pixel in a thousand may differ, and fewer than 20
-// values that differ are no evidence.
-
-/// The largest number to 1000 of which all are multiples; 1: they have none, or are no evidence.
+/// The largest number to 1000 of which all values of 16 bits are multiples; 1: they have none, or are no
+/// evidence. 0 and 65535 say nothing, one pixel in a thousand may differ, and fewer than 20 values that
+/// differ are no evidence.
 int common_divisor(const StoredImage& picture);
 
 /// Whose data set stores depth like this: raw disparities with their bytes swapped (nyu), bits rotated by 3
-/// (sun). Null: no evidence of any.
+/// (sun). Null: no evidence of any, as in `common_divisor`.
 struct EvidentPreset {
     const SourceDescription::Preset* preset = nullptr;
     std::string why{};  ///< "its values ...", in words

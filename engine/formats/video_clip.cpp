@@ -1,3 +1,6 @@
+// A video without a scene file is guessed by its first picture (VideoGuess); what a scene's VideoSource says
+// is read by VideoPictures.
+
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
@@ -20,9 +23,6 @@ namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
-
-// A video without a scene file is guessed by its first picture (VideoGuess); what a scene's VideoSource says
-// is read by VideoPictures.
 
 constexpr const char* otherwise = "a scene file's video.layout and values say otherwise";
 

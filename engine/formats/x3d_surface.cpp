@@ -1,3 +1,5 @@
+// Surfaces of touch in X3D: H3DAPI's HapticTexturesSurface (SurfaceReader).
+
 #include "engine/formats/touch_maps.hpp"
 
 #include <algorithm>

@@ -74,16 +74,14 @@ std::int64_t next_segment_of(std::string_view media);
 
 // --- Playlists that are read
 
-// A place is "http://...", "https://..." or "file:" and an absolute path. Errors (ErrorKind::input) go behind
-// the place and a colon.
-
 /// Longer ones are refused.
 inline constexpr std::size_t largest_hls_playlist = std::size_t{1} << 20;
 
 bool is_hls_playlist(std::string_view first_bytes);
 
-/// The place that a playlist at `base` names. Refused: another scheme or host than its own (of a file, what
-/// is not beside or below it), and what is no URI.
+/// The place that a playlist at `base` names: "http://...", "https://...", or "file:" and an absolute path.
+/// Errors (ErrorKind::input), of all functions here, go behind the place and a colon. Refused: another scheme
+/// or host than its own (of a file, what is not beside or below it), and what is no URI.
 Result<std::string> resolved_place(std::string_view base, std::string_view named);
 
 /// Media playlists of a stream.

@@ -19,6 +19,7 @@
 #include "engine/mpeg4/boxes.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/hls.hpp"
+#include "engine/stream/stream_bytes.hpp"
 
 namespace touchable {
 namespace {
@@ -44,24 +45,6 @@ struct FetchWait {
     }
 };
 
-struct FetchedIoCloser {
-    void operator()(AVIOContext* io) const { avio_closep(&io); }
-};
-
-/// Allows no protocol but the place's own, and no redirection to another host.
-AVDictionary* fetch_options(const std::string& place, const ByteRange& range) {
-    AVDictionary* options = nullptr;
-    const bool is_tls = place.starts_with("https:");
-    av_dict_set(&options, "protocol_whitelist", is_tls ? "https,tls,tcp" : "http,tcp", 0);
-    av_dict_set(&options, "max_redirects", "0", 0);
-    av_dict_set(&options, "icy", "0", 0);
-    av_dict_set(&options, "user_agent", "touchable", 0);
-    if (is_tls) av_dict_set(&options, "tls_verify", "1", 0);
-    if (range.begin > 0) av_dict_set_int(&options, "offset", range.begin, 0);
-    if (range.end) av_dict_set_int(&options, "end_offset", *range.end, 0);
-    return options;
-}
-
 Error fetch_failure(const FetchWait& wait, int status) {
     if (wait.is_late()) return input_error("cannot be fetched: it took longer than 10 s");
     return input_error("cannot be fetched: " + ffmpeg_text(status));
@@ -69,13 +52,15 @@ Error fetch_failure(const FetchWait& wait, int status) {
 
 Result<std::string> fetch_from_web(const std::string& place, std::size_t most, const ByteRange& range,
                                    FetchWait& wait) {
-    AVDictionary* options = fetch_options(place, range);
+    AVDictionary* options = http_options(place.starts_with("https:"));
+    if (range.begin > 0) av_dict_set_int(&options, "offset", range.begin, 0);
+    if (range.end) av_dict_set_int(&options, "end_offset", *range.end, 0);
     const AVIOInterruptCB callback{FetchWait::is_over, &wait};
     AVIOContext* opened = nullptr;
     int status = avio_open2(&opened, place.c_str(), AVIO_FLAG_READ, &callback, &options);
     av_dict_free(&options);
     if (status < 0) return fetch_failure(wait, status);
-    const std::unique_ptr<AVIOContext, FetchedIoCloser> io(opened);
+    const IoPtr io(opened);
     std::string bytes;
     std::array<unsigned char, 1 << 16> some;
     while (true) {

@@ -1,3 +1,6 @@
+// Playlists of HTTP Live Streaming: texts of ours that are written, and texts of any sender that are read and
+// judged.
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>

@@ -22,23 +22,13 @@ namespace {
 
 // --- FFmpeg's protocols
 
-struct IoCloser {
-    void operator()(AVIOContext* io) const { avio_closep(&io); }
-};
-using IoPtr = std::unique_ptr<AVIOContext, IoCloser>;
-
 AVDictionary* network_options(const StreamUrl& url) {
+    if (url.transport == StreamTransport::http) return http_options(url.is_tls);
     AVDictionary* options = nullptr;
     const auto set = [&](const char* name, const std::string& value) {
         if (!value.empty()) av_dict_set(&options, name, value.c_str(), 0);
     };
     set("protocol_whitelist", url.protocols());
-    if (url.transport == StreamTransport::http) {
-        set("max_redirects", "0");
-        set("icy", "0");
-        set("user_agent", "touchable");
-        if (url.is_tls) set("tls_verify", "1");
-    }
     if (url.transport == StreamTransport::udp) {
         set("overrun_nonfatal", "1");
         set("buffer_size", "4194304");
@@ -255,6 +245,16 @@ Error StreamWait::in_time(Error error) const {
 }
 
 // --- StreamBytes
+
+AVDictionary* http_options(bool is_tls) {
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "protocol_whitelist", is_tls ? "https,tls,tcp" : "http,tcp", 0);
+    av_dict_set(&options, "max_redirects", "0", 0);
+    av_dict_set(&options, "icy", "0", 0);
+    av_dict_set(&options, "user_agent", "touchable", 0);
+    if (is_tls) av_dict_set(&options, "tls_verify", "1", 0);
+    return options;
+}
 
 Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
                                                           std::shared_ptr<StreamWait> wait,

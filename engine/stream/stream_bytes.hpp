@@ -49,6 +49,14 @@ private:
     std::atomic<std::int64_t> until_ns_{never}, together_until_ns_{never};
 };
 
+struct IoCloser {
+    void operator()(AVIOContext* io) const { avio_closep(&io); }
+};
+using IoPtr = std::unique_ptr<AVIOContext, IoCloser>;
+
+/// What FFmpeg is told of a request by HTTP: no protocol but the address's own, and no redirection.
+AVDictionary* http_options(bool is_tls);
+
 /// A sender's bytes as they come: by libsrt, over FFmpeg's protocols, of which it uses those of its address
 /// alone, or through a pipe. No read waits longer than its StreamWait. An HTTP server that sends one
 /// elsewhere is refused. One thread.
