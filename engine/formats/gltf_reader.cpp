@@ -217,7 +217,8 @@ std::optional<GltfVideo> GltfFile::video(const Node& texture) const {
         throw Refusal{"the buffer of a video has no MPEG_buffer_circular: must say of which media it is"};
     const auto files = gltf_extension(root(), "MPEG_media");
     if (!files) throw Refusal{"has no extensions.MPEG_media: must say which files its videos are"};
-    const Node file = local_alternative(one_of((*files)["media"], (*frames)["media"], "media"));
+    const Node media = (*files)["media"];
+    const Node file = local_alternative(one_of(media, (*frames)["media"], "media"));
     video.file = file["uri"].text();
     if (!file.has("tracks")) return video;
     const std::vector<Node> tracks = gltf_array(file["tracks"]);

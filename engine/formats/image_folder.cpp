@@ -37,6 +37,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// --- Reading
+
 /// Of files with pictures of several planes.
 PictureLayer layer_of(PlaneRole role) {
     if (role == PlaneRole::colour) return PictureLayer::colour;

@@ -87,7 +87,7 @@ struct FloatLattice {
     double off = 0;           ///< share of the floats that lie between its numbers
 };
 
-/// Finds the lattice of floats by a sample of them. It is told from chance: at least 8 of its numbers occur,
+/// Finds the lattice of floats by a sample of them. Chance is ruled out: at least 8 of its numbers occur,
 /// all but one float in a hundred lie on it, within what rounding to 32 bits (or 11, is_rounded) does to
 /// them, where those of no lattice would do so once in 32 times at most. Its span is at most `most_codes`
 /// steps, which 1 float in 1000 may exceed. What is coarser than 1/25 of the median (of reciprocals 1/4) is

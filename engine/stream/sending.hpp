@@ -304,7 +304,7 @@ public:
     virtual Result<void> start() = 0;
     /// From any thread: nothing is sent any more, not even what is on its way.
     virtual void end() = 0;
-    /// The stream is over, and all of it was given, or nobody is there.
+    /// The stream is over, and all of it was given, or there is no listener.
     virtual bool is_over() const = 0;
     /// Whether this end calls; otherwise it listens.
     virtual bool calls() const = 0;

@@ -219,6 +219,16 @@ private:
 
 }  // namespace
 
+AVDictionary* http_options(bool is_tls) {
+    AVDictionary* options = nullptr;
+    av_dict_set(&options, "protocol_whitelist", is_tls ? "https,tls,tcp" : "http,tcp", 0);
+    av_dict_set(&options, "max_redirects", "0", 0);
+    av_dict_set(&options, "icy", "0", 0);
+    av_dict_set(&options, "user_agent", "touchable", 0);
+    if (is_tls) av_dict_set(&options, "tls_verify", "1", 0);
+    return options;
+}
+
 // --- StreamWait
 
 void StreamWait::at_most(std::chrono::milliseconds longest) {
@@ -245,16 +255,6 @@ Error StreamWait::in_time(Error error) const {
 }
 
 // --- StreamBytes
-
-AVDictionary* http_options(bool is_tls) {
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "protocol_whitelist", is_tls ? "https,tls,tcp" : "http,tcp", 0);
-    av_dict_set(&options, "max_redirects", "0", 0);
-    av_dict_set(&options, "icy", "0", 0);
-    av_dict_set(&options, "user_agent", "touchable", 0);
-    if (is_tls) av_dict_set(&options, "tls_verify", "1", 0);
-    return options;
-}
 
 Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
                                                           std::shared_ptr<StreamWait> wait,
