@@ -24,7 +24,7 @@
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/run/recording.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 

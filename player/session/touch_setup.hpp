@@ -43,7 +43,6 @@
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/run/live_session.hpp"
 #include "player/run/run_files.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
