@@ -1,25 +1,195 @@
-// touch_clip_* and touch_frameset_*: whatever the program opens, as framesets.
-#include <algorithm>
-#include <cstring>
-#include <utility>
+// libtouchable-media: clips (any file that the program opens, as framesets) and writers (framesets of a
+// program as a clip). Scenes and their handles are the other library's, and are reached by its C functions
+// alone.
+#include "capi/api_common.hpp"
 
-#include "capi/clip_settings.hpp"
-#include "capi/clip_words.hpp"
-#include "capi/frames.hpp"
-#include "capi/open_clips.hpp"
-#include "capi/status.hpp"
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
+#include "engine/formats/formats_written.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/stream/stream_url.hpp"
 #include "engine/surface/depth_estimator.hpp"
 
+namespace fs = std::filesystem;
 using namespace touchable;
 using namespace touchable::capi;
 
-namespace touchable::capi {
 namespace {
+
+/// The members of touch_clip_settings that state a setting; empty: none does.
+std::string_view members_of(Setting setting) {
+    switch (setting) {
+        case Setting::depth_unit:
+            return "metres_per_code";
+        case Setting::field_of_view:
+            return "fov_degrees";
+        case Setting::intrinsics:
+            return "fx_px and fy_px";
+        case Setting::preset:
+            return "preset";
+        case Setting::scene_file:
+            return "scene_file";
+        default:
+            return {};
+    }
+}
+
+std::string members_of(const Hints& hints) {
+    std::string members;
+    for (const Hint& hint : hints) {
+        const std::string_view member = members_of(hint.setting);
+        if (!member.empty()) members.append(members.empty() ? "" : " or ").append(member);
+    }
+    return members;
+}
+
+/// An error's line with the members of touch_clip_settings that would help.
+Error with_members(const Error& error) {
+    const std::string members = members_of(error.hints);
+    return members.empty() ? error : Error{error.kind, error.message + " (" + members + ')'};
+}
+
+/// A remark on a clip, with the members that say otherwise.
+std::string note_with_members(const Remark& remark) {
+    const std::string members = members_of(remark.hints);
+    if (members.empty()) return remark_in_words(remark);
+    Remark with = remark;
+    with.otherwise =
+        remark.otherwise.empty() ? members + " says otherwise" : remark.otherwise + ": " + members;
+    return remark_in_words(with);
+}
+
+/// Colour, and nothing known of the camera.
+touch_clip_settings default_clip_settings() {
+    touch_clip_settings settings{};
+    settings.struct_size = sizeof settings;
+    settings.colour = 1;
+    settings.cx_px = settings.cy_px = std::nan("");
+    return settings;
+}
+
+Error refuse_member(const char* member, const char* right) {
+    return usage_error(std::string(member) + " is out of range; right would be " + right);
+}
+
+bool is_within(double value, double least, double most) {
+    return value >= least && value <= most;  // of NaN it is not
+}
+
+/// What a program states of a clip's camera; nothing where it states nothing. Errors name the member.
+Result<std::optional<SourceDescription>> known_of(const touch_clip_settings& settings) {
+    SourceDescription known;
+    constexpr double longest_px = 1e9;
+    if (settings.fx_px != 0 || settings.fy_px != 0) {
+        if (!(settings.fx_px > 0 && settings.fx_px <= longest_px && settings.fy_px > 0 &&
+              settings.fy_px <= longest_px))
+            return refuse_member("fx_px or fy_px", "above 0, or both 0");
+        known.intrinsics = Intrinsics{.fx = settings.fx_px, .fy = settings.fy_px};
+        const auto place = [](double px) { return std::isnan(px) ? std::nullopt : std::optional(px); };
+        known.intrinsics->cx = place(settings.cx_px);
+        known.intrinsics->cy = place(settings.cy_px);
+        if (std::isinf(settings.cx_px) || std::isinf(settings.cy_px))
+            return refuse_member("cx_px or cy_px", "pixels, or NaN for the middle");
+    }
+    if (settings.fov_degrees != 0) {
+        if (!is_within(settings.fov_degrees, 1, 179)) return refuse_member("fov_degrees", "1 to 179");
+        if (known.intrinsics)
+            return usage_error("fx_px and fov_degrees are both set; right would be one of them");
+        known.fov = settings.fov_degrees;
+    }
+    if (settings.metres_per_code != 0) {
+        if (!is_within(settings.metres_per_code, 1e-9, 1e6))
+            return refuse_member("metres_per_code", "1e-9 to 1e6");
+        known.metres_per_code = settings.metres_per_code;
+    }
+    if (settings.preset) known.preset = settings.preset;
+    if (known == SourceDescription{}) return std::optional<SourceDescription>();
+    if (settings.scene_file)
+        return usage_error(
+            "scene_file is set, and something of the camera beside it; right would be one of them");
+    return std::optional(std::move(known));
+}
+
+std::vector<std::string> notes_of(const ClipReader& reader) {
+    std::vector<std::string> notes;
+    for (const Remark& remark : remarks_of(reader)) notes.push_back(note_with_members(remark));
+    return notes;
+}
+
+/// Absolute paths stay right when the program goes to another folder.
+std::vector<fs::path> absolute(const std::vector<fs::path>& files) {
+    std::vector<fs::path> whole;
+    for (const fs::path& file : files) {
+        std::error_code failure;
+        whole.push_back(fs::absolute(file, failure));
+    }
+    return whole;
+}
+
+/// Behind a touch_clip.
+struct ClipObject {
+    explicit ClipObject(std::unique_ptr<ClipReader> opened)
+        : described(opened->described()),
+          tracks(opened->tracks()),
+          notes(notes_of(*opened)),
+          frames(opened->frame_count()),
+          inputs(absolute(opened->inputs())),
+          reader(std::move(opened)) {}
+
+    bool has(const char* role) const {
+        return std::any_of(tracks.begin(), tracks.end(),
+                           [&](const TrackInfo& track) { return track.role == role; });
+    }
+
+    const SceneDescription described;
+    const std::vector<TrackInfo> tracks;
+    const std::vector<std::string> notes;  ///< with the members that say otherwise
+    const std::optional<std::int64_t> frames;
+    const std::vector<fs::path> inputs;
+    std::stop_source stop;
+
+    std::atomic_flag reading = ATOMIC_FLAG_INIT;  ///< guards what follows
+    std::unique_ptr<ClipReader> reader;           ///< null: it could not be read on
+    std::int64_t next_frame = 0;                  ///< of the reader
+    std::shared_ptr<RawFrame> unclaimed;          ///< was read, and there was no room for it; null: none
+};
+
+HandleTable<ClipObject>& clips() {
+    static auto& table = *new HandleTable<ClipObject>(4, Forked::refused);
+    return table;
+}
+
+/// Whether a clip that is open is read from this file, or from a file in this folder, whatever its name.
+bool is_read_by_an_open_clip(const fs::path& path) {
+    bool is_read = false;
+    clips().for_each([&](const ClipObject& clip) {
+        for (const fs::path& input : clip.inputs) {
+            std::error_code absent;
+            is_read = is_read || fs::equivalent(input, path, absent) ||
+                      fs::equivalent(input.parent_path(), path, absent);
+        }
+    });
+    return is_read;
+}
 
 /// Behind a touch_frameset: its storage keeps the planes.
 using FramesetObject = RawFrame;
@@ -54,7 +224,7 @@ touch_clip_facts facts_of(const ClipObject& clip) {
     return facts;
 }
 
-/// Looks at first frames. Where a later one is damaged, those before it count.
+/// Looks at first frames. If a later frame is damaged, the frames before it count.
 Result<void> look_ahead(Prefetch& ahead, DepthEstimator& estimator) {
     for (bool is_first = true; !estimator.enough(); is_first = false) {
         const auto frame = ahead.next();
@@ -65,7 +235,8 @@ Result<void> look_ahead(Prefetch& ahead, DepthEstimator& estimator) {
     return {};
 }
 
-/// What the clip's first frames tell; whatever comes of it, the clip is where it was.
+/// Measures the clip's first frames. Afterwards the clip is at the same frame as before, also after a
+/// fault.
 Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
     if (clip.next_frame != 0) TRY(clip.reader->seek(0));
     DepthEstimator estimator(clip.described.scene);
@@ -78,7 +249,7 @@ Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
     return estimator.measured();
 }
 
-/// A scene of the other library, by the text that says all of it.
+/// Makes a scene of the other library, by the text that says all of it.
 touch_status hand_out_scene(SceneDescription described, touch_scene& scene, touch_error* error) {
     described.scene.rate.own_times.reset();  // which no text says
     const std::string text = scene_to_json(described);
@@ -97,7 +268,7 @@ touch_status choose_scene(ClipObject& clip, touch_scene& scene, touch_error* err
     return hand_out_scene(chosen, scene, error);
 }
 
-/// Runs `read` on a clip that nobody else reads, for as long as nobody interrupts it.
+/// Runs `read` on a clip that no other thread reads, until it ends or the clip is interrupted.
 template <class Function>
 touch_status with_reader(touch_clip handle, touch_error* error, Function&& read) {
     const auto use = clips().find(handle.id);
@@ -111,8 +282,119 @@ touch_status with_reader(touch_clip handle, touch_error* error, Function&& read)
     return read(*use);
 }
 
+/// Behind a touch_writer.
+struct WriterObject {
+    WriterObject(Scene scene, std::unique_ptr<ClipWriter> writer)
+        : scene(std::move(scene)), writer(std::move(writer)) {}
+
+    const Scene scene;
+    std::atomic_flag writing = ATOMIC_FLAG_INIT;  ///< guards what follows
+    std::unique_ptr<ClipWriter> writer;
+    FrameCheck check;
+    FrameScratch scratch;
+};
+
+HandleTable<WriterObject>& writers() {
+    static auto& table = *new HandleTable<WriterObject>(6, Forked::refused);
+    return table;
+}
+
+/// Reads a scene of the other library, by the text that says all of it.
+touch_status read_scene(touch_scene scene, SceneDescription& described, touch_error* error) {
+    std::size_t length = 0;
+    if (touch_scene_text(scene, nullptr, 0, &length) != TOUCH_OK) return fail_stale(error, "scene");
+    std::string text(length, '\0');
+    if (touch_scene_text(scene, text.data(), text.size(), &length) != TOUCH_OK || length != text.size())
+        return fail_stale(error, "scene");
+    auto whole = scene_of_text(text);
+    if (!whole) return fail(error, whole.error());
+    described = std::move(*whole);
+    return TOUCH_OK;
+}
+
+Result<void> take_times(const touch_writer_settings& settings, Scene& scene) {
+    if (!settings.times_ns && settings.times == 0) return {};
+    constexpr std::size_t most = std::size_t{1} << 28;
+    if (!settings.times_ns || settings.times < 2 || settings.times > most)
+        return usage_error("times_ns is NULL, or times is not 2 or more");
+    const std::vector<std::int64_t> times(settings.times_ns, settings.times_ns + settings.times);
+    auto rate = times.front() == 0 ? rate_of_own_times(times) : std::nullopt;
+    if (!rate)
+        return usage_error("times_ns must begin with 0, and each be at least 1 ms after the one before");
+    scene.rate = std::move(*rate);
+    return {};
+}
+
+bool is_folder_name(const fs::path& path) {
+    return !path.has_filename() || path.extension().empty();
+}
+
+bool is_clip_name(const fs::path& path) {
+    std::string ending = path.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char letter) {
+        return letter >= 'A' && letter <= 'Z' ? letter + 32 : letter;
+    });
+    return ending == ".mkv" || ending == ".mp4";
+}
+
+/// Refuses a place that is taken, unless it may be overwritten and no open clip is read from it.
+Result<void> check_place(const fs::path& path, bool overwrite) {
+    std::error_code ignored;
+    if (!fs::exists(fs::symlink_status(path, ignored))) return {};
+    const std::string name = path.string();
+    if (is_read_by_an_open_clip(path))
+        return usage_error(name + " belongs to a clip that is open; close that first, or give another name");
+    if (!is_folder_name(path) || !fs::is_directory(path, ignored))
+        return overwrite ? Result<void>()
+                         : usage_error(name + " is there already; give another name, or set overwrite");
+    if (!is_image_folder(path))
+        return usage_error(name + " holds other files than a clip's pictures; give another name");
+    if (!overwrite && !fs::is_empty(path, ignored))
+        return usage_error(name + " is there already; give another name, or set overwrite");
+    return {};
+}
+
+Result<std::unique_ptr<ClipWriter>> create_writer(const fs::path& path, const SceneDescription& described,
+                                                  const touch_writer_settings& settings) {
+    const Existing existing = settings.overwrite != 0 ? Existing::replace : Existing::keep;
+    if (is_folder_name(path)) return create_image_folder(path, described, existing);
+    ClipStorage storage;
+    storage.archive = settings.small != 0 ? Archive::small : Archive::fast;
+    storage.exact_colour = settings.exact_colour != 0;
+    return create_named_clip(path, described, storage, existing);
+}
+
+/// Writes the next frame, numbered by the writer, at the scene's rate.
+touch_status write(WriterObject& object, const touch_frame& given, touch_error* error) {
+    if (!object.writer)
+        return fail(error, TOUCH_USAGE, "an earlier frame could not be written; abandon this writer");
+    touch_frame frame = given;
+    frame.number = object.check.frames();
+    frame.time_ns = object.scene.rate.time_ns(frame.number);
+    auto raw = raw_frame(frame, object.scene, object.scratch);
+    if (!raw) return fail(error, raw.error());
+    if (auto sound = object.check.check(*raw, object.scene); !sound)
+        return fail(error, sound.error().kind == ErrorKind::internal ? TOUCH_USAGE : TOUCH_INPUT,
+                    sound.error().message);
+    if (auto written = object.writer->write(*raw); !written) {
+        object.writer.reset();
+        return fail(error, written.error());
+    }
+    return TOUCH_OK;
+}
+
+Result<void> finish(WriterObject& object) {
+    if (!object.writer) return usage_error("an earlier frame could not be written");
+    if (object.check.frames() == 0) return usage_error("no frame was written; a clip has one at least");
+    if (object.scene.rate.own_times &&
+        static_cast<std::int64_t>(object.scene.rate.own_times->size()) != object.check.frames())
+        return usage_error("times_ns has " + std::to_string(object.scene.rate.own_times->size()) +
+                           " times, but " + std::to_string(object.check.frames()) + " frames were written");
+    TRY(object.writer->complete());
+    return object.writer->finish();
+}
+
 }  // namespace
-}  // namespace touchable::capi
 
 touch_status touch_clip_settings_defaults(touch_clip_settings* settings, uint32_t struct_size) {
     return give_defaults(default_clip_settings(), settings, struct_size);
@@ -125,11 +407,10 @@ touch_status touch_clip_open(const char* path, const touch_clip_settings* settin
             return fail(
                 error, TOUCH_USAGE,
                 "path or clip is NULL, path is empty, or struct_size is not sizeof(touch_clip_settings)");
-        touch_clip_settings wanted = default_clip_settings();
-        if (settings) wanted = over_defaults(*settings, wanted);
+        const touch_clip_settings wanted = over_defaults(settings, default_clip_settings());
         const auto known = known_of(wanted);
         if (!known) return fail(error, known.error());
-        std::optional<std::filesystem::path> scene_file;
+        std::optional<fs::path> scene_file;
         if (wanted.scene_file) scene_file = wanted.scene_file;
         const Colour colour = wanted.colour != 0 ? Colour::wanted : Colour::left_out;
         auto reader = open_clip(path, scene_file, *known, colour);
@@ -241,4 +522,69 @@ touch_status touch_frameset_frame(touch_frameset frameset, touch_frame* frame) {
 
 touch_status touch_frameset_release(touch_frameset frameset) {
     return end(framesets(), frameset);
+}
+
+touch_status touch_writer_settings_defaults(touch_writer_settings* settings, uint32_t struct_size) {
+    return give_defaults(touch_writer_settings{}, settings, struct_size);
+}
+
+touch_status touch_writer_create(const char* path, touch_scene scene, const touch_writer_settings* settings,
+                                 touch_writer* writer, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!path || !*path || !writer || (settings && !has_known_size(settings)))
+            return fail(
+                error, TOUCH_USAGE,
+                "path or writer is NULL, path is empty, or struct_size is not sizeof(touch_writer_settings)");
+        const touch_writer_settings wanted = over_defaults(settings, touch_writer_settings{});
+        const fs::path place = path;
+        if (is_stream_url(path) || (!is_folder_name(place) && !is_clip_name(place)))
+            return fail(error, TOUCH_USAGE,
+                        place.string() + ": right would be NAME.mkv, NAME.mp4, or the name of a folder");
+        if (auto free = check_place(place, wanted.overwrite != 0); !free) return fail(error, free.error());
+        SceneDescription described;
+        if (const touch_status read = read_scene(scene, described, error); read != TOUCH_OK) return read;
+        if (auto timed = take_times(wanted, described.scene); !timed) return fail(error, timed.error());
+        auto made = create_writer(place, described, wanted);
+        if (!made) return fail(error, made.error());
+        return give_handle(writers(),
+                           std::make_shared<WriterObject>(std::move(described.scene), std::move(*made)),
+                           *writer, error);
+    });
+}
+
+touch_status touch_writer_write(touch_writer writer, const touch_frame* frame, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!has_known_size(frame))
+            return fail(error, TOUCH_USAGE, "frame is NULL, or struct_size is not sizeof(touch_frame)");
+        const auto use = writers().find(writer.id);
+        if (!use) return fail_without(use, error, "writer");
+        const TryLock lock(use->writing);
+        if (!lock) return fail(error, TOUCH_BUSY, "another thread is writing this clip");
+        return write(*use, *frame, error);
+    });
+}
+
+touch_status touch_writer_finish(touch_writer writer, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        std::shared_ptr<WriterObject> object;
+        {
+            const auto use = writers().find(writer.id);
+            if (!use) return fail_without(use, error, "writer");
+            object = use.shared();
+        }
+        switch (writers().remove(writer.id)) {
+            case Removal::busy:
+                return fail(error, TOUCH_BUSY, "another thread is writing this clip");
+            case Removal::stale:  // another thread has ended it meanwhile
+                return fail_stale(error, "writer");
+            case Removal::removed:
+                break;
+        }
+        if (auto finished = finish(*object); !finished) return fail(error, finished.error());
+        return TOUCH_OK;
+    });
+}
+
+touch_status touch_writer_abandon(touch_writer writer) {
+    return end(writers(), writer);
 }

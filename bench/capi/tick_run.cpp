@@ -6,7 +6,7 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "capi/frames.hpp"
+#include "capi/api_common.hpp"
 #include "capi/touchable.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/content/scenes.hpp"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "capi/frames.hpp"
+#include "capi/api_common.hpp"
 #include "capi/touchable.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"

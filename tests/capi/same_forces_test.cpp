@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "capi/frames.hpp"
+#include "capi/api_common.hpp"
 #include "capi/touchable.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/scene/frames.hpp"

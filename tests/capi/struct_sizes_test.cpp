@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "capi/status.hpp"
+#include "capi/api_common.hpp"
 #include "tests/capi/hill.hpp"
 
 namespace touchable::capi {
@@ -45,7 +45,7 @@ TEST(StructSizes, OfAnOlderProgramAreFilledInAndNoFurther) {
 TEST(StructSizes, OfAnOlderProgramAreReadAndNoFurther) {
     AsItWas old{8, 3, 77};
     EXPECT_TRUE(has_known_size(&as_grown(old)));
-    const Grown wanted = over_defaults(as_grown(old), Grown{sizeof(Grown), 1, 2});
+    const Grown wanted = over_defaults(&as_grown(old), Grown{sizeof(Grown), 1, 2});
     EXPECT_EQ(wanted.first, 3);
     EXPECT_EQ(wanted.later, 2) << "its default";
 }

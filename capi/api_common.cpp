@@ -1,19 +1,39 @@
-#include "capi/frames.hpp"
+#include "capi/api_common.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
+#include <utility>
 
-#include "capi/status.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/scene/scene_file.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable::capi {
-
 namespace {
+
+touch_status status_of(ErrorKind kind) {
+    switch (kind) {
+        case ErrorKind::usage:
+            return TOUCH_USAGE;
+        case ErrorKind::input:
+            return TOUCH_INPUT;
+        case ErrorKind::interrupted:
+            return TOUCH_INTERRUPTED;
+        default:
+            return TOUCH_INTERNAL;
+    }
+}
+
+/// As many bytes as there is room for, cut between characters.
+std::size_t whole_characters(std::string_view line, std::size_t room) {
+    if (line.size() <= room) return line.size();
+    while (room > 0 && (static_cast<unsigned char>(line[room]) & 0xc0U) == 0x80U) --room;
+    return room;
+}
 
 constexpr int largest_size = 16384;
 
@@ -30,7 +50,7 @@ std::int64_t row_bytes(const touch_plane& plane) {
     return std::int64_t{plane.width} * plane.channels * plane.sample;
 }
 
-/// What of a plane can be told without its scene.
+/// Checks what can be told of a plane without its scene.
 Result<void> check_plane(const touch_plane& plane, const PlaneRules& role) {
     if (plane.width < 1 || plane.width > largest_size || plane.height < 1 || plane.height > largest_size)
         return plane_error(role.name, "has an impossible size; right would be 1 to 16384 pixels each way");
@@ -162,9 +182,30 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
 
 }  // namespace
 
+touch_status fail(touch_error* error, touch_status status, std::string_view line) noexcept {
+    constexpr std::size_t before = offsetof(touch_error, line);
+    if (!error || error->struct_size <= before) return status;
+    error->status = status;
+    const std::size_t room = std::min<std::size_t>(error->struct_size, sizeof(touch_error)) - before - 1;
+    const std::size_t length = whole_characters(line, room);
+    std::replace_copy(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(length), error->line, '\n',
+                      ' ');
+    error->line[length] = 0;
+    return status;
+}
+
+touch_status fail(touch_error* error, const Error& what) noexcept {
+    return fail(error, status_of(what.kind), what.message);
+}
+
+touch_status fail_stale(touch_error* error, const char* kind) {
+    return fail(error, TOUCH_STALE,
+                std::string(kind) + ": this handle was destroyed, or never was one of this kind");
+}
+
 Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch) {
     if (!has_known_size(&frame)) return usage_error("struct_size of the frame is not sizeof(touch_frame)");
-    touch_frame given = over_defaults(frame, touch_frame{});
+    touch_frame given = over_defaults(&frame, touch_frame{});
     if (frame.struct_size < sizeof given) given.lost_pixels = nullptr;  // a part of a pointer is none
     if (given.number < 0 || !is_countable(given.number))
         return usage_error("the frame's number is out of range; right would be 0 to 2^60");
@@ -219,6 +260,14 @@ Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, Fram
 touch_plane plane_for_program(const PlaneView& view) {
     if (view.empty()) return {};
     return {view.data, view.stride, view.width, view.height, view.bytes_per_sample, view.channels};
+}
+
+Result<SceneDescription> scene_of_text(std::string_view text) {
+    TRY_ASSIGN(auto described, parse_scene(text, "the scene's text"));
+    TRY_ASSIGN(auto settled, settle(described, {}));
+    SceneDescription whole(std::move(settled));
+    whole.unstated.filters = described.unstated.filters;
+    return whole;
 }
 
 }  // namespace touchable::capi

@@ -1,0 +1,744 @@
+// libtouchable: scenes (what pictures mean), surfaces (frames in, a surface in time) and solvers (goals of
+// fingers in, forces out).
+#include "capi/api_common.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capi/touchable.h"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/scene/scene_file.hpp"
+#include "engine/scene/surface_timeline.hpp"
+#include "engine/surface/depth_estimator.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "haptics_cpu/touch_step.hpp"
+
+using namespace touchable;
+using namespace touchable::capi;
+
+namespace {
+
+/// Behind a touch_scene. The scene does not change.
+struct SceneObject {
+    explicit SceneObject(SceneDescription described) : described(std::move(described)) {}
+    const Scene& scene() const { return described.scene; }
+
+    const SceneDescription described;  ///< settled; `unstated` lists the filters that the text leaves open
+    mutable std::once_flag has_metres;
+    mutable std::vector<float> metres;  ///< of each code, NaN of invalid ones: metres_of_codes
+};
+
+HandleTable<SceneObject>& scenes() {
+    static auto& table = *new HandleTable<SceneObject>(1, Forked::usable);
+    return table;
+}
+
+/// Behind a touch_surface. One thread pushes, one solver reads the timeline.
+struct SurfaceObject {
+    SurfaceObject(const Scene& scene, int threads, int frames)
+        : scene(scene), builder(make_cpu_builder(scene, CpuPlan{threads})), timeline(frames) {}
+
+    struct FramePlace {
+        std::int64_t number = 0, time_ns = 0;
+    };
+
+    const Scene scene;
+    std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards what follows up to the timeline
+    std::unique_ptr<SurfaceBuilder> builder;
+    std::uint64_t epoch = 0;
+    bool epoch_has_ended = false;
+    std::optional<FramePlace> newest;  ///< of this epoch
+    FrameScratch scratch;
+    std::atomic<double> hand_scale{0};  ///< 0 until there is a frame
+    SurfaceTimeline timeline;
+    std::atomic<bool> has_solver{false};
+};
+
+HandleTable<SurfaceObject>& surfaces() {
+    static auto& table = *new HandleTable<SurfaceObject>(2, Forked::refused);
+    return table;
+}
+
+/// A surface's only reader, for as long as this lives; the surface cannot be destroyed before. False: it has
+/// another.
+class Reading {
+public:
+    explicit Reading(HandleTable<SurfaceObject>::Use surface)
+        : surface_(std::move(surface)),
+          is_only_(!surface_->has_solver.exchange(true, std::memory_order_acq_rel)) {}
+    Reading(Reading&& other) noexcept
+        : surface_(std::move(other.surface_)), is_only_(std::exchange(other.is_only_, false)) {}
+    Reading& operator=(Reading&&) = delete;
+    ~Reading() {
+        if (is_only_) surface_->has_solver.store(false, std::memory_order_release);
+    }
+    explicit operator bool() const { return is_only_; }
+    SurfaceObject* operator->() const { return &*surface_; }
+
+private:
+    HandleTable<SurfaceObject>::Use surface_;
+    bool is_only_;
+};
+
+/// Behind a touch_solver.
+struct SolverObject {
+    SolverObject(Reading surface, const TouchSolver& solver, const GuardSettings& guard, int fingers)
+        : surface(std::move(surface)), solver(solver), step(this->solver, guard, fingers) {}
+
+    const Reading surface;
+    const TouchSolver solver;
+    std::atomic_flag ticking = ATOMIC_FLAG_INIT;  ///< guards what follows
+    TouchStep step;
+    ForceHash hash;
+    std::optional<std::int64_t> last_tick;
+    FramePair pair;
+};
+
+HandleTable<SolverObject>& solvers() {
+    static auto& table = *new HandleTable<SolverObject>(3, Forked::refused);
+    return table;
+}
+
+/// Refuses a value that `validate` would not name as the program does.
+Error camera_error(const char* member, const std::string& right) {
+    return usage_error(std::string(member) + " of the camera is out of range; right would be " + right);
+}
+
+/// A far plane at a code's depth has that code on it, however the product of code and scale is rounded.
+double far_plane(const touch_camera& camera) {
+    const double on_code = std::round(camera.far_m / camera.metres_per_code) * camera.metres_per_code;
+    return std::abs(on_code - camera.far_m) < 1e-9 * camera.far_m ? on_code : camera.far_m;
+}
+
+Result<Scene> scene_of(const touch_camera& camera) {
+    const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+    if (camera.depth_kind != TOUCH_PLANAR && camera.depth_kind != TOUCH_RANGE)
+        return camera_error("depth_kind", "TOUCH_PLANAR or TOUCH_RANGE");
+    if (!positive(camera.metres_per_code)) return camera_error("metres_per_code", "above 0, such as 0.001");
+    if (!positive(camera.far_m)) return camera_error("far_m", "above 0, such as 10");
+    Scene scene;
+    scene.width = camera.width;
+    scene.height = camera.height;
+    if (!(camera.frames_per_second >= 0.001 && camera.frames_per_second <= 1000))
+        return camera_error("frames_per_second", "0.001 to 1000");
+    constexpr std::int64_t parts = 1'000'000;
+    const std::int64_t rate = std::llround(camera.frames_per_second * static_cast<double>(parts));
+    scene.rate = {rate / std::gcd(rate, parts), parts / std::gcd(rate, parts)};
+    scene.metres_per_unit = 1;
+    scene.camera = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = camera.depth_kind == TOUCH_RANGE ? DepthSemantics::range : DepthSemantics::planar;
+    scene.depth.scale = camera.metres_per_code;
+    scene.depth.code_max = 65535;
+    scene.depth.far = far_plane(camera);
+    scene.depth_bits = 16;
+    scene.default_properties = {camera.stiffness_n_per_m, camera.static_friction, camera.dynamic_friction};
+    derive_valid_range(scene.depth);
+    if (auto valid = validate(scene); !valid) return usage_error(valid.error().message);
+    return scene;
+}
+
+touch_scene_facts facts_of(const SceneObject& object) {
+    const Scene& scene = object.scene();
+    touch_scene_facts facts{};
+    facts.struct_size = sizeof facts;
+    facts.width = scene.width;
+    facts.height = scene.height;
+    facts.depth_kind = scene.depth.semantics == DepthSemantics::range ? TOUCH_RANGE : TOUCH_PLANAR;
+    facts.fx_px = scene.camera.fx;
+    facts.fy_px = scene.camera.fy;
+    facts.cx_px = scene.camera.cx;
+    facts.cy_px = scene.camera.cy;
+    facts.metres_per_scene_unit = scene.metres_per_unit;
+    facts.near_units = scene.depth.near;
+    facts.far_units = scene.depth.far;
+    facts.frames_per_second = scene.rate.per_second();
+    facts.hand_metres_per_scene_unit = scene.device_metres_per_unit.value_or(0);
+    facts.unstated_filters = object.described.unstated.filters.any() ? 1 : 0;
+    return facts;
+}
+
+/// Whether frames may lie so far from each other, where they may lie.
+bool holds_frames(std::size_t stride) {
+    constexpr std::size_t widest = std::size_t{1} << 20;
+    return stride >= first_size<touch_frame> && stride <= widest && stride % alignof(touch_frame) == 0;
+}
+
+touch_camera default_camera() {
+    constexpr double focal_length = 554.2562584220408;  // 320 / tan 30 degrees
+    return {sizeof(touch_camera),
+            640,
+            480,
+            TOUCH_PLANAR,
+            focal_length,
+            focal_length,
+            319.5,
+            239.5,
+            0.001,
+            10,
+            30,
+            600,
+            0.4,
+            0.3};
+}
+
+/// Measures the depth in frames of a recording; nothing where they have no surface.
+Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned char* frames,
+                                             std::size_t stride, std::size_t count) {
+    DepthEstimator estimator(scene);
+    FrameScratch scratch;
+    for (std::size_t k = 0; k < count && !estimator.enough(); ++k) {
+        const auto* frame = reinterpret_cast<const touch_frame*>(frames + k * stride);
+        auto raw = raw_frame(*frame, scene, scratch);
+        if (!raw) return error_at("frame " + std::to_string(k) + " of those given", raw.error());
+        estimator.add(*raw);
+    }
+    return estimator.measured();
+}
+
+const std::vector<float>& metres_of_codes(const SceneObject& object) {
+    std::call_once(object.has_metres, [&] {
+        const DepthCoding& coding = object.scene().depth;
+        std::vector<float> metres(std::size_t{1} << 16, std::numeric_limits<float>::quiet_NaN());
+        for (std::size_t code = 0; code < metres.size(); ++code)
+            if (const auto stored = static_cast<std::uint16_t>(code); coding.is_valid(stored))
+                metres[code] = static_cast<float>(coding.depth(stored) * object.scene().metres_per_unit);
+        object.metres = std::move(metres);
+    });
+    return object.metres;
+}
+
+void write_metres(const PlaneView& depth, const DepthCoding& coding, const std::vector<float>& metres,
+                  unsigned char* rows, std::int64_t stride) {
+    const bool is_wide = coding.kind != DepthCodingKind::hue && depth.bytes_per_sample == 2;
+    for (int y = 0; y < depth.height; ++y) {
+        unsigned char* to = rows + y * stride;
+        const auto* samples = reinterpret_cast<const std::uint16_t*>(depth.row(y));
+        for (int x = 0; x < depth.width; ++x, to += sizeof(float))
+            std::memcpy(to, &metres[is_wide ? samples[x] : stored_code(depth, coding, x, y)], sizeof(float));
+    }
+}
+
+constexpr touch_surface_settings default_surface_settings{sizeof(touch_surface_settings), 1, 4, 0};
+
+double hand_scale_of(const Scene& scene, const SurfaceFrame& first) {
+    if (scene.device_metres_per_unit) return *scene.device_metres_per_unit;
+    std::vector<double> depths = valid_depths(scene, first);
+    return default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5)).metres_per_scene_unit;
+}
+
+touch_status push(SurfaceObject& surface, const touch_frame& frame, touch_error* error) {
+    SurfaceFrame* slot = surface.timeline.acquire();
+    if (!slot)
+        return fail(error, TOUCH_FULL,
+                    "every frame is still needed; push this one again once ticks have gone on");
+    auto raw = raw_frame(frame, surface.scene, surface.scratch);
+    if (!raw) return fail(error, raw.error());
+    raw->epoch = surface.epoch;
+    if (surface.epoch_has_ended)
+        return fail(error, TOUCH_USAGE, "the epoch has ended; begin another one first");
+    if (surface.newest && (raw->number <= surface.newest->number || raw->time_ns <= surface.newest->time_ns))
+        return fail(error, TOUCH_USAGE, "the frame's number or time_ns is not later than the one before");
+    if (auto built = surface.builder->build(*raw, *slot); !built) return fail(error, built.error());
+    if (surface.hand_scale.load(std::memory_order_relaxed) == 0)
+        surface.hand_scale.store(hand_scale_of(surface.scene, *slot), std::memory_order_release);
+    if (auto published = surface.timeline.publish(raw->number, raw->time_ns); !published)
+        return fail(error, published.error());
+    surface.newest = {raw->number, raw->time_ns};
+    return TOUCH_OK;
+}
+
+constexpr int most_fingers = 256;
+constexpr std::int64_t tick_ns = 1'000'000;
+
+static_assert(TOUCH_GUARD_STIFFNESS == guard_stiffness && TOUCH_GUARD_FORCE == guard_force &&
+              TOUCH_GUARD_RAMP == guard_ramp && TOUCH_GUARD_FAULT == guard_fault &&
+              TOUCH_GUARD_RISE == guard_rise && TOUCH_GUARD_DAMPING == guard_damping &&
+              TOUCH_GUARD_PASSIVITY == guard_passivity && TOUCH_GUARD_JUMP == guard_jump &&
+              TOUCH_GUARD_WAITING == guard_waiting && TOUCH_GUARD_GAP == guard_gap &&
+              TOUCH_GUARD_STALE == guard_stale);
+
+touch_solver_settings default_solver_settings() {
+    const GuardSettings guard;
+    touch_solver_settings defaults{};
+    defaults.fingers = 1;
+    defaults.max_force_n = guard.max_force;
+    defaults.max_stiffness_n_per_m = guard.max_stiffness;
+    defaults.ramp_in_ticks = guard.ramp_in_ticks;
+    defaults.ramp_out_ticks = guard.ramp_out_ticks;
+    return defaults;
+}
+
+GuardSettings guard_of(const touch_solver_settings& settings) {
+    GuardSettings guard;
+    guard.max_force = settings.max_force_n;
+    guard.max_stiffness = settings.max_stiffness_n_per_m;
+    guard.ramp_in_ticks = settings.ramp_in_ticks;
+    guard.ramp_out_ticks = settings.ramp_out_ticks;
+    guard.damping = settings.damping_n_s_per_m;
+    guard.passivity = settings.passivity_n_s_per_m;
+    guard.waits_to_be_free = settings.waits_to_be_free != 0;
+    guard.stale_after_ns = settings.stale_after_ns;
+    return guard;
+}
+
+Result<TouchSolver> solver_of(const SurfaceObject& surface, const touch_solver_settings& wanted) {
+    if (auto valid = validate(guard_of(wanted)); !valid) return usage_error(valid.error().message);
+    TouchSettings settings;
+    settings.stribeck_speed = wanted.stribeck_m_per_s;
+    settings.metres_per_scene_unit = wanted.metres_per_scene_unit;
+    if (wanted.metres_per_scene_unit == 0)
+        settings.metres_per_scene_unit = surface.hand_scale.load(std::memory_order_acquire);
+    if (settings.metres_per_scene_unit == 0)
+        return usage_error(
+            "metres_per_scene_unit is 0 and no frame was pushed yet; push the first one, or state it");
+    auto made = TouchSolver::create(surface.scene, settings);
+    if (!made) return usage_error(made.error().message);
+    return made;
+}
+
+touch_status fail_has_solver(touch_error* error) {
+    return fail(error, TOUCH_BUSY, "the surface has a solver already; destroy that first");
+}
+
+touch_vec3 vec3_of(const glm::dvec3& from) {
+    return {from.x, from.y, from.z};
+}
+
+touch_contact contact_of(const Contact& contact, const GuardedForce& guarded) {
+    touch_contact out{};
+    out.guard = guarded.reasons;
+    out.force_n = vec3_of(guarded.force);
+    out.goal = vec3_of(contact.goal);
+    out.proxy = vec3_of(contact.proxy);
+    out.pixel_x = contact.pixel_x;
+    out.pixel_y = contact.pixel_y;
+    if (contact.touching) {
+        out.stiffness_n_per_m = contact.properties.stiffness;
+        out.static_friction = contact.properties.static_friction;
+        out.dynamic_friction = contact.properties.dynamic_friction;
+    }
+    out.touching = contact.touching;
+    out.in_hole = contact.in_hole;
+    return out;
+}
+
+/// Writes as much as the program's struct has room for.
+void write_contact(touch_contact contact, unsigned char* to, std::size_t stride) {
+    contact.struct_size = static_cast<std::uint32_t>(std::min(stride, sizeof(touch_contact)));
+    std::memcpy(to, &contact, contact.struct_size);
+}
+
+bool is_sound(const touch_tick& tick) {
+    return is_countable(tick.tick) && is_countable(tick.time_ns) && is_countable(tick.epoch_start_ns);
+}
+
+/// One tick of a solver that no other thread uses.
+void run_tick(SolverObject& solver, std::int64_t tick, const MediaMoment& moment, const touch_vec3* goals,
+              unsigned char* contacts, std::size_t stride) {
+    const std::span<glm::dvec3> to = solver.step.goals();
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] = {goals[k].x, goals[k].y, goals[k].z};
+    solver.surface->timeline.pair_at(moment, solver.pair);
+    const TouchTick done = solver.step.run(tick, moment.time_ns, solver.surface->scene, solver.pair);
+    for (std::size_t k = 0; k < to.size(); ++k) {
+        write_contact(contact_of(done.contacts[k], done.forces[k]), contacts + k * stride, stride);
+        solver.hash.add(done.forces[k].force);
+    }
+    solver.last_tick = tick;
+}
+
+bool is_stride(std::size_t stride) {
+    constexpr std::size_t widest = std::size_t{1} << 20;
+    return stride >= first_size<touch_contact> && stride <= widest;
+}
+
+/// The scene with friction nowhere.
+Scene without_friction(Scene scene) {
+    scene.default_properties.static_friction = scene.default_properties.dynamic_friction = 0;
+    scene.haptic.static_friction = scene.haptic.dynamic_friction = {};
+    return scene;
+}
+
+constexpr std::size_t resting_at_a_time = 8;  // few: all of them tick until the last one rests
+constexpr std::int64_t most_ticks_to_rest = 500;
+
+/// Whether a force stays as it was one tick before.
+bool is_steady(const GuardedForce& now, const glm::dvec3& before) {
+    constexpr double still = 1e-9;  // newtons, and share of the force
+    constexpr std::uint32_t coming = guard_ramp | guard_rise | guard_jump;
+    const glm::dvec3 &force = now.force, step = force - before;
+    const double length = std::sqrt(force.x * force.x + force.y * force.y + force.z * force.z);
+    return (now.reasons & coming) == 0 &&
+           std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z) <= still * (1 + length);
+}
+
+/// Fingers at rest, `resting_at_a_time` or fewer: each begins where its ray meets the surface, and ticks
+/// until its force is steady. It is written then, so that it does not depend on the other fingers.
+void rest(TouchStep& step, const Scene& scene, const FramePair& pair, const touch_vec3* points,
+          unsigned char* contacts, std::size_t stride) {
+    const std::size_t count = step.goals().size();
+    for (std::size_t k = 0; k < count; ++k) step.goals()[k] = {points[k].x, points[k].y, points[k].z};
+    std::array<glm::dvec3, resting_at_a_time> before;
+    std::array<bool, resting_at_a_time> rests{};
+    std::size_t moving = count;
+    for (std::int64_t tick = 0; tick < most_ticks_to_rest && moving > 0; ++tick) {
+        const TouchTick done = step.run(tick, pair.next.time_ns, scene, pair);
+        for (std::size_t k = 0; k < count; ++k) {
+            if (rests[k]) continue;
+            const Contact& met = done.contacts[k];
+            const GuardedForce& force = done.forces[k];
+            rests[k] = met.goal_held || (tick > 0 && !met.counts.capped && is_steady(force, before[k]));
+            before[k] = force.force;
+            if (!rests[k] && tick + 1 < most_ticks_to_rest) continue;
+            touch_contact contact = contact_of(met, force);
+            if (!rests[k]) contact.guard |= TOUCH_GUARD_UNSTEADY;
+            write_contact(contact, contacts + k * stride, stride);
+            moving -= rests[k];
+        }
+    }
+}
+
+}  // namespace
+
+uint32_t touch_version(void) {
+    return TOUCH_VERSION;
+}
+
+const char* touch_status_name(touch_status status) {
+    switch (status) {
+        case TOUCH_OK:
+            return "done";
+        case TOUCH_INTERNAL:
+            return "internal fault";
+        case TOUCH_USAGE:
+            return "bad argument";
+        case TOUCH_INPUT:
+            return "bad input";
+        case TOUCH_INTERRUPTED:
+            return "interrupted";
+        case TOUCH_STALE:
+            return "stale handle";
+        case TOUCH_BUSY:
+            return "busy";
+        case TOUCH_FULL:
+            return "full";
+        case TOUCH_END:
+            return "no more frames";
+        case TOUCH_NO_MEMORY:
+            return "not enough memory";
+        case TOUCH_FORKED:
+            return "belongs to the parent process";
+        default:
+            return "unknown status";
+    }
+}
+
+touch_status touch_camera_defaults(touch_camera* camera, uint32_t struct_size) {
+    return give_defaults(default_camera(), camera, struct_size);
+}
+
+touch_status touch_scene_from_camera(const touch_camera* camera, touch_scene* scene, touch_error* error) {
+    return without_exceptions(error, [&] {
+        if (!scene || !has_known_size(camera))
+            return fail(error, TOUCH_USAGE,
+                        "camera or scene is NULL, or struct_size is not sizeof(touch_camera)");
+        auto made = scene_of(over_defaults(camera, default_camera()));
+        if (!made) return fail(error, made.error());
+        SceneDescription described(std::move(*made));
+        described.unstated.filters = all_unstated;
+        return give_handle(scenes(), std::make_shared<SceneObject>(std::move(described)), *scene, error);
+    });
+}
+
+touch_status touch_scene_from_text(const char* text, size_t length, touch_scene* scene, touch_error* error) {
+    return without_exceptions(error, [&] {
+        constexpr std::size_t longest = std::size_t{1} << 28;
+        if (!text || !scene || length > longest)
+            return fail(error, TOUCH_USAGE, "text or scene is NULL, or the text is longer than 256 MiB");
+        auto described = scene_of_text({text, length});
+        if (!described) return fail(error, described.error());
+        return give_handle(scenes(), std::make_shared<SceneObject>(std::move(*described)), *scene, error);
+    });
+}
+
+touch_status touch_scene_text(touch_scene scene, char* text, size_t capacity, size_t* length) {
+    return without_exceptions(nullptr, [&]() -> touch_status {
+        if (!length || (!text && capacity > 0)) return TOUCH_USAGE;
+        const auto use = scenes().find(scene.id);
+        if (!use) return status_without(use);
+        write_text(scene_to_json(use->described), text, capacity, *length);
+        return TOUCH_OK;
+    });
+}
+
+touch_status touch_scene_describe(touch_scene scene, touch_scene_facts* facts) {
+    if (!has_known_size(facts)) return TOUCH_USAGE;
+    const auto use = scenes().find(scene.id);
+    if (!use) return status_without(use);
+    hand_out(facts_of(*use), *facts);
+    return TOUCH_OK;
+}
+
+touch_status touch_scene_destroy(touch_scene scene) {
+    return end(scenes(), scene);
+}
+
+touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, float* metres,
+                                int64_t stride_bytes, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        constexpr std::int64_t longest = std::int64_t{1} << 40;
+        if (!depth || !depth->data || !metres)
+            return fail(error, TOUCH_USAGE, "depth, its data or metres is NULL");
+        const auto use = scenes().find(scene.id);
+        if (!use) return fail_without(use, error, "scene");
+        const std::int64_t row = std::int64_t{use->scene().width} * std::int64_t{sizeof(float)};
+        if (stride_bytes < -longest || stride_bytes > longest || std::abs(stride_bytes) < row)
+            return fail(error, TOUCH_USAGE,
+                        "stride_bytes is " + std::to_string(stride_bytes) + "; right would be at least " +
+                            std::to_string(row));
+        FrameScratch scratch;
+        const auto codes = depth_codes(*depth, use->scene(), scratch);
+        if (!codes) return fail(error, codes.error());
+        write_metres(*codes, use->scene().depth, metres_of_codes(*use),
+                     reinterpret_cast<unsigned char*>(metres), stride_bytes);
+        return TOUCH_OK;
+    });
+}
+
+touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* frames, size_t frame_stride_bytes,
+                                      size_t count, touch_scene* filtered, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!filtered || (!frames && count > 0) || (count > 1 && !holds_frames(frame_stride_bytes)))
+            return fail(error, TOUCH_USAGE, "frames or filtered is NULL, or frame_stride_bytes is too small");
+        const auto use = scenes().find(scene.id);
+        if (!use) return fail_without(use, error, "scene");
+        Scene chosen = use->scene();
+        const auto measured =
+            measure(chosen, reinterpret_cast<const unsigned char*>(frames), frame_stride_bytes, count);
+        if (!measured) return fail(error, measured.error());
+        if (auto settled = settle_filters(*measured, use->described.unstated.filters, chosen); !settled)
+            return fail(error, settled.error());
+        return give_handle(scenes(), std::make_shared<SceneObject>(std::move(chosen)), *filtered, error);
+    });
+}
+
+touch_status touch_frame_defaults(touch_frame* frame, uint32_t struct_size) {
+    return give_defaults(touch_frame{}, frame, struct_size);
+}
+
+touch_status touch_surface_settings_defaults(touch_surface_settings* settings, uint32_t struct_size) {
+    return give_defaults(default_surface_settings, settings, struct_size);
+}
+
+touch_status touch_surface_create(touch_scene scene, const touch_surface_settings* settings,
+                                  touch_surface* surface, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!surface || (settings && !has_known_size(settings)))
+            return fail(error, TOUCH_USAGE,
+                        "surface is NULL, or struct_size is not sizeof(touch_surface_settings)");
+        const touch_surface_settings wanted = over_defaults(settings, default_surface_settings);
+        if (wanted.threads < 1 || wanted.threads > 16)
+            return fail(error, TOUCH_USAGE, "threads is out of range; right would be 1 to 16");
+        if (wanted.frames < 4 || wanted.frames > 64)
+            return fail(error, TOUCH_USAGE, "frames is out of range; right would be 4 to 64");
+        const auto use = scenes().find(scene.id);
+        if (!use) return fail_without(use, error, "scene");
+        return give_handle(surfaces(),
+                           std::make_shared<SurfaceObject>(use->scene(), wanted.threads, wanted.frames),
+                           *surface, error);
+    });
+}
+
+touch_status touch_surface_push(touch_surface surface, const touch_frame* frame, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!has_known_size(frame))
+            return fail(error, TOUCH_USAGE, "frame is NULL, or struct_size is not sizeof(touch_frame)");
+        const auto use = surfaces().find(surface.id);
+        if (!use) return fail_without(use, error, "surface");
+        const TryLock lock(use->pushing);
+        if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
+        return push(*use, *frame, error);
+    });
+}
+
+touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        const auto use = surfaces().find(surface.id);
+        if (!use) return fail_without(use, error, "surface");
+        const TryLock lock(use->pushing);
+        if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
+        if (epoch <= use->epoch || epoch == std::numeric_limits<std::uint64_t>::max())
+            return fail(error, TOUCH_USAGE, "the epoch's number is not larger than the one before");
+        use->timeline.begin_epoch(epoch);
+        use->epoch = epoch;
+        use->epoch_has_ended = false;
+        use->newest.reset();
+        return TOUCH_OK;
+    });
+}
+
+touch_status touch_surface_end_epoch(touch_surface surface) {
+    const auto use = surfaces().find(surface.id);
+    if (!use) return status_without(use);
+    const TryLock lock(use->pushing);
+    if (!lock) return TOUCH_BUSY;
+    use->timeline.end_epoch();
+    use->epoch_has_ended = true;
+    return TOUCH_OK;
+}
+
+touch_status touch_surface_newest_ns(touch_surface surface, int64_t* time_ns) {
+    if (!time_ns) return TOUCH_USAGE;
+    const auto use = surfaces().find(surface.id);
+    if (!use) return status_without(use);
+    *time_ns = use->timeline.newest_time();
+    return TOUCH_OK;
+}
+
+touch_status touch_surface_hand_scale(touch_surface surface, double* metres_per_scene_unit,
+                                      touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!metres_per_scene_unit) return fail(error, TOUCH_USAGE, "metres_per_scene_unit is NULL");
+        const auto use = surfaces().find(surface.id);
+        if (!use) return fail_without(use, error, "surface");
+        const double scale = use->hand_scale.load(std::memory_order_acquire);
+        if (scale == 0) return fail(error, TOUCH_USAGE, "no frame was pushed yet; push the first one before");
+        *metres_per_scene_unit = scale;
+        return TOUCH_OK;
+    });
+}
+
+touch_status touch_surface_destroy(touch_surface surface) {
+    return end(surfaces(), surface);
+}
+
+touch_status touch_solver_settings_defaults(touch_solver_settings* settings, uint32_t struct_size) {
+    return give_defaults(default_solver_settings(), settings, struct_size);
+}
+
+touch_status touch_solver_create(touch_surface surface, const touch_solver_settings* settings,
+                                 touch_solver* solver, touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        if (!solver || (settings && !has_known_size(settings)))
+            return fail(error, TOUCH_USAGE,
+                        "solver is NULL, or struct_size is not sizeof(touch_solver_settings)");
+        const touch_solver_settings wanted = over_defaults(settings, default_solver_settings());
+        if (wanted.fingers < 1 || wanted.fingers > most_fingers)
+            return fail(error, TOUCH_USAGE, "fingers is out of range; right would be 1 to 256");
+        auto use = surfaces().find(surface.id);
+        if (!use) return fail_without(use, error, "surface");
+        auto made = solver_of(*use, wanted);
+        if (!made) return fail(error, made.error());
+        Reading reading(std::move(use));
+        if (!reading) return fail_has_solver(error);
+        return give_handle(
+            solvers(),
+            std::make_shared<SolverObject>(std::move(reading), *made, guard_of(wanted), wanted.fingers),
+            *solver, error);
+    });
+}
+
+touch_status touch_solver_tick(touch_solver solver, const touch_tick* tick, const touch_vec3* goals,
+                               touch_contact* contacts, size_t contact_stride_bytes) {
+    return touch_solver_run(solver, tick, 1, goals, contacts, contact_stride_bytes);
+}
+
+touch_status touch_solver_run(touch_solver solver, const touch_tick* first, size_t count,
+                              const touch_vec3* goals, touch_contact* contacts, size_t contact_stride_bytes) {
+    constexpr std::size_t most_ticks = std::size_t{1} << 40;
+    if (!has_known_size(first) || !goals || !contacts || count > most_ticks ||
+        !is_stride(contact_stride_bytes))
+        return TOUCH_USAGE;
+    const touch_tick begin = over_defaults(first, touch_tick{});
+    if (!is_sound(begin)) return TOUCH_USAGE;
+    const auto use = solvers().find(solver.id);
+    if (!use) return status_without(use);
+    const TryLock lock(use->ticking);
+    if (!lock) return TOUCH_BUSY;
+    if (use->last_tick && begin.tick <= *use->last_tick) return TOUCH_USAGE;
+    const auto fingers = static_cast<std::size_t>(use->step.fingers());
+    auto* out = reinterpret_cast<unsigned char*>(contacts);
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto later = static_cast<std::int64_t>(k);
+        const MediaMoment moment{begin.epoch, begin.time_ns + later * tick_ns, begin.epoch_start_ns};
+        run_tick(*use, begin.tick + later, moment, goals + k * fingers, out, contact_stride_bytes);
+        out += fingers * contact_stride_bytes;
+    }
+    return TOUCH_OK;
+}
+
+touch_status touch_solver_come_back(touch_solver solver) {
+    const auto use = solvers().find(solver.id);
+    if (!use) return status_without(use);
+    const TryLock lock(use->ticking);
+    if (!lock) return TOUCH_BUSY;
+    use->step.come_back();
+    return TOUCH_OK;
+}
+
+touch_status touch_solver_force_hash(touch_solver solver, uint64_t* hash) {
+    if (!hash) return TOUCH_USAGE;
+    const auto use = solvers().find(solver.id);
+    if (!use) return status_without(use);
+    const TryLock lock(use->ticking);
+    if (!lock) return TOUCH_BUSY;
+    *hash = use->hash.value();
+    return TOUCH_OK;
+}
+
+touch_status touch_solver_destroy(touch_solver solver) {
+    return end(solvers(), solver);
+}
+
+touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_settings* settings,
+                                     const touch_tick* moment, int32_t friction, const touch_vec3* points,
+                                     size_t count, touch_contact* contacts, size_t contact_stride_bytes,
+                                     touch_error* error) {
+    return without_exceptions(error, [&]() -> touch_status {
+        constexpr std::size_t most_points = std::size_t{1} << 40;
+        if (!has_known_size(moment) || (settings && !has_known_size(settings)) || count > most_points ||
+            (count > 0 && (!points || !contacts)) || !is_stride(contact_stride_bytes))
+            return fail(
+                error, TOUCH_USAGE,
+                "moment, points or contacts is NULL, or a struct_size or contact_stride_bytes is not that "
+                "of the struct");
+        if (friction != TOUCH_FRICTION_OFF && friction != TOUCH_FRICTION_ON)
+            return fail(error, TOUCH_USAGE,
+                        "friction is " + std::to_string(friction) +
+                            "; right would be TOUCH_FRICTION_OFF or TOUCH_FRICTION_ON");
+        const touch_tick at = over_defaults(moment, touch_tick{});
+        if (!is_sound(at))
+            return fail(error, TOUCH_USAGE, "the moment is out of range; right would be -2^60 to 2^60");
+        touch_solver_settings wanted = over_defaults(settings, default_solver_settings());
+        wanted.ramp_in_ticks = wanted.waits_to_be_free = 0;
+        wanted.stale_after_ns = 0;
+        auto use = surfaces().find(surface.id);
+        if (!use) return fail_without(use, error, "surface");
+        const auto solver = solver_of(*use, wanted);
+        if (!solver) return fail(error, solver.error());
+        const Reading reading(std::move(use));
+        if (!reading) return fail_has_solver(error);
+        FramePair pair;
+        if (!reading->timeline.pair_at(MediaMoment{at.epoch, at.time_ns, at.epoch_start_ns}, pair))
+            return fail(error, TOUCH_USAGE, "no frame was pushed yet; push the first one before");
+        const Scene scene = friction == TOUCH_FRICTION_ON ? reading->scene : without_friction(reading->scene);
+        auto* out = reinterpret_cast<unsigned char*>(contacts);
+        for (std::size_t k = 0; k < count; k += resting_at_a_time) {
+            const std::size_t some = std::min(resting_at_a_time, count - k);
+            TouchStep step(*solver, guard_of(wanted), static_cast<int>(some));
+            rest(step, scene, pair, points + k, out + k * contact_stride_bytes, contact_stride_bytes);
+        }
+        return TOUCH_OK;
+    });
+}
