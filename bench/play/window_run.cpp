@@ -34,7 +34,7 @@ double percent(std::int64_t part, std::int64_t whole) {
     return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
 
-void add_spread(Figures& figures, const std::string& what, const NewestValues& values) {
+void add_spread(Figures& figures, const std::string& what, const PlayFigures::NewestValues& values) {
     const Spread spread = spread_of(values.values());
     figures.push_back({what + "_p50", spread.p50, "ms"});
     figures.push_back({what + "_p99", spread.p99, "ms"});

@@ -16,9 +16,8 @@
 #include "engine/content/scenes.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/commands/device_check.hpp"
-#include "player/commands/machine_facts.hpp"
+#include "player/commands/machine_check.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/touch_trial.hpp"
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 

@@ -321,7 +321,7 @@ std::size_t colour_index(const std::vector<Finding>& findings, std::size_t k) {
 
 Result<void> draw(const std::vector<Finding>& findings, const ClipQuality& quality, NewFile& file) {
     const Image image = picture_of(findings, quality.where.picture);
-    if (auto written = write_png(file, image.view()); !written) return written;
+    TRY(write_png(file, image.view()));
     return file.commit();
 }
 

@@ -302,15 +302,12 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
 
 Result<ClipChoice> read_clip(const ClipTyped& typed) {
     ClipChoice choice = typed.choice;
-    TRY_ASSIGN(const auto camera, read_camera(typed.camera));
-    choice.camera = camera;
+    TRY_ASSIGN(choice.camera, read_camera(typed.camera));
     if (typed.filters) {
-        TRY_ASSIGN(const auto filters, read_filters(*typed.filters));
-        choice.filters = filters;
+        TRY_ASSIGN(choice.filters, read_filters(*typed.filters));
     }
     if (!typed.temporal) return choice;
-    TRY_ASSIGN(const auto temporal, read_temporal(*typed.temporal));
-    choice.temporal = temporal;
+    TRY_ASSIGN(choice.temporal, read_temporal(*typed.temporal));
     return choice;
 }
 
@@ -341,7 +338,7 @@ CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session) {
 }
 
 Result<void> read_live_stream(bool has_latency, SessionOptions& session) {
-    if (auto taken = take_stream(session); !taken.ok()) return taken;
+    TRY(take_stream(session));
     auto& plugged = session.clip.plugged;
     auto* const stream = plugged ? std::get_if<StreamSource>(&*plugged) : nullptr;
     if (stream) stream->latency = std::chrono::milliseconds(session.stream_latency_ms);

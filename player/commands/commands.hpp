@@ -1,24 +1,21 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
-namespace CLI {
-class App;
-}
+// The subcommands of the program `touchable`. Each add_*_command adds the subcommand of its name to `app`.
+// When a person types that name, and once its words are read, it sets `command` to the function that does the
+// work; main.cpp calls that function, prints the error that it returns, and makes an exit code of it.
 
 #include <functional>
 
 #include "engine/base/result.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace touchable {
 
-/// What the command line asked for, with its options filled in; an `add_*_command` sets it once its words are
-/// read.
+/// The work that the command line asked for, with its options filled in.
 using Command = std::function<Result<void>()>;
-
-// Each adds the subcommand of its name to `app`; where a person types that one, it sets `command` to what
-// does it.
 
 void add_make_command(CLI::App& app, Command& command);
 /// A window in which a clip is watched and touched.
@@ -35,17 +32,14 @@ void add_convert_command(CLI::App& app, Command& command);
 void add_relief_command(CLI::App& app, Command& command);
 /// Writes a clip whose segments feel like materials.
 void add_materials_command(CLI::App& app, Command& command);
-/// Sends a clip or a camera to whoever listens.
+/// Sends a clip or a camera to all that listen.
 void add_serve_command(CLI::App& app, Command& command);
-/// What differs between the forces of two runs of the same hand.
+/// Compares the forces of two runs of the same hand.
 void add_compare_command(CLI::App& app, Command& command);
 /// Draws force over time, or where the proxies went over a frame.
 void add_plot_command(CLI::App& app, Command& command);
 /// Which cameras are plugged in, and how they are touched.
 void add_cameras_command(CLI::App& app, Command& command);
-
-// As in player/commands/commands.hpp.
-
 /// What this machine is and whether it can do the work, or what a device does.
 void add_check_command(CLI::App& app, Command& command);
 /// Which devices are connected and whether they are ready, and every word that --device takes.

@@ -3,17 +3,23 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <iostream>
 #include <limits>
+#include <map>
+#include <optional>
 #include <string_view>
+#include <system_error>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
+#include "player/commands/option_types.hpp"
 
 namespace touchable {
-
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::int64_t last_frame = 999'999'999;
 
@@ -65,7 +71,7 @@ Result<ClipPart::Crop> read_crop(const std::string& text) {
     return ClipPart::Crop{*x, *y, size->width, size->height};
 }
 
-Result<ClipForm> read_form(const std::filesystem::path& out) {
+Result<ClipForm> read_form(const fs::path& out) {
     if (!out.has_filename()) return ClipForm::folder;
     std::string ending = out.extension().string();
     std::transform(ending.begin(), ending.end(), ending.begin(),
@@ -75,7 +81,7 @@ Result<ClipForm> read_form(const std::filesystem::path& out) {
     if (ending == ".bt") return ClipForm::scene_text;
     if (ending == ".gltf") return ClipForm::gltf;
     std::error_code ignored;
-    if (ending.empty() || std::filesystem::is_directory(out, ignored)) return ClipForm::folder;
+    if (ending.empty() || fs::is_directory(out, ignored)) return ClipForm::folder;
     return usage_error(
         "OUT '" + printable(out.string()) +
         "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, NAME.bt, or the "
@@ -91,27 +97,21 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
     const ClipForm form = typed.options.form;
     const bool archive = form == ClipForm::archive || form == ClipForm::gltf, one_frame = is_one_frame(form);
     const char* why = "clips, NAME.mkv, NAME.mp4 and NAME.gltf; pictures keep every value";
-    if (auto checked = only(!archive && typed.archive->count() > 0, "--archive", why); !checked.ok())
-        return checked;
-    if (auto checked = only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why);
-        !checked.ok())
-        return checked;
+    TRY(only(!archive && typed.archive->count() > 0, "--archive", why));
+    TRY(only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why));
     if (typed.options.still && typed.fragmented->count() > 0)
         return usage_error("--still is one frame, which has no fragments: leave --fragmented out");
     const bool is_mp4_clip = form == ClipForm::archive && is_mp4_name(typed.options.out);
-    if (auto checked = only(!is_mp4_clip && typed.fragmented->count() > 0, "--fragmented", fragmented_names);
-        !checked.ok())
-        return checked;
+    TRY(only(!is_mp4_clip && typed.fragmented->count() > 0, "--fragmented", fragmented_names));
     const char* one = "clips and folders; NAME.png, NAME.bt and --still are one frame, --from says which";
-    if (auto checked = only(one_frame && typed.to, "--to", one); !checked.ok()) return checked;
+    TRY(only(one_frame && typed.to, "--to", one));
     return only(one_frame && typed.every_typed->count() > 0, "--every", one);
 }
 
 Result<ConvertOptions> read_words(const ConvertTyped& typed) {
     ConvertTyped read = typed;
     ConvertOptions& options = read.options;
-    TRY_ASSIGN(const auto form, read_form(options.out));
-    options.form = form;
+    TRY_ASSIGN(options.form, read_form(options.out));
     if (options.still && !is_mp4_name(options.out))
         return usage_error("--still is for NAME.mp4; NAME.png and NAME.bt are one frame as they are");
     if (options.still) options.form = ClipForm::mp4_still;
@@ -120,30 +120,115 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
                            std::string(options.still ? ", without --still" : ""));
     if (options.lerobot) options.form = ClipForm::lerobot;
     TRY(refuse_idle_options(read));
-    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
-    options.clip = choice;
+    TRY_ASSIGN(options.clip, read_clip(typed.clip));
     if (typed.from) {
-        TRY_ASSIGN(const auto moment, read_moment("--from", *typed.from));
-        options.from = moment;
+        TRY_ASSIGN(options.from, read_moment("--from", *typed.from));
     }
     if (typed.to) {
-        TRY_ASSIGN(const auto moment, read_moment("--to", *typed.to));
-        options.to = moment;
+        TRY_ASSIGN(options.to, read_moment("--to", *typed.to));
     }
-    TRY_ASSIGN(const auto every, read_whole_number<std::int64_t>("--every", typed.every, 1, 1'000'000));
-    options.every = every;
+    TRY_ASSIGN(options.every, read_whole_number<std::int64_t>("--every", typed.every, 1, 1'000'000));
     if (typed.crop) {
-        TRY_ASSIGN(const auto crop, read_crop(*typed.crop));
-        options.crop = crop;
+        TRY_ASSIGN(options.crop, read_crop(*typed.crop));
     }
     if (typed.size) {
-        TRY_ASSIGN(const auto size, read_pixel_size("--size", *typed.size, 1, 16384));
-        options.size = size;
+        TRY_ASSIGN(options.size, read_pixel_size("--size", *typed.size, 1, 16384));
     }
     return options;
 }
 
+bool is_there(const fs::path& path) {
+    std::error_code ignored;
+    return fs::exists(fs::symlink_status(path, ignored));
+}
+
+Result<void> make_folder(const fs::path& folder) {
+    std::error_code failure;
+    fs::create_directories(folder, failure);
+    if (fs::is_directory(folder, failure)) return {};
+    if (is_there(folder.parent_path()))
+        return usage_error("'" + printable(folder.parent_path().string()) + "' is a file, and no folder");
+    return usage_error("'" + printable(folder.string()) + "' cannot be made: " + failure.message());
+}
+
+/// Where each clip goes.
+Result<std::vector<fs::path>> places(const std::vector<fs::path>& clips, const fs::path& folder) {
+    std::map<fs::path, fs::path> taken;
+    std::vector<fs::path> outs;
+    for (const fs::path& clip : clips) {
+        outs.push_back(folder / name_in_folder(clip));
+        const auto [place, is_new] = taken.emplace(outs.back(), clip);
+        if (!is_new)
+            return usage_error("'" + printable(place->second.string()) + "' and '" +
+                               printable(clip.string()) + "' would both be '" +
+                               printable(outs.back().string()) +
+                               "'; right would be two folders, one after the other");
+    }
+    return outs;
+}
+
 }  // namespace
+
+fs::path name_in_folder(const fs::path& clip) {
+    std::error_code ignored;
+    fs::path whole = fs::absolute(clip, ignored).lexically_normal();
+    if (!whole.has_filename() || whole.filename() == "scene.json") whole = whole.parent_path();
+    std::string name = fs::is_directory(whole, ignored) ? whole.filename().string() : whole.stem().string();
+    return (name.empty() ? std::string("clip") : name) + ".mkv";
+}
+
+CLI::Option* ManyClips::add_option(CLI::App& sub, const std::string& out) {
+    return add_file_option(sub, "OUT", rest,
+                           out + "; or further clips, and the folder that all of them go into (FOLDER/)")
+        ->expected(1, -1);
+}
+
+bool ManyClips::is_for_several() const {
+    return rest.size() > 1 || !rest.back().has_filename();
+}
+
+Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const One& one) const {
+    const fs::path& out = rest.back();
+    if (!is_for_several()) return one(first, out);
+    // A folder that is there may be a clip, of pictures: that it is meant as a place its name says.
+    if (out.has_filename())
+        return usage_error("'" + printable(out.string()) +
+                           "' is no folder, and several clips go into one; right would be FOLDER/");
+    std::vector<fs::path> clips{first};
+    clips.insert(clips.end(), rest.begin(), rest.end() - 1);
+    TRY_ASSIGN(const auto outs, places(clips, out));
+    for (std::size_t k = 0; k < clips.size(); ++k)
+        for (const fs::path& clip : clips)
+            if (std::error_code ignored; fs::equivalent(clip, outs[k], ignored))
+                return usage_error(
+                    "'" + printable(outs[k].string()) +
+                    "' is one of the clips, and would be written; right would be another folder");
+    TRY(make_folder(out));
+    std::optional<Error> failed;
+    std::size_t failures = 0;
+    for (std::size_t k = 0; k < clips.size(); ++k) {
+        const fs::path& place = outs[k];
+        if (existing == Existing::keep && is_there(place)) {
+            std::cout << printable(place.string()) << ": is there already\n";
+            continue;
+        }
+        auto done = one(clips[k], place);
+        if (done) continue;
+        if (done.error().kind == ErrorKind::interrupted) return done;
+        if (existing == Existing::keep && is_there(place)) {
+            std::cout << printable(place.string()) << ": another program has made it meanwhile\n";
+            continue;
+        }
+        std::cout.flush();
+        std::cerr << "touchable: " << done.error().message << '\n';
+        if (!failed) failed = done.error();
+        ++failures;
+    }
+    if (!failed) return {};
+    failed->message =
+        std::to_string(failures) + " of " + std::to_string(clips.size()) + " clips were not made";
+    return *failed;
+}
 
 void add_convert_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand(

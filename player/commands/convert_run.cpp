@@ -161,7 +161,7 @@ Result<void> check_folder(const ConvertOptions& options, const std::vector<Named
     std::vector<NamedFile> there;
     for (const auto& entry : fs::directory_iterator(options.out, failure))
         there.push_back({"OUT", entry.path()});
-    if (auto apart = check_outputs({there, Existing::replace}, inputs); !apart.ok()) return apart;
+    TRY(check_outputs({there, Existing::replace}, inputs));
     if (options.existing == Existing::keep)
         return usage_error("OUT " + options.out.string() +
                            " is there already; give another name, or --overwrite");
@@ -478,7 +478,7 @@ Result<std::optional<RawFrame>> Conversion::next() {
 Result<void> Conversion::write_frame(const RawFrame& frame) {
     progress_->at(++done_.frames);
     RawFrame stored = as_written(frame);
-    if (auto written = writer_->write(stored); !written.ok()) return written;
+    TRY(writer_->write(stored));
     if (const PlaneView colour = writer_->stored_colour(); !colour.empty()) stored.colour = colour;
     if (is_recoded())
         add_recoded_loss(frame, source_->scene(), stored, done_.scene, done_.losses);
@@ -491,8 +491,7 @@ Result<void> Conversion::write_frame(const RawFrame& frame) {
 Result<void> Conversion::write() {
     progress_.emplace("converting frame", source_->frame_count().value_or(0));
     if (is_resized() || is_recoded()) {
-        TRY_ASSIGN(auto stroke, standard_stroke(std::make_unique<Source>(*this)));
-        stroke_ = std::move(stroke);
+        TRY_ASSIGN(stroke_, standard_stroke(std::make_unique<Source>(*this)));
     }
     while (true) {
         TRY_ASSIGN(const auto frame, next());
@@ -547,45 +546,41 @@ Result<void> Conversion::check(const fs::path& written) {
     TRY_ASSIGN(auto reader, reopened(written));
     done_.scene = reader->scene();
     done_.tracks = reader->tracks();
-    if (auto compared = compare(*reader); !compared.ok()) return compared;
+    TRY(compare(*reader));
     const auto lost = [&](PlaneRole role) {
         return done_.losses[static_cast<std::size_t>(role)].changed > 0;
     };
     if (!lost(PlaneRole::depth) && !lost(PlaneRole::haptic) && !lost(PlaneRole::height)) return {};
-    if (auto back = reader->rewind(); !back.ok()) return back;
-    TRY_ASSIGN(auto forces, compare_by_stroke(*stroke_, std::move(reader)));
-    done_.forces = std::move(forces);
+    TRY(reader->rewind());
+    TRY_ASSIGN(done_.forces, compare_by_stroke(*stroke_, std::move(reader)));
     return {};
 }
 
 Result<void> Conversion::run(std::string& at_work) {
-    auto clip = options_.clip.open();
-    if (!clip.ok()) return clip.error();
-    at_work = frames_in_words((*clip)->scene());
-    if (auto one = check_frames(options_, **clip); !one.ok()) return one;
-    if (auto free = check_places(options_, **clip); !free.ok()) return free;
+    TRY_ASSIGN(auto clip, options_.clip.open());
+    at_work = frames_in_words(clip->scene());
+    TRY(check_frames(options_, *clip));
+    TRY(check_places(options_, *clip));
     if (options_.content) {
-        copied_ = tracks_to_copy(**clip, options_);
-        clip = options_.content(std::move(*clip));
-        if (!clip.ok()) return clip.error();
+        copied_ = tracks_to_copy(*clip, options_);
+        TRY_ASSIGN(clip, options_.content(std::move(clip)));
     }
-    part_ = part_of(options_, **clip);
-    from_ns_ = (*clip)->scene().rate.time_ns(part_.first);
-    TRY_ASSIGN(auto source, part_of_clip(std::move(*clip), part_));
-    source_ = std::move(source);
+    part_ = part_of(options_, *clip);
+    from_ns_ = clip->scene().rate.time_ns(part_.first);
+    TRY_ASSIGN(source_, part_of_clip(std::move(clip), part_));
     if (options_.form == ClipForm::lerobot) {
         const Scene& scene = source_->scene();
         codes_.emplace(options_.size ? resized_scene(scene, options_.size->width, options_.size->height)
                                      : scene);
     }
-    if (auto allowed = check_loss(); !allowed.ok()) return allowed;
-    if (auto opened = open_writer(); !opened.ok()) return opened;
-    if (auto written = write(); !written.ok()) return written;
+    TRY(check_loss());
+    TRY(open_writer());
+    TRY(write());
     // Only now are all of them there.
     done_.notes = remarks_with_options(remarks_of(*source_));
     TRY_ASSIGN(const auto written, writer_->complete());
     if (auto checked = check(written); !checked.ok()) return as_named(checked.error(), options_, written);
-    if (auto named = writer_->finish(); !named.ok()) return named;
+    TRY(writer_->finish());
     std::cout << report_to_text(options_, done_);
     return {};
 }

@@ -180,8 +180,7 @@ Result<MeasuredDevice> take_device(const std::string& words) {
     driven.as_thread_begins = [] { become_fifo(); };
     driven.on_received = [times = measured.times](std::int64_t moment) { times->received(moment); };
     driven.on_sent = [times = measured.times](std::int64_t moment) { times->sent(moment); };
-    TRY_ASSIGN(auto device, make_device(words, driven));
-    measured.device = std::move(device);
+    TRY_ASSIGN(measured.device, make_device(words, driven));
     TRY(measured.device->open());
     return measured;
 }
@@ -349,7 +348,7 @@ Result<void> report_to(const DeviceReport& report, const DeviceCheckOptions& opt
     else
         std::cout << to_text(report);
     if (!file) return {};
-    if (auto written = file->write(to_text(report)); !written.ok()) return written;
+    TRY(file->write(to_text(report)));
     return file->finish();
 }
 
@@ -412,18 +411,17 @@ Result<void> run_device_check(const DeviceCheckOptions& options) {
     if (options.out) {
         if (auto free = check_outputs({{{"--out", *options.out}}, options.existing}, {}); !free.ok())
             return free;
-        TRY_ASSIGN(auto created, OutputFile::create("--out", *options.out, options.existing));
-        file = std::move(created);
+        TRY_ASSIGN(file, OutputFile::create("--out", *options.out, options.existing));
     }
     TRY_ASSIGN(auto measured, take_device(options.device));
     HapticDevice& device = *measured.device;
-    if (auto has_one = wait_for_position(device, options.wait); !has_one.ok()) return has_one;
+    TRY(wait_for_position(device, options.wait));
     DeviceReport report = describe(device, options.device);
-    if (auto watched = watch(measured, options.seconds, report); !watched.ok()) return watched;
+    TRY(watch(measured, options.seconds, report));
     const auto tried = find_out_stiffness(measured, options.hands_off, report);
     device.close();
     if (!tried.ok() && tried.error().kind == ErrorKind::interrupted) return tried;
-    if (auto written = report_to(report, options, file.get()); !written.ok()) return written;
+    TRY(report_to(report, options, file.get()));
     return tried;
 }
 

@@ -29,7 +29,6 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/picture_options.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
@@ -174,15 +173,12 @@ Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const 
         {"valid.png", validity.view()}, {"haptic.png", raw.haptic}, {"height.png", raw.height}};
     for (const auto& [name, plane] : pictures) {
         if (plane.empty()) continue;
-        if (auto written = write_png(folder.add(name), plane); !written.ok()) return written;
+        TRY(write_png(folder.add(name), plane));
     }
     if (with_mesh) {
-        if (auto written = write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour);
-            !written.ok())
-            return written;
+        TRY(write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour));
     }
-    if (auto written = folder.add("codes.json").write(codes_to_json(surface, scene) + "\n"); !written.ok())
-        return written;
+    TRY(folder.add("codes.json").write(codes_to_json(surface, scene) + "\n"));
     return folder.add("scene.json").write(scene_to_json(as_still(scene, raw)) + "\n");
 }
 
@@ -213,8 +209,7 @@ Result<void> export_frame(const RawFrame& raw, const Scene& scene, const Surface
                StagedFolder::create(
                    options.folder_per_frame ? options.out / std::to_string(raw.number) : options.out,
                    options.existing));
-    if (auto written = write_frame_files(folder, raw, surface, scene, options.mesh); !written.ok())
-        return written;
+    TRY(write_frame_files(folder, raw, surface, scene, options.mesh));
     files += folder.count();
     return folder.commit(frame_file_names);
 }
@@ -299,7 +294,7 @@ Result<void> find_scale(ClipReader& reader, Scene& scene, SurfaceBuilder& builde
     TRY_ASSIGN(const auto first, reader.next());
     if (!first) return {};
     SurfaceFrame surface;
-    if (auto built = builder.build(*first, surface); !built.ok()) return built;
+    TRY(builder.build(*first, surface));
     scene.device_metres_per_unit = clip_workspace(scene, surface).metres_per_scene_unit;
     return {};
 }
@@ -355,8 +350,7 @@ Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportO
 
 /// `at_work`: what memory is needed for, once that is known.
 Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
-    if (auto checked = check_gpu_options(options.builder, options.picture.draws_on_gpu()); !checked.ok())
-        return checked;
+    TRY(check_gpu_options(options.builder, options.picture.draws_on_gpu()));
     TRY_ASSIGN(auto clip, open_chosen(options.clip, Colour::wanted));
     const auto& reader = clip.reader;
     Scene& scene = clip.scene;
@@ -367,12 +361,12 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     std::vector<NamedFile> inputs;
     if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
     add_inputs(inputs, options.clip.file, *reader);
-    if (auto free = check_outputs({files_of(options), options.existing}, inputs); !free.ok()) return free;
+    TRY(check_outputs({files_of(options), options.existing}, inputs));
     RunGpu gpu(options.builder.gpu);
     TRY_ASSIGN(const auto builder, make_builder(options.builder, scene, gpu));
     TRY_ASSIGN(auto picture, order_picture(options.picture, options.existing, options.builder, gpu));
 
-    if (auto found = find_scale(*reader, scene, *builder); !found.ok()) return found;
+    TRY(find_scale(*reader, scene, *builder));
     Exported exported;
     const std::int64_t& number = exported.number;
     if (auto done = export_frames(*reader, scene, options, *builder, picture, exported); !done.ok())
@@ -415,7 +409,7 @@ NewFile& StagedFolder::add(const std::string& name) {
 Result<void> StagedFolder::name_in(const fs::path& folder, std::span<const char* const> names) {
     for (const char* name : names)
         if (const auto file = files_.find(name); file != files_.end())
-            if (auto named = file->second->commit_as(folder / name); !named.ok()) return named;
+            TRY(file->second->commit_as(folder / name));
     return {};
 }
 
@@ -442,8 +436,7 @@ Result<void> StagedFolder::appear(std::span<const char* const> names) {
 
 Result<void> StagedFolder::replace(std::span<const char* const> names) {
     Aside aside(place_);
-    for (auto name = names.rbegin(); name != names.rend(); ++name)
-        if (auto taken = aside.take(*name, existing_); !taken.ok()) return taken;
+    for (auto name = names.rbegin(); name != names.rend(); ++name) TRY(aside.take(*name, existing_));
     auto done = name_in(place_, names);
     if (done.ok()) {
         aside.discard();
@@ -484,9 +477,8 @@ void add_export_command(CLI::App& app, Command& command) {
             ExportOptions chosen = *options;
             if (chosen.out.empty() && !chosen.picture.file)
                 return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
-            if (auto read = read_words(*typed, chosen); !read.ok()) return read;
-            TRY_ASSIGN(auto choice, read_clip(*clip));
-            chosen.clip = std::move(choice);
+            TRY(read_words(*typed, chosen));
+            TRY_ASSIGN(chosen.clip, read_clip(*clip));
             chosen.mesh = *mesh || typed->one.has_value();
             return run_export(chosen);
         };

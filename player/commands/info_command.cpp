@@ -21,7 +21,7 @@
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/picture_options.hpp"
+#include "player/commands/run_options.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
 
@@ -349,8 +349,7 @@ Result<void> print_facts(const InfoOptions& options) {
     TRY_ASSIGN(const auto facts, clip_facts(options.clip));
     std::optional<Verified> verified;
     if (options.verify) {
-        TRY_ASSIGN(auto found, verify_clip(options.clip, facts, options.picture));
-        verified = std::move(found);
+        TRY_ASSIGN(verified, verify_clip(options.clip, facts, options.picture));
     }
     const std::string verdict = verdict_on(facts, verified ? &verified->findings : nullptr);
     if (options.scene_text) {
@@ -400,8 +399,7 @@ void add_info_command(CLI::App& app, Command& command) {
     add_filter_options(*info, typed->clip);
     info->callback([typed, &command] {
         command = [typed]() -> Result<void> {
-            TRY_ASSIGN(auto choice, read_clip(typed->clip));
-            typed->options.clip = std::move(choice);
+            TRY_ASSIGN(typed->options.clip, read_clip(typed->clip));
             return run_info(typed->options);
         };
     });

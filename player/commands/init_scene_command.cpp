@@ -27,7 +27,7 @@ struct InitSceneOptions {
 
 Result<void> write_text(const std::filesystem::path& target, const std::string& text, Existing existing) {
     NewFile file(target, existing);
-    if (auto written = file.write(text); !written.ok()) return written;
+    TRY(file.write(text));
     return file.commit();
 }
 
@@ -59,8 +59,7 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free.ok()) return free;
     if (std::filesystem::exists(target, ignored) && !read_scene_file(target).ok())
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
-    if (auto written = write_text(target, scene_to_json(guessed), options.existing); !written.ok())
-        return written;
+    TRY(write_text(target, scene_to_json(guessed), options.existing));
     std::cout << target.string() << " is written; "
               << opening(target, options.pictures, is_folder, guessed.scene) << " opens the pictures so\n";
     for (const Remark& remark : guessed.scene.remarks)  // this scene file says the rest

@@ -40,8 +40,7 @@ enum class MapKind { as_stored, grey };
 Result<GlobeMap> read_map(const std::filesystem::path& file, MapKind kind, StoredImage& picture) {
     if (file.empty()) return GlobeMap{};
     if (stop_requested()) return interrupted_error();
-    TRY_ASSIGN(auto read, read_stored_image(SourceFile(file)));
-    picture = std::move(read);
+    TRY_ASSIGN(picture, read_stored_image(SourceFile(file)));
     if (kind == MapKind::grey) make_grey(picture.image);
     return map_of(picture);
 }
@@ -189,15 +188,11 @@ Result<MakeOptions> read_words(const MakeWords& words) {
         generator.height = size.height;
     }
     if (words.preset_typed->count() > 0) TRY(read_preset(words.preset, generator));
-    TRY_ASSIGN(const auto frames, read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames));
-    options.frames = frames;
-    TRY_ASSIGN(const auto rate, read_frame_rate("--rate", words.rate));
-    generator.rate = rate;
-    TRY_ASSIGN(const auto archive, read_archive(words.archive));
-    options.storage.archive = archive;
-    TRY_ASSIGN(const auto seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
-                                                                 std::numeric_limits<std::uint64_t>::max()));
-    generator.seed = seed;
+    TRY_ASSIGN(options.frames, read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames));
+    TRY_ASSIGN(generator.rate, read_frame_rate("--rate", words.rate));
+    TRY_ASSIGN(options.storage.archive, read_archive(words.archive));
+    TRY_ASSIGN(generator.seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
+                                                                std::numeric_limits<std::uint64_t>::max()));
     generator.properties = options.scene == "globe" && !words.plain;
     take_motion(words.globe, generator);
     options.maps = words.globe.maps;
@@ -305,8 +300,7 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
           {&files.elevation, MapKind::grey, &read->elevation, &maps.elevation},
           {&files.mask, MapKind::grey, &read->mask, &maps.mask},
           {&files.haptic, MapKind::as_stored, &read->haptic, &maps.haptic}}) {
-        TRY_ASSIGN(auto found, read_map(*file, kind, *picture));
-        *map = found;
+        TRY_ASSIGN(*map, read_map(*file, kind, *picture));
     }
     std::optional<double> sea_level = files.sea_level;
     if (files.mask.empty() && !maps.elevation.empty() && maps.elevation.channels == 1) {
@@ -322,24 +316,21 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
     if (files.relief_percent) maps.relief = *files.relief_percent / 100;
     if (files.smoothing_degrees) maps.smoothing_degrees = *files.smoothing_degrees;
     TRY(check_globe_maps(maps));
-    TRY_ASSIGN(auto shore, find_shore(maps.elevation, maps.mask, sea_level));
-    maps.shore = shore;
-    read->remark = shore_in_words(shore, files.sea_level.has_value(), !files.mask.empty());
+    TRY_ASSIGN(maps.shore, find_shore(maps.elevation, maps.mask, sea_level));
+    read->remark = shore_in_words(maps.shore, files.sea_level.has_value(), !files.mask.empty());
     return std::unique_ptr<const ReadGlobeMaps>(std::move(read));
 }
 
 Result<void> run_make(const MakeOptions& options) {
-    if (auto apart = check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, options.maps.files());
-        !apart.ok())
-        return apart;
+    TRY(check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, options.maps.files()));
     std::string remark;
     TRY_ASSIGN(const auto scene, make_source(options, remark));
     const AnalyticScene& source = *scene;
     SceneDescription described(source.scene());
     described.unstated.filters = all_unstated;  // what its frames ask for
     TRY_ASSIGN(auto writer, create_named_clip(options.out, described, options.storage, options.existing));
-    if (auto written = write_frames(source, options.frames, *writer); !written.ok()) return written;
-    if (auto finished = writer->finish(); !finished.ok()) return finished;
+    TRY(write_frames(source, options.frames, *writer));
+    TRY(writer->finish());
 
     const Scene& made = source.scene();
     std::cout << options.out.string() << ": " << options.frames << " frames of " << options.scene << ", "

@@ -19,7 +19,6 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/convert_command.hpp"
-#include "player/commands/many_clips.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 #include "player/session/clip_choice.hpp"
@@ -163,7 +162,7 @@ Result<void> MaterialsRun::check_places(const ClipReader& clip) {
     add_inputs(inputs, options_.clip.file, clip);
     if (!options_.out.empty()) outputs.push_back({"OUT", options_.out});
     if (!options_.save.empty()) outputs.push_back({"--save", options_.save});
-    if (auto free = check_outputs({outputs, options_.existing}, inputs); !free.ok()) return free;
+    TRY(check_outputs({outputs, options_.existing}, inputs));
     if (options_.save.empty()) return {};
     saved_ = std::make_unique<NewFile>(options_.save, options_.existing);
     return saved_->check();
@@ -182,7 +181,7 @@ Result<void> MaterialsRun::write_clip() {
         for (const TrackInfo& track : clip->tracks()) had_haptic_ = had_haptic_ || track.role == "haptic";
         return with_materials(std::move(clip), options_.materials, begin_segments, report_);
     };
-    if (auto written = run_convert(convert); !written.ok()) return written;
+    TRY(run_convert(convert));
     std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
     if (options_.materials.scale_relief && had_haptic_)
         std::cout
@@ -214,7 +213,7 @@ Result<Image> MaterialsRun::haptic_of(ClipReader& clip) {
 /// Tells of one frame, and writes its haptic picture where that is asked for.
 Result<void> MaterialsRun::look() {
     TRY_ASSIGN(auto clip, options_.clip.open());
-    if (auto free = check_places(*clip); !free.ok()) return free;
+    TRY(check_places(*clip));
     if (!options_.out.empty() && !options_.frame && clip->frame_count() != 1)
         return usage_error("OUT " + options_.out.string() +
                            " is a map of one frame, but the clip has more: --frame says which one; NAME.mkv "
@@ -226,10 +225,9 @@ Result<void> MaterialsRun::look() {
     TRY_ASSIGN(const auto haptic, haptic_of(*felt));
     if (!options_.out.empty()) {
         NewFile file(options_.out, options_.existing);
-        if (auto fits = file.check(); !fits.ok()) return fits;
-        if (auto written = write_png(file, haptic.view(), PngColours::indexed_if_few); !written.ok())
-            return written;
-        if (auto named = file.commit(); !named.ok()) return named;
+        TRY(file.check());
+        TRY(write_png(file, haptic.view(), PngColours::indexed_if_few));
+        TRY(file.commit());
         std::cout << options_.out.string() << ": what frame " << options_.frame.value_or(0)
                   << " feels like, for touchable play " << shell_word(options_.clip.file.string())
                   << " --haptic " << shell_word(options_.out.string()) << '\n';
@@ -242,15 +240,15 @@ Result<void> MaterialsRun::look() {
 Result<void> MaterialsRun::save() {
     if (!saved_) return {};
     const auto text = segment_names_to_json(used_names(*report_, options_.materials.names));
-    if (auto written = saved_->write(text); !written.ok()) return written;
-    if (auto named = saved_->commit(); !named.ok()) return named;
+    TRY(saved_->write(text));
+    TRY(saved_->commit());
     std::cout << "  saved    " << options_.save.string() << ", for --segments\n";
     return {};
 }
 
 Result<void> MaterialsRun::run() {
     const bool is_clip = options_.out.extension() == ".mkv";
-    if (auto done = is_clip ? write_clip() : look(); !done.ok()) return done;
+    TRY(is_clip ? write_clip() : look());
     return save();
 }
 
@@ -303,8 +301,7 @@ Result<SegmentNames> read_names(const MaterialsTyped& typed) {
         TRY_ASSIGN(const auto text,
                    read_given_file(typed.segments, where, "a file of segments (JSON, docs/content.md)",
                                    largest_segment_names));
-        TRY_ASSIGN(auto read, parse_segment_names(text, where));
-        names = std::move(read);
+        TRY_ASSIGN(names, parse_segment_names(text, where));
     }
     if (typed.materials.size() != typed.places.size())
         return usage_error("--material is given " + std::to_string(typed.materials.size()) +
@@ -375,21 +372,17 @@ Result<void> run_one(const MaterialsTyped& typed, const std::filesystem::path& c
                      const std::filesystem::path& out) {
     MaterialsOptions options = typed.options;
     options.out = out;
-    if (auto fits = check_words(typed, options); !fits.ok()) return fits;
-    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
-    options.clip = choice;
+    TRY(check_words(typed, options));
+    TRY_ASSIGN(options.clip, read_clip(typed.clip));
     options.clip.file = clip;
-    TRY_ASSIGN(auto names, read_names(typed));
-    options.materials.names = std::move(names);
+    TRY_ASSIGN(options.materials.names, read_names(typed));
     if (!typed.frame.empty()) {
-        TRY_ASSIGN(const auto frame,
+        TRY_ASSIGN(options.frame,
                    read_whole_number<std::int64_t>("--frame", typed.frame, 0, last_segment_frame));
-        options.frame = frame;
     }
     if (!typed.segments.empty()) options.read.push_back(typed.segments);
     if (!typed.map.empty()) {
-        TRY_ASSIGN(auto map, read_map(typed.map));
-        options.materials.map = std::move(map);
+        TRY_ASSIGN(options.materials.map, read_map(typed.map));
         options.read.push_back(typed.map);
     }
     return run_materials(options);

@@ -1,8 +1,9 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+// Kinds of options: numbers in a range, words of a list, sizes, files; and the files that a command is to
+// write (Outputs), which check_outputs holds against the files that it reads. Functions that begin with add_
+// add an option to a subcommand; those that begin with read_ read one word, and an error (ErrorKind::usage)
+// says what would be right. Without state.
 
 #include <CLI/CLI.hpp>
 #include <charconv>

@@ -9,30 +9,43 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "player/commands/clip_options.hpp"
-#include "player/commands/kiosk_options.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/picture_options.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/commands/setting_words.hpp"
 #include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/user_files.hpp"
 
 namespace touchable {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr int smallest_window = 64, largest_window = 8192;
+
+/// Options of a kiosk, as typed.
+struct KioskWords {
+    bool kiosk = false;
+    std::vector<double> idle;
+    std::string texts, bar;
+    std::optional<fs::path> labels, use_log;
+    std::string study;
+    std::optional<fs::path> results;
+};
 
 /// Options as typed.
 struct PlayWords {
@@ -41,9 +54,9 @@ struct PlayWords {
     PlaybackTyped playback;
     HeldDeviceWords held;
     std::string size = "1280x720";
-    std::optional<std::filesystem::path> script;
+    std::optional<fs::path> script;
     CLI::Option* clip_word = nullptr;
-    std::vector<std::filesystem::path> more_clips;
+    std::vector<fs::path> more_clips;
     CLI::Option* typed_size = nullptr;
     std::vector<CLI::Option*> filters{};
     std::string dent;
@@ -58,7 +71,7 @@ struct PlayWords {
 
 /// No file that is written takes the place of what the window shows or reads, by whatever name, or of one
 /// that is there. A clip that is opened to know what is read stays open for the window.
-Result<void> check_files(PlayOptions& options, const std::optional<std::filesystem::path>& script) {
+Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& script) {
     Outputs outputs{{}, options.existing};
     if (options.record) outputs.files.push_back({"--record", *options.record});
     if (options.record && options.session.clip.plugged)
@@ -103,18 +116,18 @@ Result<void> check_files(PlayOptions& options, const std::optional<std::filesyst
         else  // of several the window goes past it
             inputs.push_back({"a clip", clip.file});
     }
-    if (auto free = check_outputs(kept, inputs); !free.ok()) return free;
+    TRY(check_outputs(kept, inputs));
     return check_outputs(outputs, inputs);
 }
 
 /// The clips that were named, and those of folders of clips.
 Result<void> read_list(const PlayWords& words, PlayOptions& options) {
-    std::vector<std::filesystem::path> files = clips_of(options.session.clip.file);
+    std::vector<fs::path> files = clips_of(options.session.clip.file);
     for (const auto& word : words.more_clips)
         for (auto& file : clips_of(word)) files.push_back(std::move(file));
     std::error_code ignored;
     for (const auto& file : files)
-        if (!is_stream_url(file.string()) && !std::filesystem::exists(file, ignored))
+        if (!is_stream_url(file.string()) && !fs::exists(file, ignored))
             return input_error(file.string() + ": does not exist");
     options.session.clip.file = files.front();
     for (std::size_t k = 1; k < files.size(); ++k)
@@ -143,7 +156,7 @@ Result<void> check_empty(const PlayOptions& options) {
 }
 
 /// Of --segments; whether they go with the clip is known once its segments are read.
-Result<void> check_segments(const std::filesystem::path& file) {
+Result<void> check_segments(const fs::path& file) {
     TRY_ASSIGN(const auto text,
                read_given_file(file, "--segments " + file.string(),
                                "a file of segments (JSON, docs/content.md)", largest_segment_names));
@@ -154,7 +167,7 @@ Result<void> check_segments(const std::filesystem::path& file) {
 /// A WAV file is written, so that its name says so.
 CLI::Validator ends_in_wav() {
     return {[](std::string& name) {
-                return CLI::detail::to_lower(std::filesystem::path(name).extension()) == ".wav"
+                return CLI::detail::to_lower(fs::path(name).extension()) == ".wav"
                            ? std::string()
                            : name + " is no name of a WAV file; right would be one that ends in .wav";
             },
@@ -163,7 +176,7 @@ CLI::Validator ends_in_wav() {
 
 CLI::Validator ends_as_film() {
     return {[](std::string& name) {
-                const std::string end = CLI::detail::to_lower(std::filesystem::path(name).extension());
+                const std::string end = CLI::detail::to_lower(fs::path(name).extension());
                 return end == ".mp4" || end == ".mkv"
                            ? std::string()
                            : name + " is no name of a film; right would be one that ends in .mp4 or .mkv";
@@ -203,7 +216,7 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
         return usage_error("--device mouse leads the fingers alone, not beside another device");
     if (mouse != held.devices.end()) held.devices.clear();
     options.session.live = true;
-    if (auto made = hold_devices(held, options.session); !made.ok()) return made;
+    TRY(hold_devices(held, options.session));
     if (options.session.device)
         return usage_error("--device " + *options.session.device +
                            ": is held by a hand of touchable touch; in a window you hold what is there, or "
@@ -215,6 +228,122 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
     return {};
 }
 
+/// A folder of what comes with the program, where it was built and where it is installed.
+fs::path folder_from_program(const char* way) {
+    std::error_code fault;
+    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
+    return (program.parent_path() / way).lexically_normal();
+}
+fs::path folder_of_texts() {
+    return folder_from_program(TOUCHABLE_KIOSK_FROM_PROGRAM);
+}
+fs::path folder_of_studies() {
+    return folder_from_program(TOUCHABLE_STUDY_FROM_PROGRAM);
+}
+
+/// What there is in such a folder.
+std::string names_there(const fs::path& folder) {
+    std::vector<std::string> names;
+    std::error_code failed;
+    for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+        if (at->path().extension() == ".json") names.push_back(at->path().stem().string());
+    std::ranges::sort(names);
+    std::string words;
+    for (const std::string& name : names) words += (words.empty() ? "" : ", ") + name;
+    return words;
+}
+
+Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named) {
+    TRY_ASSIGN(const auto text, read_given_file(file, named, "a file of a kiosk's texts (docs/exhibit.md)",
+                                                largest_kiosk_texts));
+    return parse_kiosk_texts(text, file.string());
+}
+
+/// `asked`: a language or a file; empty: the language of whoever is logged in, as far as there are texts.
+Result<KioskTexts> choose_texts(const std::string& asked) {
+    const std::string language = asked.empty() ? own_language() : asked;
+    if (!is_language(language)) return read_texts_of(asked, "--kiosk-texts " + asked);
+    const fs::path file = folder_of_texts() / (language + ".json");
+    std::error_code failed;
+    if (fs::exists(file, failed)) return read_texts_of(file, file.string());
+    if (asked.empty() || language == KioskTexts().language) return KioskTexts();
+    return usage_error("--kiosk-texts " + asked +
+                       ": there are texts in these languages: " + names_there(folder_of_texts()) +
+                       "; right would be one of them, or the name of a file");
+}
+
+Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
+    TRY_ASSIGN(const auto text, read_given_file(file, "--labels " + file.string(),
+                                                "a file of labels (docs/exhibit.md)", largest_labels));
+    TRY_ASSIGN(auto labels, parse_touch_labels(text, file.string(), file.parent_path()));
+    std::vector<std::string> names;
+    if (segments) {
+        TRY_ASSIGN(const auto named, read_given_file(*segments, "--segments " + segments->string(),
+                                                     "a file of segments", largest_segment_names));
+        TRY_ASSIGN(const auto parsed, parse_segment_names(named, segments->string()));
+        for (const NamedSegment& segment : parsed.segments) names.push_back(segment.name);
+    }
+    if (auto there = labels.has_segments(names); !there.ok())
+        return input_error(there.error().message + "; right would be a name in the file of --segments");
+    return labels;
+}
+
+/// Each file once, however many labels have it.
+Result<void> read_sounds(KioskOptions& kiosk) {
+    std::map<fs::path, std::shared_ptr<const SpokenSound>> read;
+    for (const TouchLabel& label : kiosk.labels.labels) {
+        const fs::path* const file = said_in(label.sounds, kiosk.texts.language);
+        if (file && !read.contains(*file)) {
+            TRY_ASSIGN(auto sound, SpokenSound::read(*file));
+            read.emplace(*file, std::move(sound));
+        }
+        kiosk.label_sounds.push_back(file ? read.at(*file) : nullptr);
+    }
+    return {};
+}
+
+/// Reads all files of a kiosk. `segments`: the file of --segments. Nothing: it is no kiosk.
+Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
+                                               const std::optional<fs::path>& segments) {
+    if (!words.kiosk) return std::optional<KioskOptions>();
+    if (!words.idle.empty() && words.idle[1] < words.idle[0])
+        return usage_error(
+            "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
+    KioskOptions kiosk;
+    if (!words.idle.empty()) kiosk.times = {words.idle[0], words.idle[1]};
+    TRY_ASSIGN(kiosk.texts, choose_texts(words.texts));
+    kiosk.touched_by = has_touch_screen() ? TouchedBy::touch_screen : TouchedBy::mouse;
+    if (words.labels) {
+        TRY_ASSIGN(kiosk.labels, read_labels(*words.labels, segments));
+        TRY(read_sounds(kiosk));
+    }
+    kiosk.has_bar = words.bar != "off";
+    kiosk.use_log = words.use_log;
+    return std::optional(std::move(kiosk));
+}
+
+/// Reads the file of a study. `clips`: how many there are to touch. Nothing: there is no study.
+Result<std::optional<Study>> read_study(const KioskWords& words, std::size_t clips) {
+    if (words.study.empty()) return std::optional<Study>();
+    fs::path file = words.study;
+    std::error_code failed;
+    if (const fs::path known = folder_of_studies() / (words.study + ".json");
+        file.filename() == file && !fs::exists(file, failed) && fs::exists(known, failed))
+        file = known;
+    const std::string named = "--study " + words.study;
+    if (!fs::exists(file, failed) && file.extension() != ".json")
+        return usage_error(named + ": there are these studies: " + names_there(folder_of_studies()) +
+                           "; right would be one of them, or the name of a file");
+    TRY_ASSIGN(const auto text,
+               read_given_file(file, named, "a study (JSON, docs/usability.md)", largest_study));
+    TRY_ASSIGN(auto study, parse_study(text, file.string()));
+    if (study.clips() > clips)
+        return usage_error(named + ": has a touch of clip " + std::to_string(study.clips()) +
+                           ", and there are " + std::to_string(clips) +
+                           "; right would be as many CLIPs as the study has");
+    return std::optional(std::move(study));
+}
+
 Result<PlayOptions> read_words(const PlayWords& words) {
     PlayOptions options = words.options;
     // First, while there is little in memory, and one thread.
@@ -222,19 +351,14 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, smallest_window, largest_window));
     options.screen.width = size.width;
     options.screen.height = size.height;
-    TRY_ASSIGN(auto clip, read_clip(words.clip));
-    options.session.clip = std::move(clip);
-    if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
-        !read.ok())
-        return read.error();
+    TRY_ASSIGN(options.session.clip, read_clip(words.clip));
+    TRY(read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session));
     TRY(read_live_stream(words.latency->count() > 0, options.session));
     const bool is_empty = words.clip_word->count() == 0 && !options.session.camera;
     if (!is_empty && !options.session.clip.plugged) TRY(read_list(words, options));
-    TRY_ASSIGN(auto playback, read_playback(words.playback));
-    options.session.playback = std::move(playback);
+    TRY_ASSIGN(options.session.playback, read_playback(words.playback));
     if (words.script) {
-        TRY_ASSIGN(auto script, read_window_script(*words.script));
-        options.script = std::move(script);
+        TRY_ASSIGN(options.script, read_window_script(*words.script));
     }
     options.size_is_stated = words.typed_size->count() > 0;
     if (!words.dent.empty()) options.dent = words.dent == "on";
@@ -242,10 +366,9 @@ Result<PlayOptions> read_words(const PlayWords& words) {
                                              [](const CLI::Option* option) { return option->count() > 0; });
     if (words.seconds->count() > 0) options.seconds = words.seconds_value;
     if (words.max_force->count() > 0) options.most_newtons = words.max_force_n;
-    TRY_ASSIGN(auto kiosk, read_kiosk(words.kiosk, options.segments));
-    options.kiosk = std::move(kiosk);
-    TRY_ASSIGN(auto study, read_study(words.kiosk, 1 + options.next_clips.size()));
-    options.study = std::move(study);
+    TRY_ASSIGN(options.kiosk, read_kiosk(words.kiosk, options.segments));
+    TRY_ASSIGN(options.study, read_study(words.kiosk, 1 + options.next_clips.size()));
+    options.study_results = words.kiosk.results.value_or("");
     if (options.kiosk) options.screen.fullscreen = options.screen.stays = options.screen.awake = true;
     if (is_empty) TRY(check_empty(options));
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
@@ -349,6 +472,53 @@ Result<void> run_play(PlayOptions options) {
     return {};
 }
 
+void add_kiosk_options(CLI::App& sub, KioskWords& words) {
+    auto* const kiosk =
+        sub.add_flag("--kiosk", words.kiosk,
+                     "for a place where nobody watches over it: full screen, again and again, an "
+                     "invitation to touch, and nothing that ends it (docs/exhibit.md)")
+            ->excludes("--record")
+            ->excludes("--settings")
+            ->excludes("--brush-history");
+    add_number_option(sub, "--idle", words.idle,
+                      "two times in seconds: how long nobody touches a kiosk until it invites to, and until "
+                      "it begins anew; 20 60 where they are left out",
+                      0.1, 1e6)
+        ->expected(2)
+        ->needs(kiosk);
+    sub.add_option(
+           "--kiosk-texts", words.texts,
+           "what a kiosk says: a language that comes with the program (en, de), or a file of texts; left "
+           "out: this person's language (docs/exhibit.md)")
+        ->needs(kiosk)
+        ->type_name("LANGUAGE|FILE");
+    sub.add_option(
+           "--kiosk-bar", words.bar,
+           "whether visitors of a kiosk have a bar of large buttons: on, as where it is left out, or off")
+        ->needs(kiosk)
+        ->check(CLI::IsMember({"on", "off"}));
+    add_file_option(sub, "--labels", words.labels,
+                    "captions and sounds of places of the clip, which a kiosk shows and plays where a finger "
+                    "rests (docs/exhibit.md)")
+        ->needs(kiosk);
+    add_file_option(sub, "--use-log", words.use_log,
+                    "a table, CSV, to which a kiosk adds each visit and each fault")
+        ->needs(kiosk);
+    auto* const study = sub.add_option("--study", words.study,
+                                       "what participants of a study read, touch and answer: one that comes "
+                                       "with the program (paper-4.2), or a file (docs/usability.md)")
+                            ->needs(kiosk)
+                            ->excludes("--labels")
+                            ->excludes("--kiosk-bar")
+                            ->excludes("--idle")
+                            ->type_name("NAME|FILE");
+    auto* const results = sub.add_option("--results", words.results,
+                                         "the folder that gets a table, CSV, of each participant of --study")
+                              ->needs(study)
+                              ->type_name("FOLDER");
+    study->needs(results);
+}
+
 void add_window_options(CLI::App& sub, PlayWords& words) {
     PlayOptions& o = words.options;
     words.typed_size = sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
@@ -414,7 +584,9 @@ void group_window_options(CLI::App& sub) {
         {"The window",
          {"--size", "--scale", "--fullscreen", "--dent", "--seconds", "--screenshot", "--at", "--record",
           "--sound", "--rumble", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
-        {"A kiosk", kiosk_option_names()},
+        {"A kiosk",
+         {"--kiosk", "--idle", "--kiosk-texts", "--kiosk-bar", "--labels", "--use-log", "--study",
+          "--results"}},
         {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale", "--max-force"}},
         {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
         {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};

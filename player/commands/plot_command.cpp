@@ -20,7 +20,7 @@
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/picture_options.hpp"
+#include "player/commands/run_options.hpp"
 
 namespace touchable {
 namespace {
@@ -132,11 +132,11 @@ Result<void> plot(const PlotOptions& options) {
     }
     if (auto free = check_outputs({{{"the picture", options.picture}}, options.existing}, inputs); !free.ok())
         return free;
-    if (auto given = check_given(inputs); !given.ok()) return given;
+    TRY(check_given(inputs));
     NewFile file(options.picture, options.existing);
-    if (auto usable = file.check(); !usable.ok()) return usable;
-    if (auto drawn = run_plot_script(words, file.path()); !drawn.ok()) return drawn;
-    if (auto named = file.commit(); !named.ok()) return named;
+    TRY(file.check());
+    TRY(run_plot_script(words, file.path()));
+    TRY(file.commit());
     std::cout << "plot: " << file.target().string() << '\n';
     return {};
 }

@@ -7,7 +7,6 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/convert_command.hpp"
-#include "player/commands/many_clips.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/session/clip_choice.hpp"
 
@@ -29,8 +28,7 @@ Result<void> run_relief(const ReliefTyped& typed, const std::filesystem::path& c
         return usage_error("OUT '" + options.out.string() +
                            "' does not end in .mkv, which a clip with relief is; touchable "
                            "convert makes anything else of it");
-    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
-    options.clip = choice;
+    TRY_ASSIGN(options.clip, read_clip(typed.clip));
     options.clip.file = clip;
     if (options.clip.maps.height)
         return usage_error(

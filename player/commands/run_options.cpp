@@ -1,8 +1,10 @@
 #include "player/commands/run_options.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <glm/matrix.hpp>
+#include <iostream>
 #include <limits>
 #include <sstream>
 #include <utility>
@@ -16,31 +18,6 @@
 #include "player/run/terminal.hpp"
 
 namespace touchable {
-
-void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names) {
-    std::string what = "how frames become a surface, all with the same bits:";
-    for (const std::string& name : names) {
-        what += (&name == &names.front() ? " " : ", ") + name;
-        if (name == "lazy") what += " (only where touched)";
-        if (name == "reference") what += " (slow)";
-        if (name == "vulkan") what += " (on a GPU)";
-        if (name == "auto") what += " (what costs least here)";
-    }
-    sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();
-    sub.add_option("--gpu", choice.gpu,
-                   "the GPU of --builder vulkan and --picture, which auto may take: auto, cpu (a Vulkan in "
-                   "software, as lavapipe), or index or part of the name of a device (touchable check)")
-        ->capture_default_str();
-}
-
-Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
-    const bool builds_on_gpu = choice.name == "vulkan" || choice.name == "auto";
-    if (choice.names_gpu() && !builds_on_gpu && !draws_on_gpu)
-        return usage_error(
-            "--gpu goes with --builder vulkan or auto, or a --picture that is not painted by the cpu");
-    return {};
-}
-
 namespace {
 
 constexpr const char* right_frame =
@@ -70,28 +47,6 @@ bool is_rigid(const glm::dmat4& m) {
             rigid = rigid && std::abs(unit[column][row] - (column == row ? 1.0 : 0.0)) < 1e-3;
     return rigid && m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1 &&
            glm::length(glm::dvec3(m[3])) < 1000;  // metres; not of what is no number
-}
-
-Result<glm::dmat4> read_frame(const std::string& words) {
-    constexpr std::size_t largest = 1 << 16;
-    const std::string named = "--world-from-camera '" + words + "'";
-    std::error_code ignored;
-    const bool is_file = std::filesystem::exists(words, ignored);
-    TRY_ASSIGN(const auto text,
-               is_file ? read_given_file(words, named, right_frame, largest) : Result<std::string>(words));
-    const auto numbers = numbers_of(text);
-    if (!numbers || numbers->size() != 16) return usage_error(named + ": right would be " + right_frame);
-    glm::dmat4 frame;
-    for (int row = 0; row < 4; ++row)
-        for (int column = 0; column < 4; ++column)
-            frame[column][row] = (*numbers)[static_cast<std::size_t>(4 * row + column)];
-    if (!is_rigid(frame))
-        return usage_error(
-            named +
-            ": is no rotation and translation (its rows are not unit vectors at right angles, or "
-            "the last one is not 0 0 0 1, or it is a kilometre away); right would be " +
-            right_frame);
-    return frame;
 }
 
 bool is_simulated(const std::string& device) {
@@ -147,7 +102,51 @@ std::int64_t nanoseconds(double seconds) {
     return std::llround(seconds * 1e9);
 }
 
+constexpr int largest_side = 8192;
+
+/// What other programs take a picture for by its name is what it is.
+std::string fault_of_name(const std::string& name) {
+    std::string ending = std::filesystem::path(name).extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return ending == ".png" ? "" : "'" + name + "' does not end in .png; a picture is a PNG file";
+}
+
+Words<Overlay> words_of_overlays() {
+    Words<Overlay> words;
+    Overlay overlay = Overlay::colour;
+    do {
+        words.emplace_back(name_of(overlay), overlay);
+        overlay = overlay_after(overlay, "").value();
+    } while (overlay != Overlay::colour);
+    return words;
+}
+
 }  // namespace
+
+void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names) {
+    std::string what = "how frames become a surface, all with the same bits:";
+    for (const std::string& name : names) {
+        what += (&name == &names.front() ? " " : ", ") + name;
+        if (name == "lazy") what += " (only where touched)";
+        if (name == "reference") what += " (slow)";
+        if (name == "vulkan") what += " (on a GPU)";
+        if (name == "auto") what += " (what costs least here)";
+    }
+    sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();
+    sub.add_option("--gpu", choice.gpu,
+                   "the GPU of --builder vulkan and --picture, which auto may take: auto, cpu (a Vulkan in "
+                   "software, as lavapipe), or index or part of the name of a device (touchable check)")
+        ->capture_default_str();
+}
+
+Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
+    const bool builds_on_gpu = choice.name == "vulkan" || choice.name == "auto";
+    if (choice.names_gpu() && !builds_on_gpu && !draws_on_gpu)
+        return usage_error(
+            "--gpu goes with --builder vulkan or auto, or a --picture that is not painted by the cpu");
+    return {};
+}
 
 std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
                                                   SessionOptions& session) {
@@ -178,7 +177,25 @@ std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWor
 }
 
 Result<glm::dmat4> read_world_from_camera(const std::string& words) {
-    return read_frame(words);
+    constexpr std::size_t largest = 1 << 16;
+    const std::string named = "--world-from-camera '" + words + "'";
+    std::error_code ignored;
+    const bool is_file = std::filesystem::exists(words, ignored);
+    TRY_ASSIGN(const auto text,
+               is_file ? read_given_file(words, named, right_frame, largest) : Result<std::string>(words));
+    const auto numbers = numbers_of(text);
+    if (!numbers || numbers->size() != 16) return usage_error(named + ": right would be " + right_frame);
+    glm::dmat4 frame;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            frame[column][row] = (*numbers)[static_cast<std::size_t>(4 * row + column)];
+    if (!is_rigid(frame))
+        return usage_error(
+            named +
+            ": is no rotation and translation (its rows are not unit vectors at right angles, or "
+            "the last one is not 0 0 0 1, or it is a kilometre away); right would be " +
+            right_frame);
+    return frame;
 }
 
 Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session) {
@@ -199,11 +216,9 @@ Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session)
             return usage_error(
                 "--hand-scale with --world-from-camera: a metre of the world is a metre of the scene; leave "
                 "one out");
-        TRY_ASSIGN(auto frame, read_world_from_camera(*words.world_from_camera));
-        session.world_from_camera = frame;
+        TRY_ASSIGN(session.world_from_camera, read_world_from_camera(*words.world_from_camera));
     }
-    TRY_ASSIGN(auto held, make_held(words));
-    session.held_device = std::move(held);
+    TRY_ASSIGN(session.held_device, make_held(words));
     if (session.held_device->fingers() > HandControl::most_fingers)
         return usage_error("--device: that are more than " + std::to_string(HandControl::most_fingers) +
                            " fingers");
@@ -277,6 +292,89 @@ Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {
     TRY_ASSIGN(auto script, read_playback(*typed.script));
     commands.insert(commands.end(), script.begin(), script.end());
     return commands;
+}
+
+CLI::Validator ends_in_png() {
+    return {[](std::string& name) { return fault_of_name(name); }, ""};
+}
+
+void add_picture_options(CLI::App& sub, PictureOptions& options) {
+    auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene to this PNG file")
+                        ->check(ends_in_png());
+    sub.add_option("--view", options.view,
+                   "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES; "
+                   "what is left out is the clip's camera's")
+        ->needs(picture)
+        ->capture_default_str();
+    sub.add_option("--painter", options.painter,
+                   "cpu, raster (compute), mesh (triangles), or auto: mesh on a GPU, else what there is")
+        ->needs(picture)
+        ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
+        ->capture_default_str();
+    sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
+    add_word_option(
+        sub, "--show", options.show,
+        "coloured by: colour (the clip's), depth (equalised), depth-linear, stiffness, friction (static), "
+        "dynamic-friction, height, normals, tiles (which are drawn) or validity",
+        words_of_overlays())
+        ->needs(picture);
+}
+
+Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, Existing existing,
+                                                  const BuilderChoice& choice, RunGpu& gpu) {
+    if (!options.file) return std::optional<PictureOrder>();
+    PictureOrder order;
+    TRY_ASSIGN(order.settings.viewpoint, parse_viewpoint(options.view));
+    TRY_ASSIGN(const auto size, read_pixel_size("--picture-size", options.size, 1, largest_side));
+    order.settings.width = size.width;
+    order.settings.height = size.height;
+    if (options.draws_on_gpu() && choice.names_gpu()) TRY(gpu.open());
+    TRY_ASSIGN(auto painter, make_painter(options.painter, [&gpu] { return gpu.open(); }));
+    order.painter = std::move(painter);
+    order.any_painter = options.painter == "auto";
+    order.show = options.show;
+    order.file = std::make_unique<NewFile>(*options.file, existing);
+    if (auto usable = order.file->check(); !usable.ok())
+        return Error{usable.error().kind, "--picture " + usable.error().message};
+    return std::optional<PictureOrder>(std::move(order));
+}
+
+Result<Image> PictureOrder::draw(const HeightField& field, const ViewSurface& surface,
+                                 std::span<const FingerMark> fingers) {
+    const Viewpoint::Subject subject = subject_of(field);
+    return make_picture(settings, field.scene(), surface, subject, fingers,
+                        mark_sizes(field.scene(), subject.middle), *painter);
+}
+
+Result<Image> PictureOrder::draw_overlay(const HeightField& field, const FramePair& pair,
+                                         std::span<const FingerMark> fingers) {
+    Overlays overlays;
+    const Overlays::Picture& overlay = overlays.paint(show, field, pair);
+    TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay.view()));
+    quieten_light(show, overlay, surface);
+    TRY_ASSIGN(auto image, draw(field, surface, fingers));
+    TRY(draw_scale_bar(overlay.scale, image));
+    return image;
+}
+
+Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                                 std::span<const FingerMark> fingers) {
+    if (show != Overlay::colour) return draw_overlay(field, pair, fingers);
+    TRY_ASSIGN(const auto surface, painter->surface_of(field, pair, colour));
+    return draw(field, surface, fingers);
+}
+
+Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                                   std::span<const FingerMark> fingers) {
+    auto image = draw(field, pair, colour, fingers);
+    if (!image.ok() && image.error().kind == ErrorKind::gpu && any_painter) {
+        std::cerr << "touchable: warning: " << image.error().message << "; the cpu painter draws instead\n";
+        painter = make_cpu_painter();
+        image = draw(field, pair, colour, fingers);
+    }
+    if (!image.ok()) return image.error();
+    TRY(write_png(*file, image->view()));
+    return file->commit();
 }
 
 }  // namespace touchable

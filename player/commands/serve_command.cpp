@@ -139,8 +139,7 @@ Serving::~Serving() {
 }
 
 Result<void> Serving::open_clip() {
-    TRY_ASSIGN(auto clip, options_.clip.open());
-    clip_ = std::move(clip);
+    TRY_ASSIGN(clip_, options_.clip.open());
     is_live_ = clip_->is_live();
     notes_ = remarks_with_options(remarks_of(*clip_));
     if (!options_.json) return {};
@@ -148,9 +147,8 @@ Result<void> Serving::open_clip() {
     if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
     add_inputs(inputs, options_.clip.file, *clip_);
     const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
-    if (auto checked = check_outputs(outputs, inputs); !checked.ok()) return checked;
-    TRY_ASSIGN(auto json, OutputFile::create("--json", *options_.json, options_.existing));
-    json_ = std::move(json);
+    TRY(check_outputs(outputs, inputs));
+    TRY_ASSIGN(json_, OutputFile::create("--json", *options_.json, options_.existing));
     return {};
 }
 
@@ -181,8 +179,7 @@ Result<void> Serving::open_forms() {
     }
     const auto heard = sound();
     if (options_.hls) {
-        TRY_ASSIGN(auto writer, HlsWriter::open(*options_.hls, described, heard));
-        hls_ = std::move(writer);
+        TRY_ASSIGN(hls_, HlsWriter::open(*options_.hls, described, heard));
     }
     if (!has_matroska) return {};
     TRY_ASSIGN(auto muxer, open_matroska_stream(described, heard));
@@ -202,13 +199,11 @@ Result<void> Serving::open_places() {
         outputs_.push_back(std::move(output));
     }
     if (!listened.empty()) {
-        TRY_ASSIGN(auto server, StreamServer::open(listened, matroska_->ring, audience_));
-        server_ = std::move(server);
-        if (auto started = server_->start(); !started.ok()) return started;
+        TRY_ASSIGN(server_, StreamServer::open(listened, matroska_->ring, audience_));
+        TRY(server_->start());
     }
     say_where();
-    for (const auto& output : outputs_)
-        if (auto started = output->start(); !started.ok()) return started;
+    for (const auto& output : outputs_) TRY(output->start());
     return {};
 }
 
@@ -251,8 +246,7 @@ Result<void> Serving::send() {
         sent = sender_->run();
         is_over = true;
     };
-    if (auto started = start_thread(thread_, "stream-sender", "that reads and encodes", work); !started.ok())
-        return started;
+    TRY(start_thread(thread_, "stream-sender", "that reads and encodes", work));
     while (!is_over && !interrupted()) std::this_thread::sleep_for(serve_look_again);
     if (interrupted()) sender_->end();
     thread_.join();
@@ -385,21 +379,21 @@ Result<void> Serving::report() {
     const bool is_standard = options_.json && is_standard_output(*options_.json);
     (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
     if (!json_) return {};
-    if (auto written = json_->write(report_as_json().dump(2) + '\n'); !written.ok()) return written;
+    TRY(json_->write(report_as_json().dump(2) + '\n'));
     return json_->finish();
 }
 
 Result<void> Serving::run() {
-    if (auto opened = open_clip(); !opened.ok()) return opened;
-    if (auto opened = open_forms(); !opened.ok()) return opened;
-    if (auto opened = open_places(); !opened.ok()) return opened;
+    TRY(open_clip());
+    TRY(open_forms());
+    TRY(open_places());
     const auto sent = send();
     if (!sent.ok() && !interrupted()) return sent;
     for (const auto& output : outputs_) output->end();
     server_.reset();
     if (!sender_) return sent;
     outputs_.clear();
-    if (auto told = report(); !told.ok()) return told;
+    TRY(report());
     if (auto lost = lost_camera()) return std::move(*lost);
     const bool has_no_end = !options_.longest_ns && (options_.loop || is_live_);
     return has_no_end ? Result<void>{} : sent;
@@ -475,8 +469,7 @@ Result<void> read_hls(const ServeTyped& typed, ServeOptions& options) {
 
 Result<ServeOptions> read_options(const ServeTyped& typed) {
     ServeOptions options = typed.options;
-    TRY_ASSIGN(const auto choice, read_clip(typed.clip));
-    options.clip = choice;
+    TRY_ASSIGN(options.clip, read_clip(typed.clip));
     TRY_ASSIGN(const auto words, read_words(typed, options));
     if (words.empty() && !typed.hls)
         return usage_error(

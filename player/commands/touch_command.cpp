@@ -63,16 +63,12 @@ Result<TouchOptions> read_words(const TouchWords& words) {
         return usage_error(
             "touch needs a CLIP, a --camera, or a recording to --replay; see touchable touch -h");
     }
-    TRY_ASSIGN(auto clip, read_clip(words.clip));
-    options.session.clip = std::move(clip);
+    TRY_ASSIGN(options.session.clip, read_clip(words.clip));
     options.session.recorded = options.record.has_value();
     options.session.device_log = options.device_log.has_value();
-    if (auto read = read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session);
-        !read.ok())
-        return read.error();
+    TRY(read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session));
     TRY(read_live_stream(words.latency->count() > 0, options.session));
-    TRY_ASSIGN(auto playback, read_playback(words.playback));
-    options.session.playback = std::move(playback);
+    TRY_ASSIGN(options.session.playback, read_playback(words.playback));
     options.play = words.playback.script;
     return options;
 }

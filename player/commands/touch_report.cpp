@@ -10,7 +10,7 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "player/commands/clip_facts.hpp"
-#include "player/commands/machine_facts.hpp"
+#include "player/commands/machine_check.hpp"
 #include "player/commands/setting_words.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"

@@ -94,8 +94,7 @@ Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
 template <class File, class Create>
 Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create create) {
     if (!path) return {};
-    TRY_ASSIGN(auto created, create(*path));
-    file = std::move(created);
+    TRY_ASSIGN(file, create(*path));
     return {};
 }
 
@@ -231,7 +230,7 @@ public:
         later.time_ns += before_ * tick_ns;
         for (std::size_t k = 0; k < sinks_.size(); ++k) {
             const auto begun = std::chrono::steady_clock::now();
-            if (auto taken = sinks_[k]->take(later); !taken.ok()) return taken;
+            TRY(sinks_[k]->take(later));
             took_[k] += std::chrono::steady_clock::now() - begun;
         }
         if (outputs_)
@@ -316,21 +315,19 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
     if (recording.empty()) return run_part(options, nullptr, *setup, outputs, told);
     for (const RecordedPart& part : recording) {
         if (&part != &recording.front()) {
-            if (auto ended = outputs.end_part(*setup); !ended.ok()) return ended;
+            TRY(outputs.end_part(*setup));
             const auto gpu = setup->gpu;
             setup.reset();
-            TRY_ASSIGN(auto next, setup_from_recording(part, options.session, gpu));
-            setup = std::move(next);
+            TRY_ASSIGN(setup, setup_from_recording(part, options.session, gpu));
         }
-        if (auto ran = run_part(options, &part, *setup, outputs, told); !ran.ok()) return ran;
+        TRY(run_part(options, &part, *setup, outputs, told));
     }
     return {};
 }
 
 /// `at_work`: what memory is needed for, once that is known.
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
-    auto checked = check_gpu_options(options.session.builder, options.picture.draws_on_gpu());
-    if (!checked.ok()) return checked;
+    TRY(check_gpu_options(options.session.builder, options.picture.draws_on_gpu()));
     TRY_ASSIGN(const auto recording, read_replayed(options));
     const bool replays = !recording.empty();
     TRY_ASSIGN(auto first, replays ? setup_from_recording(recording.front(), options.session)
@@ -345,7 +342,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     TRY_ASSIGN(auto outputs, TouchOutputs::open(options, *setup, ticks));
 
     Told told;
-    if (auto ran = run_parts(options, recording, setup, *outputs, told); !ran.ok()) return ran;
+    TRY(run_parts(options, recording, setup, *outputs, told));
     const auto report = told.reports.size() > 1 ? join_reports(told.reports, told.all) : told.reports.front();
     // Files first: whoever reads the table may go away half-way.
     const auto done = outputs->finish(report, told.all.force_hash(), *setup);
@@ -355,7 +352,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     else
         words << report_in_short(report, outputs->written());
     if (!done.ok()) return done;
-    if (auto whole = ended_early(told.live); !whole.ok()) return whole;
+    TRY(ended_early(told.live));
     if (!replays) return strictly(options, report);
     TRY_ASSIGN(const auto same, judge_replay(told.replayed, told.all.force_hash()));
     words << same;
@@ -418,17 +415,14 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     TRY_ASSIGN(const auto builder,
                make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu));
     const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
-    if (auto there = reader->seek(first); !there.ok()) return there;
+    TRY(reader->seek(first));
     FrameAgain prev, next;
     const auto is_part = [&](std::int64_t number) {
         return setup.scene.filter.temporal && !setup.feed->has_dropped(moment_->epoch, number);
     };
-    if (auto read = read_frame(*reader, *builder, moment_->frame_prev, is_part, prev); !read.ok())
-        return read;
+    TRY(read_frame(*reader, *builder, moment_->frame_prev, is_part, prev));
     const bool between = moment_->frame_next != moment_->frame_prev;
-    if (between)
-        if (auto read = read_frame(*reader, *builder, moment_->frame_next, is_part, next); !read.ok())
-            return read;
+    if (between) TRY(read_frame(*reader, *builder, moment_->frame_next, is_part, next));
 
     FramePair pair;
     pair.prev = {moment_->frame_prev, 0, &prev.surface};
@@ -436,7 +430,7 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     pair.blend = moment_->blend;
     const HeightField field(setup.scene, pair);
     const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
-    if (auto done = order_.deliver(field, pair, nearer.colour, fingers_on(field)); !done.ok()) return done;
+    TRY(order_.deliver(field, pair, nearer.colour, fingers_on(field)));
     const std::string gpu = order_.painter->gpu_name();
     line_ = "picture: " + order_.file->target().string() + " by the " + std::string(order_.painter->name()) +
             " painter" + (gpu.empty() ? "" : " on " + gpu) +
@@ -519,7 +513,7 @@ std::vector<std::string> TouchOutputs::new_faults() {
 
 Result<void> TouchOutputs::finish_record(const std::string& force_hash, const TouchSetup& setup) {
     if (setup.film) {
-        if (auto done = setup.film->finish(); !done.ok()) return done;
+        TRY(setup.film->finish());
         if (const auto fault = setup.film->fault()) record_->end_with_frame(setup.film->last_frame(), *fault);
     }
     nlohmann::ordered_json facts = recorded_facts(setup);
@@ -529,8 +523,7 @@ Result<void> TouchOutputs::finish_record(const std::string& force_hash, const To
 
 Result<void> TouchOutputs::finish_json(const nlohmann::ordered_json& report) {
     const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // names need not be UTF-8
-    if (auto written = json_->write(report.dump(2, ' ', false, replace) + '\n'); !written.ok())
-        return written;
+    TRY(json_->write(report.dump(2, ' ', false, replace) + '\n'));
     return json_->finish();
 }
 
@@ -554,7 +547,7 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const st
 
 Result<void> run_touch(const TouchOptions& options) {
     TouchOptions run = options;
-    if (auto held = hold_devices(options.held, run.session); !held.ok()) return held;
+    TRY(hold_devices(options.held, run.session));
     std::string at_work = "what is to be touched";
     return within_memory(at_work, [&] { return touch(run, at_work); });
 }

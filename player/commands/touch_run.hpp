@@ -13,7 +13,6 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
-#include "player/commands/picture_options.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/draw/pictures.hpp"
 #include "player/run/run_files.hpp"

@@ -195,8 +195,7 @@ void KeptBrush::say(const std::string& words) {
 Result<void> KeptBrush::take_saved(const std::optional<std::string>& text) {
     if (!text) return {};
     TRY_ASSIGN(const auto names, parse_segment_names(*text, files_.saved().string()));
-    TRY_ASSIGN(auto begun, MaterialBrush::begin(*brush_.painted()->segments, names));
-    brush_ = std::move(begun);
+    TRY_ASSIGN(brush_, MaterialBrush::begin(*brush_.painted()->segments, names));
     saved_ = {hash_of_text(*text)};
     return {};
 }

@@ -1,5 +1,9 @@
 #pragma once
 
+// The brush of materials: the tool in a person's hand (HeldBrush), which makes commands of clicks and
+// strokes, and what has been painted of a clip (KeptBrush), with the files that keep it from one window to
+// the next.
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,10 +23,6 @@
 #include "player/window/window_command.hpp"
 
 namespace touchable {
-
-// The brush of materials: the tool in a person's hand (HeldBrush), which makes commands of clicks and
-// strokes, and what has been painted of a clip (KeptBrush), with the files that keep it from one window to
-// the next.
 
 /// What the left button does over the picture.
 enum class BrushTool {

@@ -1,5 +1,8 @@
 #pragma once
 
+// Files that a window writes while it runs: off its thread, so that a disk that hangs does not stop the
+// picture, and row by row, so that a machine that is switched off loses no row that was written before.
+
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
@@ -14,9 +17,6 @@
 #include "engine/base/threads.hpp"
 
 namespace touchable {
-
-// Files that a window writes while it runs: off its thread, so that a disk that hangs does not stop the
-// picture, and row by row, so that a machine that is switched off loses no row that was written before.
 
 /// Work with files on a thread of its own, one job after the other, in the order in which they were given: a
 /// disk that hangs does not hold up the callers. Jobs own what they work on: if the disk never answers, the

@@ -30,7 +30,7 @@
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/window/screen.hpp"
-#include "player/window/window_command.hpp"
+#include "player/window/keys.hpp"
 #include "player/window/x11_screen.hpp"
 
 #define GLFW_INCLUDE_VULKAN
@@ -276,14 +276,12 @@ Result<void> Swapchain::present(GpuCommands commands, const GpuImage& canvas, Vk
     std::uint32_t index = 0;
     bool shown = chain_ && !outdated_;
     if (shown) {
-        TRY_ASSIGN(const auto acquired, acquire(index));
-        shown = acquired;
+        TRY_ASSIGN(shown, acquire(index));
     }
     if (!shown) {
         TRY_ASSIGN(const auto made, make(wanted));
         if (made) {
-            TRY_ASSIGN(const auto acquired, acquire(index));
-            shown = acquired;
+            TRY_ASSIGN(shown, acquire(index));
         }
     }
     if (shown) record_copy(commands, canvas, images_[index]);

@@ -17,6 +17,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "player/window/keys.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {

@@ -1,5 +1,10 @@
 #pragma once
 
+// A kiosk: a window in a public place, which runs unattended. Here is what it needs beside a window: when a
+// visit begins and ends (KioskWatch), which inputs a visitor may use, the finger that shows how to touch, all
+// texts that visitors read, in their language, labels of places of the clip, which are shown and played when
+// a finger rests there, and a log of how the kiosk is used. Everything belongs to the window's thread.
+
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -23,11 +28,6 @@
 #include "player/window/persistent_device.hpp"
 
 namespace touchable {
-
-// A kiosk: a window in a public place, which runs unattended. Here is what it needs beside a window: when a
-// visit begins and ends (KioskWatch), which inputs a visitor may use, the finger that shows how to touch, all
-// texts that visitors read, in their language, labels of places of the clip, which are shown and played when
-// a finger rests there, and a log of how the kiosk is used. Everything belongs to the window's thread.
 
 /// After how many seconds without input a kiosk invites to touch it, and after how many it begins anew.
 struct KioskTimes {

@@ -1,5 +1,8 @@
 #pragma once
 
+// Measuring in the picture: a line between two places of the surface, which follows the surface from frame to
+// frame, and the words for depths and lengths that it, the panel and what is under the pointer share.
+
 #include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -16,9 +19,6 @@
 #include "player/window/input_event.hpp"
 
 namespace touchable {
-
-// Measuring in the picture: a line between two places of the surface, which follows the surface from frame to
-// frame, and the words for depths and lengths that it, the panel and what is under the pointer share.
 
 /// "0.0952 m": a depth, from scene units.
 std::string metres_in_words(double depth, const Scene& scene);

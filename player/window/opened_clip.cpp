@@ -261,8 +261,7 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     std::vector<TouchSink*> sinks{&*listener_};
     if (record_) sinks.push_back(record_.get());
     if (options_.meter) sinks.push_back(options_.meter.get());
-    TRY_ASSIGN(auto started, WatchedSession::start(std::move(setup), std::move(sinks)));
-    session_ = std::move(started);
+    TRY_ASSIGN(session_, WatchedSession::start(std::move(setup), std::move(sinks)));
     control_ = session_->setup().control.get();
     return {};
 }
@@ -300,8 +299,7 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
         change.state = session_->playback();
         return {};
     };
-    TRY_ASSIGN(auto setup, setup_from_options(session));
-    change.setup = std::move(setup);
+    TRY_ASSIGN(change.setup, setup_from_options(session));
     change.reading_ns = std::chrono::nanoseconds(Clock::now() - chosen_at).count();
     if (!clip_.is_camera() && is_left_behind(change)) {
         // Once more, now that it is known how long that takes; for the clip it is a seek from there.

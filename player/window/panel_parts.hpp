@@ -1,5 +1,8 @@
 #pragma once
 
+// What the window's panels are made of, each drawn where it is called (immediate mode), and what panels of
+// one file show to those of another.
+
 #include <imgui.h>
 
 #include <cstddef>
@@ -10,9 +13,6 @@
 #include "player/window/window_command.hpp"
 
 namespace touchable {
-
-// What the window's panels are made of, each drawn where it is called (immediate mode), and what panels of
-// one file show to those of another.
 
 // Rows of the panel, where Dear ImGui's cursor is. `scale` as in ScreenSize; less where there is little room.
 

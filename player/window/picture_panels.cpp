@@ -12,6 +12,7 @@
 
 #include "engine/base/words.hpp"
 #include "player/draw/overlays.hpp"
+#include "player/window/keys.hpp"
 #include "player/window/panel_parts.hpp"
 #include "player/window/window_command.hpp"
 

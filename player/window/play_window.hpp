@@ -1,25 +1,6 @@
 #pragma once
 
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "engine/base/files.hpp"
-#include "engine/base/result.hpp"
-#include "engine/scene/scene.hpp"
 #include "player/audio/window_sound.hpp"
-#include "player/session/touch_setup.hpp"
-#include "player/window/kiosk.hpp"
-#include "player/window/persistent_device.hpp"
-#include "player/window/screen.hpp"
-#include "player/window/study.hpp"
-#include "player/window/user_files.hpp"
-#include "player/window/window_command.hpp"
-
 // The window: shows a clip, lets a person touch it, and ends when the person closes it.
 //
 // A program fills in PlayOptions and calls play_in_window, which returns what was counted (PlayFigures), or
@@ -41,22 +22,26 @@
 // (player/run/terminal.hpp): the error then is of kind interrupted, and a held device is without power
 // before anything is waited for.
 
-namespace touchable {
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
-/// Texts for the terminal: how the program that opened the window calls output files and guessed values.
-struct PlayNames {
-    std::string record = "the recording", sound = "the sound", video = "the film", screenshot = "the picture";
-    std::string (*remark)(const Remark&) = remark_in_words;
-    /// Says that a clip's materials are in `file` now, and which command makes a clip of both.
-    std::string (*saved)(const std::string& clip, const std::string& file) =
-        [](const std::string&, const std::string& file) { return "saved as " + file; };
-    /// The command that makes a clip of relief by these settings (settings_in_effect); empty: unknown.
-    std::string (*relief)(const std::string& clip, const std::map<std::string, std::string>& in_effect) =
-        [](const std::string&, const std::map<std::string, std::string>&) { return std::string(); };
-    /// The command that makes a clip of it that is read faster; empty: unknown.
-    std::string (*faster)(const std::string& clip) = [](const std::string&) { return std::string(); };
-    std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
-};
+#include "engine/base/files.hpp"
+#include "engine/base/result.hpp"
+#include "engine/scene/scene.hpp"
+#include "player/audio/heard_sound.hpp"
+#include "player/session/touch_setup.hpp"
+#include "player/window/kiosk.hpp"
+#include "player/window/persistent_device.hpp"
+#include "player/window/screen.hpp"
+#include "player/window/study.hpp"
+#include "player/window/window_command.hpp"
+
+namespace touchable {
 
 /// A window in a public place that runs unattended.
 struct KioskOptions {
@@ -70,14 +55,35 @@ struct KioskOptions {
     std::optional<std::filesystem::path> use_log{};  ///< UseLog; nothing: none is kept
 };
 
-/// A kiosk whose visitors are the participants of a study.
-struct StudyOptions {
-    Study study;
-    std::filesystem::path results;  ///< a folder
-};
+/// The clips that a word or a dropped file stands for. A folder that is no clip itself stands for the clips
+/// in it (videos, recordings, folders with a scene file), by name, with numbers in their order: "clip2"
+/// before "clip10". Any other name, and a folder without clips, stands for itself.
+std::vector<std::filesystem::path> clips_of(const std::filesystem::path& named);
+
+/// This program's folder of a person: `touchable` in the folder that the environment's `variable` names,
+/// else in `in_home` of the home folder. It need not exist. Fails if there is neither.
+Result<std::filesystem::path> own_folder(const char* variable, const char* in_home);
+/// play.json of this person: in $XDG_CONFIG_HOME/touchable, otherwise in ~/.config/touchable.
+Result<std::filesystem::path> own_settings_file();
 
 /// What a window shows, how it is touched, and which files are written.
 struct PlayOptions {
+    /// Texts for the terminal: how the program that opened the window calls output files and guessed values.
+    struct Names {
+        std::string record = "the recording", sound = "the sound", video = "the film",
+                    screenshot = "the picture";
+        std::string (*remark)(const Remark&) = remark_in_words;
+        /// Says that a clip's materials are in `file` now, and which command makes a clip of both.
+        std::string (*saved)(const std::string& clip, const std::string& file) =
+            [](const std::string&, const std::string& file) { return "saved as " + file; };
+        /// The command that makes a clip of relief by these settings (settings_in_effect); empty: unknown.
+        std::string (*relief)(const std::string& clip, const std::map<std::string, std::string>& in_effect) =
+            [](const std::string&, const std::map<std::string, std::string>&) { return std::string(); };
+        /// The command that makes a clip of it that is read faster; empty: unknown.
+        std::string (*faster)(const std::string& clip) = [](const std::string&) { return std::string(); };
+        std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
+    };
+
     SessionOptions session;
     std::shared_ptr<PersistentDevice> hand{};  ///< leads the fingers; nothing: the mouse does
     std::vector<ClipChoice> next_clips{};      ///< after the session's, in their order
@@ -91,11 +97,12 @@ struct PlayOptions {
     /// The clips in a dropped file or folder; a test puts a disk in its place that does not answer.
     std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> clips_of =
         touchable::clips_of;
-    std::optional<KioskOptions> kiosk{};  ///< it loops and keeps no settings
-    std::optional<StudyOptions> study{};  ///< of a kiosk
-    std::shared_ptr<TouchMeter> meter{};  ///< the window's own: measures what its study wants
-    std::shared_ptr<RunGpu> gpu{};        ///< draws; nothing: the window opens one
-    std::string painter = "auto";         ///< auto, cpu, raster or mesh
+    std::optional<KioskOptions> kiosk{};    ///< it loops and keeps no settings
+    std::optional<Study> study{};           ///< of a kiosk: its visitors are the participants
+    std::filesystem::path study_results{};  ///< a folder
+    std::shared_ptr<TouchMeter> meter{};    ///< the window's own: measures what its study wants
+    std::shared_ptr<RunGpu> gpu{};          ///< draws; nothing: the window opens one
+    std::string painter = "auto";           ///< auto, cpu, raster or mesh
     std::vector<ScriptedInput> script;
     std::optional<std::filesystem::path> screenshot;  ///< of the window, the last thing done before it closes
     double screenshot_s = 3;             ///< the default of `seconds` that a program may take for it
@@ -106,7 +113,7 @@ struct PlayOptions {
     bool rumble = false;  ///< a gamepad rumbles by what is felt; not where it is `headless`
     std::optional<std::filesystem::path> video;  ///< a film of what the window shows (FilmWriter)
     Existing existing = Existing::keep;
-    PlayNames names{};
+    Names names{};
     std::optional<std::filesystem::path> settings_file;  ///< nothing: settings are not kept
     std::optional<std::filesystem::path>
         segments;  ///< file of the clip's segments and their materials, at first
@@ -118,25 +125,25 @@ struct PlayOptions {
     bool size_is_stated = false, filters_are_stated = false;
 };
 
-/// The newest of many values: a window may be open for days.
-class NewestValues {
-public:
-    void add(double value) {
-        if (values_.size() < most)
-            values_.push_back(value);
-        else
-            values_[next_++ % most] = value;
-    }
-    const std::vector<double>& values() const { return values_; }
-
-private:
-    static constexpr std::size_t most = 20'000;
-    std::vector<double> values_;
-    std::size_t next_ = 0;
-};
-
 /// What was counted and measured while the window was open.
 struct PlayFigures {
+    /// The newest of many values: a window may be open for days.
+    class NewestValues {
+    public:
+        void add(double value) {
+            if (values_.size() < most)
+                values_.push_back(value);
+            else
+                values_[next_++ % most] = value;
+        }
+        const std::vector<double>& values() const { return values_; }
+
+    private:
+        static constexpr std::size_t most = 20'000;
+        std::vector<double> values_;
+        std::size_t next_ = 0;
+    };
+
     std::int64_t pictures = 0;
     double seconds = 0;
     NewestValues draw_ms, input_to_picture_ms;

@@ -1,5 +1,9 @@
 #pragma once
 
+// The pointer, and fingers on a touch screen, over the picture: they lead the fingers that touch the surface
+// (PointerFingers) and turn the view (WindowView). PointerInput and TouchInput decide which of both an event
+// does.
+
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -19,10 +23,6 @@
 #include "player/window/input_event.hpp"
 
 namespace touchable {
-
-// The pointer, and fingers on a touch screen, over the picture: they lead the fingers that touch the surface
-// (PointerFingers) and turn the view (WindowView). PointerInput and TouchInput decide which of both an event
-// does.
 
 /// From where the window looks: the clip's own camera, until the view is turned, moved or zoomed.
 class WindowView {

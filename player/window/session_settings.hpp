@@ -1,5 +1,9 @@
 #pragma once
 
+// What of a touch a person can set in the window: one table of settings (metric, filters, relief, ...), which
+// the panel, commands and the settings file go by, and the values that a person has set, in one set or in two
+// that are compared (A and B).
+
 #include <map>
 #include <optional>
 #include <span>
@@ -10,10 +14,6 @@
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {
-
-// What of a touch a person can set in the window: one table of settings (metric, filters, relief, ...), which
-// the panel, commands and the settings file go by, and the values that a person has set, in one set or in two
-// that are compared (A and B).
 
 /// A setting, and what it can be set to.
 struct SessionSetting {

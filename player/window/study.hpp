@@ -1,5 +1,9 @@
 #pragma once
 
+// A study, whose participants are the visitors of a kiosk: its file (Study), the order in which each
+// participant meets the conditions, the screens that come of both, what is measured while a participant
+// touches, and the run that leads participants through it and keeps their results (StudyRun).
+
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
@@ -16,10 +20,6 @@
 #include "player/window/disk_work.hpp"
 
 namespace touchable {
-
-// A study, whose participants are the visitors of a kiosk: its file (Study), the order in which each
-// participant meets the conditions, the screens that come of both, what is measured while a participant
-// touches, and the run that leads participants through it and keeps their results (StudyRun).
 
 /// A text for participants, by language; "" is any. Lines are separated by \n.
 using StudyWords = std::map<std::string, std::string>;

@@ -14,6 +14,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "player/window/play_window.hpp"
 #include "player/window/pointer.hpp"
 
 namespace touchable {

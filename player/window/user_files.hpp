@@ -1,5 +1,11 @@
 #pragma once
 
+// Files of a person that a window uses: the clips that it shows, one after the other (Playlist), and the
+// settings that last from one window to the next (SettingsFile), which the window reads when it opens and
+// writes when it closes. No file of the person's is lost: settings are written whole or not at all, a file
+// that cannot be used is renamed (set_aside), and one that may be another program's is left alone. An object
+// belongs to the window's thread.
+
 #include <cstddef>
 #include <filesystem>
 #include <optional>
@@ -12,25 +18,6 @@
 #include "player/window/session_settings.hpp"
 
 namespace touchable {
-
-// Files of a person that a window uses: the clips that it shows, the folders in which this program keeps
-// things for that person, and the file of settings that lasts from one window to the next.
-//
-// The command line asks here for defaults (own_settings_file, own_folder) and for the clips that a word
-// stands for (clips_of), and hands them to play_in_window by PlayOptions. The window asks clips_of again for
-// files that are dropped on it, goes through the clips by a Playlist, reads a SettingsFile when it opens, and
-// writes it when it closes.
-//
-// A file of the person's is never lost: settings are written whole or not at all, a file that cannot be used
-// is renamed (set_aside), and one that may be another program's is left alone.
-//
-// All functions may be called by any thread; they read the disk and wait for it. An object belongs to one
-// thread, for a window the one that runs its loop.
-
-/// The clips that a word or a dropped file stands for. A folder that is no clip itself stands for the clips
-/// in it (videos, recordings, folders with a scene file), by name, with numbers in their order: "clip2"
-/// before "clip10". Any other name, and a folder without clips, stands for itself.
-std::vector<std::filesystem::path> clips_of(const std::filesystem::path& named);
 
 /// The clips of a window, and the place of one among them: the one that is shown, or on its way there.
 class Playlist {
@@ -56,13 +43,7 @@ private:
     bool wraps_ = false;
 };
 
-/// This program's folder of a person: `touchable` in the folder that the environment's `variable` names,
-/// else in `in_home` of the home folder. It need not exist. Fails if there is neither.
-Result<std::filesystem::path> own_folder(const char* variable, const char* in_home);
-/// play.json of this person: in $XDG_CONFIG_HOME/touchable, otherwise in ~/.config/touchable.
-Result<std::filesystem::path> own_settings_file();
-
-/// What a person finds again in the next window, for any clip.
+/// The settings that the next window begins with, for any clip.
 struct KeptSettings {
     bool panel = false;  ///< shown
     int fingers = 1;

@@ -12,6 +12,7 @@
 #include "engine/base/words.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/window/brush.hpp"
+#include "player/window/keys.hpp"
 #include "player/window/session_settings.hpp"
 
 namespace touchable {
@@ -450,13 +451,6 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         default:
             return read_word(*named, words, rest);
     }
-}
-
-double ScriptClock::at(double now_s, bool stands) {
-    constexpr double longest_step_s = 0.1;  // a slow picture, but no standstill
-    if (!stands) time_s_ += std::min(now_s - seen_s_, longest_step_s);
-    seen_s_ = now_s;
-    return time_s_;
 }
 
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file) {

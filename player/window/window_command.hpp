@@ -1,8 +1,23 @@
 #pragma once
 
+// What a window can be asked to do. Keys, buttons of the panel, scripts and tests all ask by the same
+// WindowCommand, so that each can do what the others can.
+//
+// - WindowVerb names the commands; parse_window_command reads one from words, such as "seek 10".
+// - read_window_script reads a file of timed inputs and commands, which PlayOptions::script hands to the
+// window.
+// - read_pixel_of_frame reads a pixel as commands of the brush name it; the command line reads it so, too.
+//
+//     WindowCommand later{.verb = WindowVerb::seek_to, .number = 10};
+//     Result<WindowCommand> read = parse_window_command("seek 10");
+//
+// The window's loop carries commands out (window_input.cpp); keys.hpp has the key of each. All of this is
+// values and functions without state, for any thread; read_window_script waits for the disk. Refused words
+// are ErrorKind::usage, and the message says what would be right; no message names an option of the command
+// line.
+
 #include <filesystem>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -13,19 +28,6 @@
 #include "player/window/input_event.hpp"
 
 namespace touchable {
-
-// What a window can be asked to do. Keys, buttons of the panel, scripts and tests all ask by the same
-// WindowCommand, so that each can do what the others can.
-//
-// - WindowVerb names the commands; parse_window_command reads one from words, such as "seek 10".
-// - key_groups has the keys, in the order of the help page; binding_of finds the command of a key.
-// - read_window_script reads a file of timed inputs and commands; the window plays it by a ScriptClock, which
-//   does not count the time in which the program stood still.
-// - read_pixel_of_frame reads a pixel as commands of the brush name it; the command line reads it so, too.
-//
-// The window's loop carries commands out (window_input.cpp). Everything here is a pure function or a
-// plain value but ScriptClock, which belongs to the window's thread. Words that are refused are
-// ErrorKind::usage and say what would be right; nothing here knows an option of the command line.
 
 enum class WindowVerb {
     play_pause,
@@ -89,32 +91,6 @@ struct WindowCommand {
     std::vector<PixelOfFrame> places{};  ///< of the depth plane; frame -1: the one that is shown
 };
 
-/// A key and what it does.
-struct KeyBinding {
-    const char* key;  ///< as InputEvent names it
-    bool shift;
-    WindowVerb verb;
-    double number;
-    const char* what;  ///< for a person; null: the same as the row above
-    bool control = false;
-};
-/// Keys that belong together, under one title of the help page. The first group has what a beginner needs.
-struct KeyGroup {
-    enum class Topic { begin, touch, view, play, data, window };
-    Topic topic;
-    const char* title;
-    std::span<const KeyBinding> keys;
-};
-/// All keys, in the order of the list.
-std::span<const KeyGroup> key_groups();
-/// The same keys, without titles.
-std::span<const KeyBinding> key_bindings();
-/// The binding of a key with Ctrl and Shift; null: it does nothing. The key that takes the force off does so
-/// with any of them held.
-const KeyBinding* binding_of(const std::string& key, bool control, bool shift);
-/// Whether a key that is held does it again and again: what goes on by steps, never what switches.
-bool goes_by_steps(WindowVerb verb);
-
 /// "X,Y" or "X,Y,FRAME": a pixel's column and row up to 16383, and its frame, all from 0; without a frame it
 /// is -1. Nothing: the word is no pixel.
 std::optional<PixelOfFrame> read_pixel_of_frame(std::string_view word);
@@ -125,18 +101,6 @@ Result<WindowCommand> parse_window_command(const std::string& words);
 struct ScriptedInput {
     double seconds = 0;  ///< since the first picture, by a ScriptClock
     std::variant<InputEvent, WindowCommand> what;
-};
-
-/// The time of a script, and when the window that it leads closes. A window that stood still, as on a machine
-/// that was busy or asleep, goes on where it was: inputs that lie apart do not fall together.
-class ScriptClock {
-public:
-    /// At this moment of the window's own clock, seconds; moments do not go backward. `stands`: nothing of
-    /// the time since the last one counts.
-    double at(double now_s, bool stands = false);
-
-private:
-    double seen_s_ = 0, time_s_ = 0;
 };
 
 /// A file of timed inputs (docs/play-options.md), a line each: SECONDS, then move X Y, press BUTTON, release

@@ -92,8 +92,7 @@ Screenshots::Screenshots(Existing existing)
 
 Result<void> Screenshots::keep(Image image, fs::path name) {
     if (!disk_) {
-        TRY_ASSIGN(auto started, DiskWork::start("screenshots", "that writes pictures of the window"));
-        disk_ = std::move(started);
+        TRY_ASSIGN(disk_, DiskWork::start("screenshots", "that writes pictures of the window"));
     }
     {
         const std::lock_guard lock(files_->mutex);

@@ -257,8 +257,7 @@ public:
         if (painter == "cpu") {
             by_cpu_.emplace();
         } else {
-            TRY_ASSIGN(auto drawing, SurfaceDrawing::create(device_, painter));
-            drawing_ = std::move(drawing);
+            TRY_ASSIGN(drawing_, SurfaceDrawing::create(device_, painter));
         }
         return take_letters();
     }
@@ -271,8 +270,7 @@ public:
 
     Result<void> take_letters() override {
         imgui_.reset();  // there is one at a time
-        TRY_ASSIGN(auto imgui, ImGuiVulkan::create(device_));
-        imgui_ = std::move(imgui);
+        TRY_ASSIGN(imgui_, ImGuiVulkan::create(device_));
         return {};
     }
 
@@ -319,8 +317,7 @@ public:
 private:
     Result<void> reserve(GpuImage& image, const char* name, int width, int height) const {
         if (image && is_of_size(image, width, height)) return {};
-        TRY_ASSIGN(auto made, GpuImage::create(*device_, name, width, height, VK_FORMAT_R8G8B8A8_UNORM));
-        image = std::move(made);
+        TRY_ASSIGN(image, GpuImage::create(*device_, name, width, height, VK_FORMAT_R8G8B8A8_UNORM));
         return {};
     }
 
@@ -378,8 +375,7 @@ public:
     }
     Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
                       int /*width*/, int /*height*/) override {
-        TRY_ASSIGN(const auto drawn, drawing_.draw(camera, fingers, sizes));
-        picture_ = drawn;
+        TRY_ASSIGN(picture_, drawing_.draw(camera, fingers, sizes));
         return {};
     }
     Result<void> finish() override { return {}; }

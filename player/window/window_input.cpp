@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "player/draw/view.hpp"
+#include "player/window/keys.hpp"
 
 namespace touchable {
 namespace {

@@ -16,6 +16,7 @@
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/draw/view.hpp"
+#include "player/window/keys.hpp"
 #include "player/window/panel_parts.hpp"
 
 namespace touchable {
@@ -122,8 +123,7 @@ Result<void> WindowLoop::open_kiosk() {
     kiosk_.emplace(options_.kiosk->times);
     TRY(open_study());
     if (!options_.kiosk->use_log) return {};
-    TRY_ASSIGN(auto log, UseLog::open(*options_.kiosk->use_log));
-    use_log_ = std::move(log);
+    TRY_ASSIGN(use_log_, UseLog::open(*options_.kiosk->use_log));
     use_log_->start(std::chrono::system_clock::now());
     return {};
 }
@@ -345,11 +345,10 @@ Result<void> WindowLoop::open_study() {
     const KioskOptions& kiosk = *options_.kiosk;
     const bool by_touch = kiosk.touched_by == TouchedBy::touch_screen;
     TRY_ASSIGN(auto disk, DiskWork::start("study", "that writes a study's results"));
-    TRY_ASSIGN(auto run,
-               StudyRun::open(options_.study->study, options_.study->results, kiosk.texts.language,
+    TRY_ASSIGN(study_,
+               StudyRun::open(*options_.study, options_.study_results, kiosk.texts.language,
                               options_.hand ? options_.hand->name() : (by_touch ? "touch-screen" : "mouse"),
                               std::move(disk)));
-    study_ = std::move(run);
     options_.meter = study_->meter();
     const double idle_s = study_->study().idle_s;
     kiosk_.emplace(KioskTimes{idle_s, idle_s});

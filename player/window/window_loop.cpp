@@ -54,9 +54,8 @@ Result<void> WindowLoop::open() {
     const KeptSettings& kept = settings_file_.read();
     if (!options_.filters_are_stated) settings_.kept = {kept.a, kept.b};
     if (!settings_file_.message().empty()) say(settings_file_.message(), Tone::fault);
-    TRY_ASSIGN(auto sound, WindowSound::create(!options_.headless, options_.sound, options_.existing,
-                                               options_.names.sound));
-    sound_ = std::move(sound);
+    TRY_ASSIGN(sound_, WindowSound::create(!options_.headless, options_.sound, options_.existing,
+                                           options_.names.sound));
     sound_->set_volume(kept.volume);
     if (options_.kiosk) sound_->set_spoken(options_.kiosk->label_sounds);
     if (options_.rumble && !options_.headless) sound_->begin_rumble();
@@ -82,8 +81,7 @@ Result<void> WindowLoop::open_screen(const KeptSettings& kept) {
     } else if (options_.headless) {
         screen_ = make_headless_screen(wanted);
     } else {
-        TRY_ASSIGN(auto screen, open_glfw_screen(wanted));
-        screen_ = std::move(screen);
+        TRY_ASSIGN(screen_, open_glfw_screen(wanted));
     }
     if (!options_.gpu)
         options_.gpu = std::make_shared<RunGpu>(options_.session.builder.gpu, screen_->extensions());
@@ -100,8 +98,7 @@ Result<void> WindowLoop::open_parts() {
     TRY(open_graphics());
     panel_.emplace(scale);
     if (!options_.video) return {};
-    TRY_ASSIGN(auto film, WindowFilm::create(*options_.video, options_.existing));
-    film_ = std::move(film);
+    TRY_ASSIGN(film_, WindowFilm::create(*options_.video, options_.existing));
     return {};
 }
 

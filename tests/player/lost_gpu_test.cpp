@@ -12,7 +12,7 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "player/commands/picture_options.hpp"
+#include "player/commands/run_options.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/run_record.hpp"
 #include "tests/gpu/blockade.hpp"

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "player/commands/machine_facts.hpp"
-#include "player/commands/touch_trial.hpp"
+#include "player/commands/machine_check.hpp"
 
 // What `touchable check` makes of what it has measured.
 namespace touchable::test {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/authoring/segments.hpp"
+#include "player/window/keys.hpp"
 
 namespace touchable::test {
 namespace {

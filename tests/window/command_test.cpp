@@ -4,6 +4,7 @@
 #include <string>
 #include <tuple>
 
+#include "player/window/keys.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable::test {

@@ -1,3 +1,4 @@
+#include "player/window/play_window.hpp"
 #include "player/window/user_files.hpp"
 
 #include <gtest/gtest.h>

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string>
 
+#include "player/window/play_window.hpp"
 #include "player/window/user_files.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -1,10 +1,10 @@
+#include "player/commands/machine_check.hpp"
+
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/avutil.h>
 }
-
-#include "player/commands/machine_facts.hpp"
 
 #include <pthread.h>
 #include <pwd.h>
@@ -12,26 +12,39 @@ extern "C" {
 #include <sys/prctl.h>
 #include <time.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <ostream>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/content/scenes.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
+#include "player/run/terminal.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
 #include "shaders/self_check.h"
 #include "shaders/self_check.spv.h"
 
 namespace touchable {
-
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::uint32_t texels = 16384, words = 4 * texels;
 
@@ -76,8 +89,7 @@ Result<KernelFacts> run_often(const Bench& bench) {
     TRY_ASSIGN(const auto first, run(bench, 0));
     std::array<KernelRun, KernelFacts::runs> later;
     for (std::size_t i = 0; i < later.size(); ++i) {
-        TRY_ASSIGN(const auto next, run(bench, static_cast<std::uint32_t>(i) + 1));
-        later[i] = next;
+        TRY_ASSIGN(later[i], run(bench, static_cast<std::uint32_t>(i) + 1));
     }
     return facts_of(first, later);
 }
@@ -171,6 +183,101 @@ bool may_run_realtime() {
     return permitted;
 }
 
+constexpr int trial_ticks = 1000;
+constexpr double ms_per_second = 1000, us_per_ms = 1000;
+
+/// Fewer where they are large: some 6 of 1920x1080.
+int trial_frames(const TouchDemand& demand) {
+    const double pixels = static_cast<double>(demand.width) * demand.height;
+    return static_cast<int>(std::clamp(12e6 / pixels, 4.0, 30.0));
+}
+
+/// A folder of temporary files, gone with this.
+class ScratchFolder {
+public:
+    static Result<ScratchFolder> create() {
+        std::error_code fault;
+        const fs::path parent = fs::temp_directory_path(fault);
+        std::string name = (parent / "touchable-check-XXXXXX").string();
+        if (fault || !mkdtemp(name.data()))
+            return input_error("no folder of temporary files can be made in '" + parent.string() +
+                               "'; TMPDIR may name another place");
+        return ScratchFolder(name);
+    }
+    ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+    ScratchFolder& operator=(ScratchFolder&&) = delete;
+    ~ScratchFolder() {
+        std::error_code ignored;
+        if (!path_.empty()) fs::remove_all(path_, ignored);
+    }
+    const fs::path& path() const { return path_; }
+
+private:
+    explicit ScratchFolder(fs::path path) : path_(std::move(path)) {}
+    fs::path path_;
+};
+
+double cpu_ms() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
+/// A surface that moves in every frame. Colour is no part of touch.
+Result<void> make_clip(const TouchDemand& demand, const fs::path& file, int frames) {
+    SceneOptions options;
+    options.width = demand.width;
+    options.height = demand.height;
+    TRY_ASSIGN(const auto source, make_scene("moving", options));
+    TRY_ASSIGN(auto writer, create_clip(file, source->scene()));
+    for (int n = 0; n < frames; ++n) {
+        if (interrupted()) return interrupted_error();
+        TRY(writer->write(source->frame(n)));
+    }
+    return writer->finish();
+}
+
+/// Without those that were there before, in which threads are started and memory is fetched.
+Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures) {
+    SurfaceFeed& feed = *setup.feed;
+    const auto before = static_cast<int>(feed.frames());
+    feed.forget_times();
+    const double cpu_before = cpu_ms();
+    for (int n = before; n < frames; ++n) {
+        if (interrupted()) return interrupted_error();
+        TRY(feed.pair_at(setup.scene.rate.time_ns(n - 1)));
+    }
+    figures.frames = static_cast<int>(feed.frames()) - before;
+    figures.frame_cpu_ms = (cpu_ms() - cpu_before) / figures.frames;
+    figures.decode_ms = feed.read_ms().spread();
+    figures.build_ms = feed.build_ms().spread();
+    figures.builder = feed.builder_name();
+    return {};
+}
+
+/// Between the last two frames, where nothing more is decoded.
+Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures) {
+    setup.settings.ticks = trial_ticks;
+    setup.settings.pair_of_tick = [&setup, frames](std::int64_t tick) {
+        return setup.feed->pair_of(frames - 2, frames - 1, static_cast<double>(tick) / trial_ticks);
+    };
+    TouchFigures taken;
+    TouchSink* const sinks[] = {&taken};
+    const double cpu_before = cpu_ms();
+    TRY(TouchSession(setup.scene, *setup.feed, *setup.hand, *setup.solver, setup.settings).run(sinks));
+    figures.ticks = static_cast<int>(taken.ticks());
+    figures.tick_cpu_us = us_per_ms * (cpu_ms() - cpu_before) / figures.ticks;
+    figures.tick_us = taken.tick_us();
+    return {};
+}
+
+/// Of the machine and of each deadline: other programs run too, and no two frames take the same time.
+constexpr double usable_share = 0.9;
+
+std::string figure(double value) {
+    return formatted(value < 100 ? "%.3g" : "%.0f", value);
+}
+
 }  // namespace
 
 KernelFacts facts_of(const KernelRun& first, std::span<const KernelRun> later) {
@@ -193,27 +300,17 @@ KernelFacts facts_of(const KernelRun& first, std::span<const KernelRun> later) {
 
 VulkanFacts vulkan_facts() {
     VulkanFacts facts;
-    auto gpus = list_gpus();
-    if (!gpus.ok()) {
-        facts.unusable = gpus.error().message;
-        return facts;
-    }
-    facts.gpus = std::move(*gpus);
-    const auto chosen = choose_gpu(facts.gpus, "auto");
-    if (!chosen.ok()) {
-        facts.unusable = chosen.error().message;
-        return facts;
-    }
-    facts.used = *chosen;
-    const auto bench = make_bench(std::to_string(*chosen));
-    const Result<KernelFacts> kernel = bench.ok() ? run_often(*bench) : bench.error();
-    if (!kernel.ok()) {
-        facts.unusable = kernel.error().message;
-        return facts;
-    }
-    facts.kernel = *kernel;
-    if (!kernel->same_bits)
-        facts.unusable = "a kernel gives other bits than the CPU on " + facts.gpus[*chosen].name;
+    const auto found = [&facts]() -> Result<void> {
+        TRY_ASSIGN(facts.gpus, list_gpus());
+        TRY_ASSIGN(facts.used, choose_gpu(facts.gpus, "auto"));
+        TRY_ASSIGN(const auto bench, make_bench(std::to_string(*facts.used)));
+        TRY_ASSIGN(facts.kernel, run_often(bench));
+        return {};
+    }();
+    if (!found.ok())
+        facts.unusable = found.error().message;
+    else if (!facts.kernel->same_bits)
+        facts.unusable = "a kernel gives other bits than the CPU on " + facts.gpus[*facts.used].name;
     return facts;
 }
 
@@ -260,7 +357,7 @@ std::vector<std::string> ways_to_realtime(const std::string& user, const std::st
 std::vector<std::string> ways_to_realtime() {
     const passwd* user = getpwuid(getuid());
     std::error_code fault;
-    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", fault);
+    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
     return ways_to_realtime(user ? user->pw_name : "USER", fault ? "touchable" : program.string());
 }
 
@@ -318,6 +415,100 @@ FfmpegFacts ffmpeg_facts() {
              {"png decoder", avcodec_find_decoder(AV_CODEC_ID_PNG) != nullptr},
              {"png encoder", avcodec_find_encoder(AV_CODEC_ID_PNG) != nullptr},
              {"jpeg decoder", avcodec_find_decoder(AV_CODEC_ID_MJPEG) != nullptr}}};
+}
+
+Result<TrialFigures> try_touch(const TouchDemand& demand) {
+    TRY_ASSIGN(const auto folder, ScratchFolder::create());
+    SessionOptions options;
+    options.clip.file = folder.path() / "trial.mkv";
+    options.fingers = demand.fingers;
+    options.clip.filters = FiltersChoice{};  // nothing is measured, so that every frame is decoded here
+    options.clip.median = 3;
+    options.live = true;
+    const int frames = 2 + trial_frames(demand);  // the first two are read to find out where the surface is
+    TRY(make_clip(demand, options.clip.file, frames));
+    TRY_ASSIGN(auto setup, setup_from_options(options));
+    TrialFigures figures;
+    TRY(measure_frames(*setup, frames, figures));
+    TRY(measure_ticks(*setup, frames, figures));
+    return figures;
+}
+
+std::string TouchDemand::in_words() const {
+    return std::to_string(width) + "x" + std::to_string(height) + " at " + std::to_string(rate) +
+           " frames/s with " + std::to_string(fingers) + (fingers == 1 ? " finger" : " fingers");
+}
+
+double TrialFigures::cpu_ms_per_second(const TouchDemand& demand) const {
+    return demand.rate * frame_cpu_ms + ms_per_second * tick_cpu_us / us_per_ms;
+}
+
+TrialVerdict judge(const TouchDemand& demand, const TrialFigures& figures, int cores) {
+    const double frame_ms = ms_per_second / demand.rate;
+    const double usable_ms = usable_share * cores * ms_per_second;
+    const double left_ms = usable_ms - figures.tick_cpu_us;  // us of a tick are ms of a second
+    struct Need {
+        const char* what;
+        double takes, may;
+        const char* unit;
+    };
+    const Need needs[] = {
+        {"a tick", figures.tick_us.p99, usable_share * us_per_ms, "us"},
+        {"decoding a frame", figures.decode_ms.mean, usable_share * frame_ms, "ms"},
+        {"building a frame", figures.build_ms.mean, usable_share * frame_ms, "ms"},
+        {"all of it", figures.cpu_ms_per_second(demand), usable_ms, "ms of CPU time a second"}};
+    const Need* tightest =
+        std::max_element(std::begin(needs), std::end(needs),
+                         [](const Need& a, const Need& b) { return a.takes / a.may < b.takes / b.may; });
+    TrialVerdict verdict;
+    verdict.can = tightest->takes <= tightest->may;
+    verdict.why = std::string(tightest->what) + " takes " + figure(tightest->takes) + " of the " +
+                  figure(tightest->may) + " " + tightest->unit + " it may";
+    const double slower = std::max(figures.decode_ms.mean, figures.build_ms.mean);
+    if (needs[0].takes <= needs[0].may && left_ms > 0)
+        verdict.most_rate =
+            std::floor(std::min(usable_share * ms_per_second / slower, left_ms / figures.frame_cpu_ms));
+    return verdict;
+}
+
+nlohmann::ordered_json trial_json(const TouchDemand& demand, const TrialFigures& figures,
+                                  const TrialVerdict& verdict, int cores) {
+    return {{"width", demand.width},
+            {"height", demand.height},
+            {"fingers", demand.fingers},
+            {"rate", demand.rate},
+            {"can", verdict.can},
+            {"why", verdict.why},
+            {"most_rate", verdict.most_rate},
+            {"builder", figures.builder},
+            {"frames", figures.frames},
+            {"ticks", figures.ticks},
+            {"decode_ms", to_json(figures.decode_ms)},
+            {"build_ms", to_json(figures.build_ms)},
+            {"tick_us", to_json(figures.tick_us)},
+            {"cpu_ms_per_second", figures.cpu_ms_per_second(demand)},
+            {"cores", cores}};
+}
+
+std::string trial_to_text(const TouchDemand& demand, const TrialFigures& figures, const TrialVerdict& verdict,
+                          int cores) {
+    const auto spread = [](const Spread& s, const char* unit) {
+        return figure(s.mean) + " " + unit + " at the mean, " + figure(s.p99) + " p99, " + figure(s.max) +
+               " at worst";
+    };
+    std::string text = (verdict.can ? "yes: " : "no: ") + demand.in_words() +
+                       (verdict.can ? "; " : " is too much here; ") + verdict.why + "\n";
+    text += "decode    " + spread(figures.decode_ms, "ms") + " of " + std::to_string(figures.frames) +
+            " frames (generated: depth of 16 bits and colour)\n";
+    text += "build     " + spread(figures.build_ms, "ms") + "; " + figures.builder + " builder, median 3x3\n";
+    text += "tick      " + spread(figures.tick_us, "us") + " of " + std::to_string(figures.ticks) +
+            ", all fingers; the next one is due after 1000\n";
+    text += "cpu time  " + formatted("%.0f ms a second, of ", figures.cpu_ms_per_second(demand)) +
+            std::to_string(cores) + (cores == 1 ? " core\n" : " cores\n");
+    if (figures.is_crowded())
+        text += "note      other programs kept the cores busy; ask again when they rest\n";
+    text += "at most   " + formatted("%.0f frames/s", verdict.most_rate) + " with as many fingers\n";
+    return text;
 }
 
 }  // namespace touchable
