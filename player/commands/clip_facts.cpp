@@ -373,7 +373,7 @@ constexpr double rough_deg = 10;
 constexpr double worth_while = 0.67;
 constexpr double many_holes_pct = 60;
 
-/// The guess about the camera; null: somebody told what it sees.
+/// The guess about the camera; null: the camera was stated.
 const Remark* guess_of_the_camera(const ClipFacts& facts) {
     for (const Remark& remark : facts.scene.remarks)
         if (guesses_camera(remark)) return &remark;

@@ -75,7 +75,7 @@ struct VerifyPicture {
     Existing existing = Existing::keep;
 };
 
-/// A finding as it is told.
+/// A finding as it is printed.
 struct NamedFinding {
     std::string name, what, mend;
     std::string colour;  ///< of its marks in the picture; empty: it has none there
@@ -97,7 +97,7 @@ std::string verified_in_words(const Verified& verified);
 /// Adds `findings` and `measures`.
 void add_verified(const Verified& verified, nlohmann::ordered_json& json);
 
-/// What somebody who wants to touch a clip should do next, in one line: "good to touch: touchable play CLIP",
+/// What a person who wants to touch a clip should do next, in one line: "good to touch: touchable play CLIP",
 /// or the one thing that would help most. With what reading all of it found, if that was done.
 std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* findings);
 

@@ -69,9 +69,9 @@ struct ConvertOptions {
 };
 
 /// Writes a clip in another form, or a part of it. Depth, haptic and height keep every value: what is written
-/// is read again and compared before it gets its name; colour too, and what it loses is told. The clip itself
-/// is read once. What would lose
-/// more is refused (ErrorKind::usage) unless that is allowed, and then what is lost is told.
+/// is read again and compared before it gets its name; colour too, and what it loses is printed. The clip
+/// itself is read once. A conversion that would lose more is refused (ErrorKind::usage) unless that is
+/// allowed; then the loss is printed.
 Result<void> run_convert(const ConvertOptions& options);
 
 /// What values of one plane became: of each pixel as it was, and the nearest one that there is now.
@@ -105,7 +105,7 @@ void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame
 
 /// What was done, for a person.
 struct Converted {
-    std::vector<std::string> notes;  ///< what is told of the clip that was read
+    std::vector<std::string> notes;  ///< remarks on the clip that was read
     Scene scene;                     ///< of what was written
     std::vector<TrackInfo> tracks;   ///< that it has
     std::int64_t frames = 0;
@@ -131,8 +131,8 @@ struct ManyClips {
     /// Names `out` last: what fails before that leaves none.
     using One =
         std::function<Result<void>(const std::filesystem::path& clip, const std::filesystem::path& out)>;
-    /// Does `one` for each of them. Of several, one that fails is told of at once, and the others are done;
-    /// then the error is the first one's, with their number.
+    /// Does `one` for each of them. Of several, the error of one that fails is printed at once, and the
+    /// others are done; then the error is the first one's, with their number.
     Result<void> for_each(const std::filesystem::path& first, Existing existing, const One& one) const;
 };
 

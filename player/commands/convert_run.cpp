@@ -309,7 +309,7 @@ private:
     Converted done_;
 };
 
-/// The source for whoever looks at it before it is written: each frame that is read is written as well, and
+/// The source for code that looks at it before it is written: each frame that is read is written as well, and
 /// so the source is read once.
 class Conversion::Source final : public ClipReader {
 public:

@@ -429,7 +429,7 @@ Result<void> StagedFolder::appear(std::span<const char* const> names) {
         return {};
     }
     fs::remove_all(hidden, failure);
-    // The folders made for it go again: remove() refuses those that are somebody's by now.
+    // The folders made for it go again: remove() refuses folders that hold other files by now.
     for (fs::path p = above; p != ground_; p = p.parent_path()) fs::remove(p, failure);
     return done;
 }

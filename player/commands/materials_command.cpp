@@ -37,7 +37,7 @@ struct MaterialsOptions {
     std::vector<std::filesystem::path> read;  ///< files that were read for this, beside the clip
 };
 
-/// Smaller segments that nobody named are not told one by one.
+/// Smaller segments without a name are not printed one by one.
 constexpr std::int64_t told_permille = 5;
 
 std::string values_in_words(const HapticProperties& properties) {
@@ -152,7 +152,7 @@ private:
     const std::shared_ptr<MaterialReport> report_ = std::make_shared<MaterialReport>();
     std::unique_ptr<NewFile> saved_;
     Scene scene_;              // as it was read
-    bool had_haptic_ = false;  // likewise
+    bool had_haptic_ = false;  // as it was read
 };
 
 Result<void> MaterialsRun::check_places(const ClipReader& clip) {

@@ -123,7 +123,7 @@ inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& 
 
 class ClipReader;
 
-/// A file as somebody named it: "--json" and its path, or "the clip" and its path.
+/// A file as it was named: "--json" and its path, or "the clip" and its path.
 struct NamedFile {
     std::string name;
     std::filesystem::path path;

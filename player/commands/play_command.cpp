@@ -113,7 +113,7 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
             add_inputs(inputs, clip.file, **reader);
         else if (options.next_clips.empty())
             return reader.error();
-        else  // of several the window goes past it
+        else  // the window skips one of several
             inputs.push_back({"a clip", clip.file});
     }
     TRY(check_outputs(kept, inputs));
@@ -207,7 +207,7 @@ bool is_opened_on_desktop(const PlayOptions& options) {
            !options.video && !options.sound && !options.segments && options.script.empty();
 }
 
-/// The mouse needs nothing, and no other is beside it.
+/// Makes the devices that lead the fingers; the mouse needs none, and no other is beside it.
 Result<void> hold(const PlayWords& words, PlayOptions& options) {
     HeldDeviceWords held = words.held;
     held.is_looked_for_always = words.kiosk.kiosk;
@@ -259,7 +259,8 @@ Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named)
     return parse_kiosk_texts(text, file.string());
 }
 
-/// `asked`: a language or a file; empty: the language of whoever is logged in, as far as there are texts.
+/// `asked`: a language or a file; empty: the language of the person who is logged in, as far as there are
+/// texts.
 Result<KioskTexts> choose_texts(const std::string& asked) {
     const std::string language = asked.empty() ? own_language() : asked;
     if (!is_language(language)) return read_texts_of(asked, "--kiosk-texts " + asked);
@@ -423,7 +424,7 @@ void find_brush_history(PlayOptions& options) {
         std::cerr << "touchable: warning: changes by the brush are not kept: " << own.error().message << '\n';
 }
 
-/// Settings of this person, where the window is one: what nobody sees is the same for everybody.
+/// Settings of this person, for a window that is shown; a headless one is the same for all.
 void find_settings(PlayOptions& options) {
     if (options.settings_file || options.headless || options.kiosk) return;
     auto own = own_settings_file();

@@ -56,7 +56,7 @@ std::int64_t cpu_ns() {
     return std::int64_t{used.tv_sec} * 1'000'000'000 + used.tv_nsec;
 }
 
-/// Listeners do not wait for whoever reads these lines, or does not.
+/// Listeners do not wait until these lines are read.
 void say_served(const std::string& line) {
     constexpr std::size_t longest = 500;
     pollfd errors{STDERR_FILENO, POLLOUT, 0};
@@ -64,7 +64,7 @@ void say_served(const std::string& line) {
     std::cerr << printable(line, longest) + '\n';
 }
 
-/// As whoever listens has to name it: of all addresses of this machine one.
+/// The address that a listener has to name: of all addresses of this machine one.
 std::string to_be_played(std::string address) {
     for (const std::string_view any : {"//0.0.0.0:", "//[::]:", "//:"})
         if (const auto at = address.find(any); at != std::string::npos)

@@ -249,7 +249,7 @@ std::string stale_words(const Json& report) {
         1e-3 * report["stale_ticks"].get<double>());
 }
 
-/// How much of the clip nobody has said. Empty: nothing was guessed.
+/// What of the clip was guessed. Empty: nothing.
 std::string guesses_in_words(const Json& report) {
     const auto notes = report.value("notes", std::vector<std::string>());
     const auto guesses = std::count_if(notes.begin(), notes.end(),

@@ -149,7 +149,7 @@ void ForceKeys::listen() {
         if (poll(&input, 1, 50) <= 0) continue;
         char line[64];
         const auto typed = read(STDIN_FILENO, line, sizeof line);
-        if (typed <= 0) return control_.ask_force(false);  // nobody can stop them any more
+        if (typed <= 0) return control_.ask_force(false);  // no key can stop them any more
         if (line[0] == 'c' || line[0] == 'C')
             control_.recentre();
         else
@@ -169,7 +169,7 @@ bool runs_live(const TouchSetup& setup, const TouchOptions& options) {
     return setup.live && !options.replay;
 }
 
-// Somebody who holds a device says when it is over, or the device does: eleven days.
+// Eleven days: the person who holds a device ends the run, or the device does.
 constexpr std::int64_t until_it_is_ended = 1'000'000'000;
 
 /// Which file a live run's ticks did not wait for, from how many there were.
@@ -344,7 +344,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     Told told;
     TRY(run_parts(options, recording, setup, *outputs, told));
     const auto report = told.reports.size() > 1 ? join_reports(told.reports, told.all) : told.reports.front();
-    // Files first: whoever reads the table may go away half-way.
+    // Files first: the reader of the table may go away half-way.
     const auto done = outputs->finish(report, told.all.force_hash(), *setup);
     std::ostream& words = stream_of_words(options);
     if (options.verbose)

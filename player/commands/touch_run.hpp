@@ -90,7 +90,7 @@ private:
     std::string line_;
 };
 
-/// The tick that a picture shows where nobody says: 60 % of the run, or of its shortest length (3 s) where
+/// The tick that a picture shows by default: 60 % of the run, or of its shortest length (3 s) where
 /// only reading the clip tells how long it is.
 std::int64_t usual_picture_tick(const TouchSetup& setup);
 

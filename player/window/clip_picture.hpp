@@ -172,7 +172,7 @@ public:
     bool coarse() const { return levels_[level_].coarse; }
     /// From vertex to vertex, times what `coarse` asks for.
     int step() const { return levels_[level_].step; }
-    /// Of the width in pixels, or in vertices that are told apart: 0 to 1.
+    /// Share of the width in pixels, or in vertices that differ by a pixel: 0 to 1.
     double detail() const { return share() / step(); }
 
     /// After a picture at `now_s`: of the frames that have been due since the picture before, how many were

@@ -29,8 +29,8 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
-#include "player/window/screen.hpp"
 #include "player/window/keys.hpp"
+#include "player/window/screen.hpp"
 #include "player/window/x11_screen.hpp"
 
 #define GLFW_INCLUDE_VULKAN
@@ -159,7 +159,7 @@ Result<void> Swapchain::choose() {
     const auto modes = all_of<VkPresentModeKHR>([&](std::uint32_t* count, VkPresentModeKHR* to) {
         return vkGetPhysicalDeviceSurfacePresentModesKHR(gpu.physical, surface_->handle(), count, to);
     });
-    // The player paces itself: whoever waits for the screen here would only be later.
+    // The player paces itself: a wait for the screen here would only make it late.
     if (std::find(modes.begin(), modes.end(), VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
         mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
     VkFenceCreateInfo fence{};
@@ -274,13 +274,13 @@ void Swapchain::record_copy(GpuCommands& commands, const GpuImage& canvas, VkIma
 
 Result<void> Swapchain::present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted) {
     std::uint32_t index = 0;
-    bool shown = chain_ && !outdated_;
-    if (shown) {
+    bool shown = false;
+    if (chain_ && !outdated_) {
         TRY_ASSIGN(shown, acquire(index));
     }
     if (!shown) {
-        TRY_ASSIGN(const auto made, make(wanted));
-        if (made) {
+        TRY_ASSIGN(shown, make(wanted));
+        if (shown) {
             TRY_ASSIGN(shown, acquire(index));
         }
     }
@@ -668,7 +668,7 @@ private:
         if (opened) touches_ = std::move(*opened);
     }
 
-    /// X's pointer goes along with a finger, which is told of already.
+    /// X's pointer goes along with a finger, which is an event of its own already.
     bool pointer_is_finger() const {
         return touches_ && touches_->has_pointer();
     }

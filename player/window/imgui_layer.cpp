@@ -24,7 +24,7 @@ Letters letters_of(const std::string& words) {
     for (int left = static_cast<int>(words.size()); left > 0;) {
         FcChar32 letter = 0;
         const int taken = FcUtf8ToUcs4(at, &letter, left);
-        if (taken <= 0) break;  // no UTF-8: whoever read the words refuses it
+        if (taken <= 0) break;  // no UTF-8: refused where the words were read
         letters.insert(letter);
         at += taken;
         left -= taken;

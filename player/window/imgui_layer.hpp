@@ -31,9 +31,9 @@ struct FontFallback {
     std::string unwritten;             ///< UTF-8: letters that no typeface has, each once
 };
 
-/// `words`: UTF-8. `language` ("ja"; empty: of whoever is logged in): of letters that the usual typeface
-/// lacks its form is taken, as Chinese and Japanese write one letter in two ways. Letters beyond U+FFFF are
-/// unwritten: Dear ImGui has none of them where its letters are of 16 bits, as in Debian.
+/// `words`: UTF-8. `language` ("ja"; empty: of the person who is logged in): of letters that the usual
+/// typeface lacks its form is taken, as Chinese and Japanese write one letter in two ways. Letters beyond
+/// U+FFFF are unwritten: Dear ImGui has none of them where its letters are of 16 bits, as in Debian.
 FontFallback find_fonts(const std::string& words, const std::string& language = "");
 
 /// The letters among `words` (UTF-8), each once, that are written from right to left, as Hebrew and Arabic
@@ -53,7 +53,7 @@ public:
     /// Which of `words` no typeface of this machine writes: UTF-8, each letter once.
     const std::string& unwritten() const { return fonts_.unwritten; }
     double scale() const { return scale_; }
-    /// Between pictures. Whoever draws them needs the letters anew.
+    /// Between pictures. Graphics need the letters anew afterwards (take_letters).
     void set_scale(double scale);
     /// Begins a picture of so many pixels, `seconds` after the one before; from here to `end` ImGui's calls
     /// make it.

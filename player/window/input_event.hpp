@@ -12,15 +12,15 @@ struct InputEvent {
     enum class Kind {
         moved,     ///< the pointer, to (x, y)
         pressed,   ///< a button, `word`: left, right or middle
-        released,  ///< likewise
+        released,  ///< as `pressed`
         wheel,     ///< turned by y notches, away from the person is positive
         key,  ///< `word`: a letter, digit or sign, or space, left, right, up, down, home, tab, escape, ...
-        key_released,  ///< likewise
+        key_released,  ///< as `key`
         resized,       ///< the picture is now x by y pixels
         dropped,       ///< `word`: a file or folder that was dropped on the window
         left_window,   ///< the pointer is nowhere, or the window is no longer looked at: nothing touches
         touch_began,   ///< a finger came down on a touch screen, at (x, y); `touch` is its number
-        touch_moved,   ///< likewise
+        touch_moved,   ///< as `touch_began`
         touch_ended,   ///< it was lifted
         close          ///< the window is to be closed
     };

@@ -4,12 +4,19 @@
 // and number; binding_of finds the command of a key that was pressed. A key that is not here does nothing,
 // but for those of a study (study.hpp). The tables do not change, and any thread may read them.
 
+#include <algorithm>
+#include <initializer_list>
 #include <span>
 #include <string>
 
 #include "player/window/window_command.hpp"
 
 namespace touchable {
+
+/// Whether a verb is in a list.
+inline bool is_one_of(WindowVerb verb, std::initializer_list<WindowVerb> verbs) {
+    return std::find(verbs.begin(), verbs.end(), verb) != verbs.end();
+}
 
 /// A key and what it does.
 struct KeyBinding {

@@ -24,28 +24,9 @@ namespace touchable {
 namespace {
 
 bool is_for_visitors(WindowVerb verb) {
-    switch (verb) {
-        case WindowVerb::play_pause:
-        case WindowVerb::seek_by:
-        case WindowVerb::step:
-        case WindowVerb::faster:
-        case WindowVerb::fingers:
-        case WindowVerb::deeper:
-        case WindowVerb::point_right:
-        case WindowVerb::point_down:
-        case WindowVerb::force:
-        case WindowVerb::clutch:
-        case WindowVerb::recentre:
-        case WindowVerb::mute:
-        case WindowVerb::overlay:
-        case WindowVerb::home:
-        case WindowVerb::turn:
-        case WindowVerb::tilt:
-        case WindowVerb::nearer:
-            return true;
-        default:
-            return false;
-    }
+    using enum WindowVerb;
+    return is_one_of(verb, {play_pause, seek_by, step, faster, fingers, deeper, point_right, point_down,
+                            force, clutch, recentre, mute, overlay, home, turn, tilt, nearer});
 }
 
 constexpr struct {
@@ -268,12 +249,7 @@ const std::string& KioskTexts::of_device(HandState::What what) const {
 }
 
 Result<KioskTexts> parse_kiosk_texts(std::string_view json, std::string_view where) {
-    try {
-        const checked_json::Json text = checked_json::parse(json, largest_kiosk_texts);
-        return read_texts(checked_json::Node(text, ""));
-    } catch (const checked_json::Refusal& reason) {
-        return input_error(std::string(where) + ": " + reason.message);
-    }
+    return read_checked(json, largest_kiosk_texts, where, read_texts);
 }
 
 std::string read_plain_line(const checked_json::Node& node) {
@@ -362,9 +338,7 @@ Result<void> TouchLabels::has_segments(const std::vector<std::string>& names) co
 
 Result<TouchLabels> parse_touch_labels(std::string_view json, std::string_view where,
                                        const std::filesystem::path& folder) {
-    try {
-        const checked_json::Json text = checked_json::parse(json, largest_labels);
-        const LabelNode node(text, "");
+    return read_checked(json, largest_labels, where, [&](const LabelNode& node) {
         node.allow_only({"touchable_labels", "labels"});
         if (node["touchable_labels"].integer(1, 1'000'000) != 1)
             node["touchable_labels"].refuse("1, the version that is read here");
@@ -373,9 +347,7 @@ Result<TouchLabels> parse_touch_labels(std::string_view json, std::string_view w
                  1, most_labels, "a list of 1 to " + std::to_string(most_labels) + " labels"))
             labels.labels.push_back(read_label(label, folder));
         return labels;
-    } catch (const checked_json::Refusal& reason) {
-        return input_error(std::string(where) + ": " + reason.message);
-    }
+    });
 }
 
 /// Whether its label is to be said now.

@@ -19,6 +19,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/base/result.hpp"
@@ -140,6 +141,19 @@ inline constexpr std::size_t largest_kiosk_texts = std::size_t{64} << 10;
 /// An object of the members of KioskTexts, and "touchable_kiosk_texts": 1; what is left out is English. Each
 /// text is one line (read_plain_line). Refused with ErrorKind::input; the message begins with `where`.
 Result<KioskTexts> parse_kiosk_texts(std::string_view json, std::string_view where);
+
+/// A value read from JSON of at most `largest` bytes. What `read_value` refuses by checked_json::Refusal is
+/// an error (ErrorKind::input) whose message begins with `where`.
+template <class Read>
+auto read_checked(std::string_view json, std::size_t largest, std::string_view where, Read read_value)
+    -> Result<decltype(read_value(std::declval<const checked_json::Node&>()))> {
+    try {
+        const checked_json::Json text = checked_json::parse(json, largest);
+        return read_value(checked_json::Node(text, ""));
+    } catch (const checked_json::Refusal& reason) {
+        return input_error(std::string(where) + ": " + reason.message);
+    }
+}
 
 /// A line of text for visitors: not empty, up to 200 bytes of UTF-8, no control characters. Throws
 /// checked_json::Refusal.

@@ -54,7 +54,7 @@ public:
         work_->stop.request_stop();
         work_->is_wanted = false;
     }
-    /// Likewise, and waits until that looks at its token.
+    /// As `give_up`, and waits until the work looks at its token.
     void give_up() {
         let_go();
         if (work_ && work_->thread.joinable()) work_->thread.join();

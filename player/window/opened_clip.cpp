@@ -324,7 +324,7 @@ bool OpenedClip::is_left_behind(const Change& change) const {
     return goes_on_to(change, now) && now.moment.time_ns > change.begin_ns + bearable_ns;
 }
 
-/// Nobody has led the clip elsewhere meanwhile.
+/// Whether no command has led the clip elsewhere meanwhile.
 bool OpenedClip::goes_on_to(const Change& change, const PlaybackState& now) const {
     return now.moment.epoch == change.state.moment.epoch && now.playing && change.state.playing &&
            now.rate == change.state.rate && has_loop_of(change.state, now);
@@ -415,7 +415,7 @@ Result<void> PlaybackControl::play_or_pause() {
 }
 
 void PlaybackControl::seek_to(double seconds) {
-    // Of a clip whose length nobody knows yet, any moment.
+    // A clip whose length is not known yet may be sought to any moment.
     const std::int64_t last_ns =
         clip_->frames() > 0 ? clip_->scene().rate.time_ns(clip_->frames() - 1) : latest_moment_ns;
     wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds * 1e9, 0.0, static_cast<double>(last_ns)));

@@ -125,7 +125,7 @@ public:
     std::vector<double> cuts() const;
     bool is_still() const { return frames_ == 1; }
     bool is_camera() const { return clip_.is_camera(); }
-    std::int64_t frames() const { return frames_; }  ///< 0 where nobody knows
+    std::int64_t frames() const { return frames_; }  ///< 0 where it is not known
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
     const PointerDevice& device() const { return *device_; }
     /// Of all its sessions.

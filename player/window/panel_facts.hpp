@@ -26,8 +26,8 @@ namespace touchable {
 /// How a window says something.
 enum class Tone {
     remark,   ///< what was done: goes by itself
-    refusal,  ///< what cannot be done, to whoever has just asked for it: goes by itself
-    fault     ///< what went wrong: stays until somebody has read it
+    refusal,  ///< what cannot be done, though it was just asked for: goes by itself
+    fault     ///< what went wrong: stays until it is dismissed
 };
 
 /// What a fault is about: it goes with that.
@@ -99,7 +99,7 @@ struct BrushFacts {
     BrushTool tool = BrushTool::touch;
     std::string material{};         ///< in hand
     bool is_there = false;          ///< segments are known
-    std::string otherwise{};        ///< material of all that nobody painted; empty: guesses
+    std::string otherwise{};        ///< material of all that is not painted; empty: guesses
     bool materials_are_on = false;  ///< felt
     bool can_undo = false, can_redo = false;
     std::size_t segments = 0;        ///< that are seen anywhere in the clip
@@ -119,7 +119,7 @@ struct StudyFacts {
     bool may_go_on = false;
     int wait_s = 0;         ///< seconds until it may, which are said on the button; 0: no time is waited for
     double share_done = 0;  ///< of the study, 0 to 1
-    std::string fault;      ///< that a participant is to call somebody; empty: all is well
+    std::string fault;      ///< that a participant is to call for help; empty: all is well
 };
 
 /// Under the pointer, in words; empty where there is nothing to say.
@@ -132,13 +132,12 @@ struct PlaceFacts {
 struct KioskFacts {
     const KioskTexts& texts;
     TouchedBy by = TouchedBy::mouse;
-    std::optional<double> invited_s{};  ///< since when it invites to touch, seconds; nothing: it does not
-    std::string caption{};              ///< of what a finger rests on; empty: none
-    bool is_turned = false;             ///< the view is not the clip's own
-    bool has_bar = true;                ///< KioskBar, while somebody does something
-    bool is_still = false;              ///< the clip is one picture
-    std::optional<Overlays::Scale>
-        scale{};  ///< what colours mean, in its words; nothing: they are the clip's
+    std::optional<double> invited_s{};    ///< since when it invites to touch, seconds; nothing: it does not
+    std::string caption{};                ///< of what a finger rests on; empty: none
+    bool is_turned = false;               ///< the view is not the clip's own
+    bool has_bar = true;                  ///< KioskBar, while a visitor does something
+    bool is_still = false;                ///< the clip is one picture
+    std::optional<Overlays::Scale> scale{};  ///< what colours mean, in its words; nothing: they are the clip's
 };
 
 /// What the window's own words, bars and curves show.
@@ -171,9 +170,9 @@ struct PanelFacts {
     std::int64_t late_ticks = 0, dropped_frames = 0;
     std::string message;  ///< of the moment: what a key did, or why a file cannot be opened
     bool message_is_bad = false;
-    std::vector<std::string> faults;  ///< that nobody has read yet; the first is shown
+    std::vector<std::string> faults;  ///< that are not dismissed yet; the first is shown
     int volume = 100;
-    bool is_empty = false;            ///< nobody has said yet what to show
+    bool is_empty = false;            ///< no clip was named yet
     std::optional<KioskFacts> kiosk;  ///< only what a visitor needs; nothing: it is none
     std::optional<StudyFacts> study;  ///< of a kiosk whose visitors are participants
 };

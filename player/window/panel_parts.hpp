@@ -1,7 +1,9 @@
 #pragma once
 
-// What the window's panels are made of, each drawn where it is called (immediate mode), and what panels of
-// one file show to those of another.
+// What the window's panels are made of, each drawn where it is called (immediate mode): rows of the panel,
+// where Dear ImGui's cursor is; boxes in the corners of the window, which take no clicks, between
+// ImGuiLayer's `begin` and `draw`; lines over the picture, help, and the pages of a study and of an empty
+// window. `scale` is ScreenSize's, or less in a small window; sizes are in pixels. By the window's thread.
 
 #include <imgui.h>
 
@@ -13,8 +15,6 @@
 #include "player/window/window_command.hpp"
 
 namespace touchable {
-
-// Rows of the panel, where Dear ImGui's cursor is. `scale` as in ScreenSize; less where there is little room.
 
 /// The title of a part that a click folds away or out; whether it is out. `out`: at first.
 bool draw_fold(const char* words, bool out);
@@ -35,8 +35,8 @@ void draw_value(const char* words, float right_of, float top);
 /// While the pointer is over the row before: what it is, in plain words, beside the panel.
 void explain_row(const char* words);
 
-/// While the pointer is over the button before: likewise, above its window, as high as `explanation_height`
-/// with a gap. Gives whether it is.
+/// While the pointer is over the button before: what it does, above its window, as high as
+/// `explanation_height` with a gap. Gives whether it is.
 bool explain_button(const char* words);
 float explanation_height();
 
@@ -51,9 +51,6 @@ enum class ButtonSign { none, play, pause, next, previous, home, touch, turn, co
 
 /// In a square of that side, over ImGui's window.
 void draw_sign(ButtonSign sign, const ImVec2& at, float side, ImU32 ink);
-
-// Boxes in the corners of the window that only tell something, between ImGuiLayer's `begin` and `draw`.
-// `scale` as in ScreenSize; sizes in pixels.
 
 inline constexpr float panel_margin = 12, panel_bar_height = 48;
 

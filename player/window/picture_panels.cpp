@@ -296,7 +296,7 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
 float draw_place(const PanelFacts& facts, float width, float height, float scale) {
     std::span<const std::string> words = facts.place.lines;
     const float m = panel_margin * scale, bottom = height - 2 * m - panel_bar_height * scale;
-    // What lies behind the bar, or the panel, nobody looks at; and a button's explanation has the room.
+    // A place behind the bar or the panel is not described, and a button's explanation takes the space.
     if (words.empty() || ImGui::IsWindowHovered(ImGuiHoveredFlags_AnyWindow)) return bottom;
     // As large as there is room for, but legible; lines that then do not fit are left out.
     constexpr float smallest = 12.0F / 15;

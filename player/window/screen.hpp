@@ -59,7 +59,7 @@ struct ScreenOptions {
 /// A window of the system's. Refused (ErrorKind::gpu) where there is no display or no Vulkan to show by.
 Result<std::unique_ptr<Screen>> open_glfw_screen(const ScreenOptions& options);
 
-/// No window at all: pictures are drawn and not shown, and nobody gives input.
+/// No window at all: pictures are drawn and not shown, and no input comes.
 std::unique_ptr<Screen> make_headless_screen(const ScreenOptions& options);
 
 /// An InputEvent's name of GLFW's key number `key`, on which `printed` stands (UTF-8, as GLFW names it; null:

@@ -70,7 +70,7 @@ void draw_hand(const HandFacts& hand, float scale) {
     explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
 }
 
-/// For whoever has neither a middle button nor keys.
+/// Buttons for a person who has neither a middle button nor keys.
 void draw_view(float scale, std::vector<WindowCommand>& asked) {
     draw_label("view", scale);
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
@@ -331,7 +331,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
     draw_title(facts, scale, asked);
     draw_finger(facts, scale, asked);
-    // Whoever takes a tool wants to see what else there is.
+    // A person who takes a tool wants to see what else there is.
     const bool is_held = facts.brush.tool != BrushTool::touch;
     if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
     if (draw_fold("Materials", false)) draw_materials(facts.brush, scale, asked);

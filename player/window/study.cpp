@@ -264,12 +264,7 @@ std::string Study::all_words(const std::string& language) const {
 }
 
 Result<Study> parse_study(std::string_view json, std::string_view where) {
-    try {
-        const checked_json::Json text = checked_json::parse(json, largest_study);
-        return read_study(StudyNode(text, ""));
-    } catch (const checked_json::Refusal& reason) {
-        return input_error(std::string(where) + ": " + reason.message);
-    }
+    return read_checked(json, largest_study, where, [](const StudyNode& node) { return read_study(node); });
 }
 
 std::vector<std::size_t> order_of_conditions(std::size_t count, std::size_t number) {
@@ -344,9 +339,8 @@ TouchMeasures TouchMeter::measures() const {
     return measures;
 }
 
-// These two have names of their own, because a member of StudyRun holds them.
-
-/// The table of one participant. All calls wait for the disk.
+/// The table of one participant. All calls wait for the disk. (Outside the unnamed namespace, as is the class
+/// below: a member of StudyRun holds it.)
 class ParticipantFile {
 public:
     /// Makes the file of the next participant: its number is one more than the largest number in the folder,

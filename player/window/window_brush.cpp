@@ -15,7 +15,7 @@
 namespace touchable {
 namespace {
 
-constexpr double brush_is_quick_s = 0.2;  // nobody needs to be told of it
+constexpr double brush_is_quick_s = 0.2;  // shorter work is not mentioned
 constexpr std::size_t most_for_brush = 1000;
 
 Result<std::string> done_by(MaterialBrush& brush, const WindowCommand& command) {

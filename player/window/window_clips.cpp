@@ -40,7 +40,7 @@ std::string title_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-/// It may be open already, to know which files may be written; whoever opens it later opens it anew.
+/// It may be open already, to know which files may be written; a later opening opens it anew.
 void WindowLoop::ask_for_first_clip() {
     if (waits_for_wish()) return;
     const ClipChoice first = options_.session.clip;
@@ -146,7 +146,7 @@ void WindowLoop::ask_for_change(const WindowSettings& wanted) {
                  });
 }
 
-/// One after the other: whoever holds a key sees and feels each that there is time for, and in the end the
+/// One after the other: a key that is held shows each clip that there is time for, and in the end the
 /// last. The clip that is there goes on where another one cannot be opened, or it does not go with settings.
 Result<void> WindowLoop::go_on_opening() {
     if (auto made = opening_.take()) TRY(take_made(std::move(*made)));
@@ -281,7 +281,7 @@ Result<void> WindowLoop::show(Ready& ready) {
     clip_->begin_sound();
     notices_.leave_clip();
     picture_.forget();
-    if (!goes_on) picture_.set_overlay(Overlay::colour);  // whoever opens a clip wants to see it first
+    if (!goes_on) picture_.set_overlay(Overlay::colour);  // a clip that was just opened is to be seen first
     frames_shown_.forget();
     slow_reading_ = {};
     is_told_of_reading_ = false;

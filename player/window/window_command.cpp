@@ -387,22 +387,9 @@ const KeyBinding* binding_of(const std::string& key, bool control, bool shift) {
 }
 
 bool goes_by_steps(WindowVerb verb) {
-    switch (verb) {
-        case WindowVerb::turn:
-        case WindowVerb::tilt:
-        case WindowVerb::seek_by:
-        case WindowVerb::step:
-        case WindowVerb::deeper:
-        case WindowVerb::point_right:
-        case WindowVerb::point_down:
-        case WindowVerb::nearer:
-        case WindowVerb::louder:
-        case WindowVerb::undo:
-        case WindowVerb::redo:
-            return true;
-        default:
-            return false;
-    }
+    using enum WindowVerb;
+    return is_one_of(
+        verb, {turn, tilt, seek_by, step, deeper, point_right, point_down, nearer, louder, undo, redo});
 }
 
 std::optional<PixelOfFrame> read_pixel_of_frame(std::string_view word) {

@@ -102,8 +102,8 @@ private:
     std::unique_ptr<DiskWork> disk_;  // from the first text until the end
 };
 
-/// What the window shows, and what is heard, as a film. Both are encoded on a thread of their own; what finds
-/// no room there is left out, so that nobody waits.
+/// A film of what the window shows, and of what is heard. Both are encoded on a thread of their own; pictures
+/// that come too fast for it are left out, so that the window does not wait.
 class WindowFilm {
 public:
     static Result<std::unique_ptr<WindowFilm>> create(const std::filesystem::path& file, Existing existing);

@@ -1,5 +1,5 @@
 // What draws the window's pictures: on a GPU, with Dear ImGui's Vulkan backend; or in the CPU's memory. And
-// the screen of a window that nobody sees.
+// the screen of a window that is not shown.
 
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>

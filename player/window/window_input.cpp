@@ -21,24 +21,9 @@ namespace touchable {
 namespace {
 
 bool needs_clip(WindowVerb verb) {
-    switch (verb) {
-        case WindowVerb::next:
-        case WindowVerb::previous:
-        case WindowVerb::mute:
-        case WindowVerb::volume:
-        case WindowVerb::louder:
-        case WindowVerb::help:
-        case WindowVerb::dismiss:
-        case WindowVerb::leave:
-        case WindowVerb::fullscreen:
-        case WindowVerb::size:
-        case WindowVerb::screenshot:
-        case WindowVerb::open:
-        case WindowVerb::quit:
-            return false;
-        default:
-            return true;
-    }
+    using enum WindowVerb;
+    return !is_one_of(verb, {next, previous, mute, volume, louder, help, dismiss, leave, fullscreen, size,
+                             screenshot, open, quit});
 }
 
 /// A bit of a set as the kernel prints it: words of a `long` each in hexadecimal, the highest first.
@@ -155,8 +140,8 @@ void WindowLoop::lift_touches() {
     }
 }
 
-/// Of a machine that was suspended nobody knows who still presses: fingers and buttons that were down are
-/// lifted, and the force of one that comes down again begins at zero.
+/// After a machine was suspended it is not known what is still pressed. Lifts all fingers and buttons that
+/// were down; the force of a finger that comes down again begins at zero.
 void WindowLoop::lift_after_sleep() {
     constexpr std::chrono::milliseconds noticed(100);
     const Clock::duration slept = Clock::slept();
@@ -190,7 +175,7 @@ void WindowLoop::turn_full_screen() {
     screen_->set_fullscreen(fullscreen_);
 }
 
-/// While somebody does something; but not over a finger that presses where it is.
+/// While a person does something, but not over a finger that presses where the bar is.
 bool WindowLoop::bar_is_wanted() const {
     constexpr double rest_s = 4;
     const auto is_bar = [this](const glm::dvec2& at) { return panel_->is_bar(at.x, at.y); };
@@ -254,7 +239,7 @@ void WindowLoop::take(const WindowCommand& command) {
     }
 }
 
-/// A visitor is told nothing: the clip is soon there.
+/// A visitor gets no message: the clip is soon there.
 void WindowLoop::refuse_without_clip() {
     if (!kiosk_)
         say(opening_.is_busy() ? "there is no clip yet" : "there is no clip yet: drop one on the window",
@@ -295,7 +280,7 @@ void WindowLoop::take_of_view(const WindowCommand& command) {
     WindowView& view = clip_->view();
     if (command.verb == WindowVerb::home) {
         view.go_home();
-        is_turning_ = false;  // whoever is back touches again
+        is_turning_ = false;  // dragging touches again
     }
     if (command.verb == WindowVerb::turn) view.turn(command.number, 0);
     if (command.verb == WindowVerb::tilt) view.turn(0, command.number);
@@ -307,7 +292,8 @@ void WindowLoop::take_of_view(const WindowCommand& command) {
                     : "the left button presses the finger again");
 }
 
-/// Instead of whatever else the left button does. A finger that presses leaves: nobody would lift it.
+/// Dragging turns the view instead of what the left button did. A finger that presses leaves, as no event
+/// would lift it.
 void WindowLoop::set_turning(bool on) {
     is_turning_ = on;
     if (!on) return;
@@ -453,7 +439,7 @@ void WindowLoop::measure(const WatchedMoment& moment, const HeightField& field, 
     }
 }
 
-/// One that comes when the clip is about to go is not for the next one.
+/// Ignores brush commands once a replacement clip is ready: they were meant for the clip that leaves.
 void WindowLoop::take_of_brush(const WindowCommand& command) {
     if (quit_ || (ready_ && ready_->clip))
         return say("the clip is about to go; nothing is painted any more", Tone::refusal);
@@ -471,12 +457,13 @@ void WindowLoop::take_of_hand(const WindowCommand& command) {
     PersistentDevice& hand = *options_.hand;
     switch (command.verb) {
         case WindowVerb::force:
-            // It comes back without forces: nobody may be there by then.
+            // The device comes back without forces: its user may have left by then.
             if (hand.is_gone()) {
                 clip_->set_force(false);
                 return hand.look_again();
             }
-            // Of one that is away forces are not asked for: nobody would know of them when it comes back.
+            // Forces are not asked for while the device is away: they would come without warning when it is
+            // back.
             if (command.number == 0 && !clip_->force_is_on() && !(hand.age_s() <= HapticDevice::oldest_s))
                 return say("no forces yet: no position comes from the " + hand.name());
             return clip_->set_force(command.number == 0 && !clip_->force_is_on());
@@ -503,7 +490,7 @@ void WindowLoop::change_scale(double times) {
     feel({WindowVerb::feel, 0, name + (" " + std::to_string(scale))});
 }
 
-/// Once a turn. (That forces are off once nobody was there for a second, HandControl sees to.)
+/// Called once a turn. (HandControl switches forces off after a second without a user.)
 void WindowLoop::look_after_hand(const WatchedMoment* moment) {
     PersistentDevice& hand = *options_.hand;
     if (const bool gone = hand.is_gone(); gone != std::exchange(hand_is_gone_, gone) && gone) {
@@ -524,8 +511,8 @@ void WindowLoop::look_after_hand(const WatchedMoment* moment) {
     if (now_s() > begun_anew_s_ + mapped_s) kiosk_->came(now_s());
 }
 
-/// Nobody sees any more what is asked for. It is asked for no longer, too, so that what is recorded of the
-/// session's last ticks is what the hand had.
+/// Takes the power off as the window ends. Forces are no longer asked for, too, so that the session's last
+/// ticks are recorded as the hand had them.
 void WindowLoop::power_hand_off() {
     if (!options_.hand) return;
     options_.hand->power_off();

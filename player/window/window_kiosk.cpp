@@ -1,4 +1,4 @@
-// A window that nobody watches over: a kiosk; and one whose visitors are the participants of a study.
+// A window that runs unattended, a kiosk, and one whose visitors are the participants of a study.
 
 #include "player/window/window_loop.hpp"
 
@@ -89,23 +89,11 @@ std::chrono::system_clock::time_point by_the_clock() {
     return std::chrono::system_clock::now();
 }
 
-/// What a participant may do while he touches: what everybody has before him is the same, so nobody colours,
-/// pauses or silences it.
+/// What a participant may do during a touch. All participants get the same picture and sound, so colouring,
+/// pausing and silencing are not allowed.
 bool is_for_participants(WindowVerb verb) {
-    switch (verb) {
-        case WindowVerb::deeper:
-        case WindowVerb::point_right:
-        case WindowVerb::point_down:
-        case WindowVerb::clutch:
-        case WindowVerb::recentre:
-        case WindowVerb::home:
-        case WindowVerb::turn:
-        case WindowVerb::tilt:
-        case WindowVerb::nearer:
-            return true;
-        default:
-            return false;
-    }
+    using enum WindowVerb;
+    return is_one_of(verb, {deeper, point_right, point_down, clutch, recentre, home, turn, tilt, nearer});
 }
 
 /// Of a digit: the number on a scale, or the place among choices.
@@ -139,7 +127,7 @@ std::string WindowLoop::kiosk_letters() const {
     return letters;
 }
 
-/// Whoever set it up learns what its visitors could not read.
+/// Warns on the terminal of letters that visitors could not read.
 void WindowLoop::tell_of_letters() {
     if (const std::string& unwritten = layer_->unwritten(); !unwritten.empty())
         tell(
@@ -157,7 +145,7 @@ Result<void> WindowLoop::check_labels() const {
     return options_.kiosk->labels.fits(clip_->scene().width, clip_->scene().height, clip_->frames());
 }
 
-/// Invites when nobody has been there for a while, and forgets what the last visitor did.
+/// Invites after a while without visitors, and forgets what the last visitor did.
 void WindowLoop::watch_over() {
     const double now = now_s();
     try_again();
@@ -172,7 +160,7 @@ void WindowLoop::watch_over() {
     begin_anew_at_end();
     if (study_) return;  // whose start screen invites
     const auto invited = kiosk_->invites(now);
-    sound_->silence_fingers(invited.has_value());  // nobody is there to hear what shows how
+    sound_->silence_fingers(invited.has_value());  // no visitor is there to hear the finger that shows how
     if (!invited && is_inviting_) pointer_.leave(clip_->fingers());
     is_inviting_ = invited.has_value();
 }
@@ -192,8 +180,8 @@ void WindowLoop::begin_anew() {
     is_turning_ = false;
     clip_->fingers().set_count(KeptSettings().fingers);
     clip_->fingers().lift();
-    // A button that nobody has let go of: on the surface, or on something of the panel, where it clicks
-    // nothing, as the pointer goes before it.
+    // A button may still be pressed: on the surface, or on something of the panel, where it clicks nothing,
+    // as the pointer leaves before it.
     if (!is_inviting_) pointer_.leave(clip_->fingers());
     using Kind = InputEvent::Kind;
     events_.push_back(InputEvent{.kind = Kind::left_window});
@@ -224,7 +212,7 @@ void WindowLoop::try_again() {
     ask_for_clip(playlist_, 0, playlist_.now());
 }
 
-/// Somebody did something. Of the mouse's force no visitor has to know how it was stopped.
+/// Called on any visitor input. Clears a stopped mouse force silently: visitors need no explanation.
 void WindowLoop::welcome(const InputEvent& event) {
     watch_over();  // of a time in which the machine stood still nothing is the visitor's
     const bool has_come = !kiosk_->is_there();
@@ -235,8 +223,8 @@ void WindowLoop::welcome(const InputEvent& event) {
     if (presses && !options_.hand) clip_->set_force(true);
 }
 
-/// A finger that goes by itself over the picture, and really touches it, whoever stopped forces: nearer to
-/// the middle where there is nothing to touch farther out. Where a device is held there is none.
+/// Moves a finger by itself over the picture; it really touches, even if forces were stopped. It stays nearer
+/// to the middle where there is nothing to touch farther out. With a held device there is no such finger.
 void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
     if (options_.hand) return;
     clip_->set_force(true);
@@ -260,7 +248,7 @@ void WindowLoop::show_how(const HeightField& field, const ViewCamera& camera) {
     clip_->fingers().press(stroke.pressed);
 }
 
-/// Says what a finger rests on: to be read, and to be heard by whoever cannot.
+/// Says what a finger rests on, as a caption and as a spoken sound.
 void WindowLoop::look_for_labels(const WatchedMoment& moment) {
     const TouchLabels& labels = options_.kiosk->labels;
     if (labels.labels.empty() || clip_->choice().file != options_.session.clip.file) return resting_.reset();
@@ -305,7 +293,7 @@ KioskFacts WindowLoop::kiosk_facts(const PanelFacts& facts_of_clip) const {
 /// What a visitor is to know of the device that is held.
 void WindowLoop::put_in_kiosk_words(HandState& state) const {
     const KioskTexts& texts = options_.kiosk->texts;
-    // What it waits for is said to whoever set it up.
+    // Its own remark is for the person who set the device up.
     const bool waits = !state.remark.empty() && !state.has_to_come_out;
     if (study_ && !study_->gives_force() && state.what == HandState::What::off)
         state.what = HandState::What::has_no_force;
@@ -424,7 +412,7 @@ bool WindowLoop::take_of_study(const InputEvent& event) {
     if (has_page) return !event.stopped_force;  // the window says that the force is off
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
     if (!binding) return true;
-    // Whoever holds a device can always stop it.
+    // The user of a device can always stop it.
     if (binding->verb == WindowVerb::force && options_.hand)
         return !clip_->force_is_on() && !study_->gives_force();
     return !is_for_participants(binding->verb);

@@ -115,7 +115,7 @@ Result<void> WindowLoop::fit_words(const ScreenSize& size) {
     return picture_.graphics().take_letters();
 }
 
-/// What nobody sees needs no GPU, unless somebody asks for one.
+/// A headless window needs no GPU, unless an option names one.
 Result<std::unique_ptr<WindowGraphics>> WindowLoop::make_graphics() {
     if (options_.headless && options_.painter == "cpu") return make_cpu_graphics();
     auto device = options_.gpu->open();
@@ -295,7 +295,7 @@ void WindowLoop::say(std::string words, Tone tone, About about) {
     last_event_ = Clock::now();
 }
 
-/// Who sees no window, or is no visitor, learns what went wrong all the same.
+/// Prints the fault to stderr when headless or in a kiosk, at most once per message.
 void WindowLoop::tell(const std::string& fault) {
     constexpr std::size_t most_told = 100;
     const bool is_told = kiosk_ && (told_.size() == most_told || !told_.insert(fault).second);

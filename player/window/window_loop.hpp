@@ -66,7 +66,7 @@ private:
 class DoubleClick {
 public:
     static constexpr double longest_s = 0.3;    ///< from press to press
-    static constexpr double farthest_px = 6.0;  ///< likewise
+    static constexpr double farthest_px = 6.0;  ///< between the two presses
 
     /// Whether the press of that moment, at that place, is a second one; a third is a first again.
     bool press(double now_s, const glm::dvec2& at) {
@@ -95,7 +95,7 @@ class WindowLoop {
 public:
     explicit WindowLoop(PlayOptions options)
         : options_(std::move(options)), asked_for_(Clock::now()), screenshots_(options_.existing) {}
-    /// Whatever it ends by: the hand is unpowered before anything is waited for.
+    /// On every exit path the hand is unpowered before anything is waited for.
     ~WindowLoop() { power_hand_off(); }
 
     Result<PlayFigures> run();

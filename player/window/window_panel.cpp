@@ -248,7 +248,7 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
     ImGui::End();
 }
 
-/// What went wrong, until somebody has read it.
+/// What went wrong, until it is dismissed.
 void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked) {
     if (facts.faults.empty()) return;
     const auto [from, to] = free_of(facts, width);

@@ -44,8 +44,8 @@ private:
     std::int64_t all_late_ = 0, all_dropped_ = 0;
 };
 
-/// The bar below: play, time, seek, and a button for whatever somebody without keys looks for. Of those there
-/// are as many as leave the seek bar some width; the most needed stay longest.
+/// The bar below: play, time, seek, and a button for each thing that a person without keys looks for. Of
+/// those there are as many as leave the seek bar some width; the most needed stay longest.
 class PlaybackBar {
 public:
     /// `scale` as in ScreenSize. Between begin_box and ImGui::End. `panel_shown`, `help_shown`: whether they
@@ -78,7 +78,7 @@ private:
                      std::vector<WindowCommand>& asked);
 
     float scale_ = 1;
-    std::string held_;   // the slider that somebody holds
+    std::string held_;   // the slider that is dragged
     float dragged_ = 0;  // what it says
 };
 
@@ -93,7 +93,7 @@ public:
 
     /// Between ImGuiLayer's `begin` and `draw`.
     void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
-    /// Likewise where there is no clip yet: what is said, and what may be dropped.
+    /// The same without a clip: what is said, and what may be dropped.
     void draw_without_clip(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
     /// Whether something that can be pressed was there in the last picture.
     bool covers(double x, double y) const;

@@ -309,7 +309,7 @@ PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& 
         facts.message_is_bad = notices_.is_refusal();
         return facts;
     }
-    constexpr double opening_is_quick_s = 0.2;  // nobody needs to be told of it
+    constexpr double opening_is_quick_s = 0.2;  // shorter work is not mentioned
     facts.message = opening_.seconds() > opening_is_quick_s ? opening_.words() + " ..." : brush_.words();
     if (!facts.message.empty() || !facts.faults.empty()) return facts;  // no hint beside what went wrong
     const auto failure =
