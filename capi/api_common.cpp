@@ -9,7 +9,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/scene/scene_file.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable::capi {

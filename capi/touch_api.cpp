@@ -18,8 +18,6 @@
 #include "capi/touchable.h"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/scene/scene_file.hpp"
-#include "engine/scene/surface_timeline.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "device/device_catalog.hpp"
-#include "device/udev_rules.hpp"
 #include "engine/camera/camera.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/formats/source_description.hpp"

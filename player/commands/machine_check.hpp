@@ -16,7 +16,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_device.hpp"
-#include "player/session/touch_figures.hpp"
+#include "player/session/run_record.hpp"
 
 namespace touchable {
 
