@@ -7,32 +7,35 @@
 
 namespace touchable {
 
+namespace {
+
+using glm::dot;
+using glm::dvec3;
+
 // No device and no scene gives values beyond these. Squares and products of values within them are finite.
-inline constexpr double most_newtons = 1e30, most_newtons_per_metre = 1e15, farthest_metres = 1e12;
+constexpr double most_newtons = 1e30, most_newtons_per_metre = 1e15, farthest_metres = 1e12;
 
 /// False for NaN too.
-inline bool is_within(const glm::dvec3& v, double most) {
-    return glm::dot(v, v) <= most * most;
+bool is_within(const dvec3& v, double most) {
+    return dot(v, v) <= most * most;
 }
-inline bool is_stiffness(double newtons_per_metre) {
+bool is_stiffness(double newtons_per_metre) {
     return newtons_per_metre >= 0 && newtons_per_metre <= most_newtons_per_metre;
 }
 
 /// Whether what a contact says of forces can be used: numbers, and of this world.
-inline bool has_sound_forces(const Contact& contact) {
+bool has_sound_forces(const Contact& contact) {
     return is_within(contact.force, most_newtons) && is_stiffness(contact.properties.stiffness) &&
            (!contact.jumped || is_within(contact.jumped_force, most_newtons));
 }
 
 /// The same of its places; `farthest`: farthest_metres in scene units.
-inline bool has_sound_places(const Contact& contact, double farthest) {
-    const double squares = glm::dot(contact.goal, contact.goal) + glm::dot(contact.proxy, contact.proxy) +
-                           glm::dot(contact.carried, contact.carried);
+bool has_sound_places(const Contact& contact, double farthest) {
+    const double squares = dot(contact.goal, contact.goal) + dot(contact.proxy, contact.proxy) +
+                           dot(contact.carried, contact.carried);
     return squares <= farthest * farthest &&
            (!contact.carried_stiffness || is_stiffness(*contact.carried_stiffness));
 }
-
-namespace {
 
 Error must_be(const char* name, const char* range, Hints hints = {}) {
     return usage_error(std::string(name) + " must be a number " + range, std::move(hints));
@@ -40,9 +43,6 @@ Error must_be(const char* name, const char* range, Hints hints = {}) {
 
 // Less than this is the rounding of the books, and nothing that a hand could feel.
 constexpr double least_joules = 1e-9;
-
-using glm::dot;
-using glm::dvec3;
 
 /// w: from 1 to 0 as ticks go from 0 to fade_ticks, level at both ends.
 double fade(double ticks) {
@@ -70,9 +70,9 @@ constexpr double hair = 0x1p-49;
 constexpr double closely = 1 - 0x1p-40;
 
 /// How much of a force a calmed one is, 0 to 1.
-double share_of(const glm::dvec3& blended, const glm::dvec3& force) {
-    const double squared = glm::dot(force, force);
-    return squared > 0 ? std::clamp(glm::dot(blended, force) / squared, 0.0, 1.0) : 1.0;
+double share_of(const dvec3& blended, const dvec3& force) {
+    const double squared = dot(force, force);
+    return squared > 0 ? std::clamp(dot(blended, force) / squared, 0.0, 1.0) : 1.0;
 }
 
 /// The farthest place in scene units; -1 where no guard can be made of it.
@@ -101,9 +101,6 @@ Result<void> validate(const GuardSettings& settings) {
         return must_be("the age of a stale surface", "from 0 to 3600000 ms", {{Setting::stale_after}});
     return {};
 }
-
-using glm::dot;
-using glm::dvec3;
 
 double DeviceSpring::energy(double k, double x2) const {
     k = std::min(k, max_stiffness);
@@ -183,7 +180,7 @@ std::optional<double> ContactStiffness::carried(const Contact& contact) const {
 /// From tick to tick of a contact.
 double ContactStiffness::risen(double before, double map, const EnergyAccount& account) {
     double most = rise_.per_tick;
-    const double stretch2 = glm::dot(account.stretch(), account.stretch());
+    const double stretch2 = dot(account.stretch(), account.stretch());
     if (from_hole_ && stretch2 > 0) most = std::min(most, rise_from_hole / std::sqrt(stretch2));
     // At a stiffness that stays, holding a force creates a little, friction and drops lose much.
     const double stays = account.energy(before);
@@ -215,9 +212,6 @@ double ContactStiffness::in_effect(const Contact& contact, const EnergyAccount& 
     return stiffness_;
 }
 
-using glm::dot;
-using glm::dvec3;
-
 dvec3 ContactDamping::force(const EnergyAccount& account, double stiffness, const dvec3& velocity,
                             int ticks) {
     if (!(stiffness > 0)) {
@@ -233,9 +227,9 @@ dvec3 ContactDamping::force(const EnergyAccount& account, double stiffness, cons
     return inward > spring ? damper * (spring / inward) : damper;
 }
 
-glm::dvec3 PassivityController::force(double excess, const glm::dvec3& velocity) const {
-    const double speed2 = glm::dot(velocity, velocity);
-    if (!(excess > least_joules) || !(speed2 > 0)) return glm::dvec3(0.0);
+dvec3 PassivityController::force(double excess, const dvec3& velocity) const {
+    const double speed2 = dot(velocity, velocity);
+    if (!(excess > least_joules) || !(speed2 > 0)) return dvec3(0.0);
     return velocity * -std::min(excess / (tick_seconds * speed2), most_);
 }
 
@@ -390,14 +384,14 @@ void ForceGuard::let_go() {
     ticks_faulty_ = ramp_out_ticks();
     ticks_in_ = 0;
     ticks_held_ = std::max(ticks_held_, settled_ticks);  // no haste, however far away the hand is now
-    last_force_ = glm::dvec3(0.0);
+    last_force_ = dvec3(0.0);
     account_.lose_goal();
     stiffness_.lift();
 }
 
-glm::dvec3 ForceGuard::spring(const Contact& contact, const glm::dvec3& unlimited, double stiffness,
-                              std::uint32_t& reasons) const {
-    glm::dvec3 force = unlimited;
+dvec3 ForceGuard::spring(const Contact& contact, const dvec3& unlimited, double stiffness,
+                         std::uint32_t& reasons) const {
+    dvec3 force = unlimited;
     if (!contact.touching) return force;
     const double map = contact.properties.stiffness;
     if (stiffness < map) {
@@ -412,7 +406,7 @@ glm::dvec3 ForceGuard::spring(const Contact& contact, const glm::dvec3& unlimite
 }
 
 void ForceGuard::limit(GuardedForce& out) const {
-    const double squared = glm::dot(out.force, out.force);
+    const double squared = dot(out.force, out.force);
     if (squared <= surely_) return;
     const double length = std::sqrt(squared);
     if (length <= settings_.max_force) return;
@@ -427,23 +421,23 @@ void ForceGuard::brake(const Contact& contact, const BlendedForce& blended, doub
     if (damped || controlled) velocity_ = filtered_velocity(velocity_, account_.step(), ticks);
     if (damped) {
         const double spring = std::min(stiffness, settings_.max_stiffness);
-        const glm::dvec3 damper =
+        const dvec3 damper =
             blended.presence *
             damping_.force(account_, spring * share_of(blended.force, contact.force), velocity_, ticks);
         out.force += damper;
-        if (damper != glm::dvec3(0.0)) out.reasons |= guard_damping;
+        if (damper != dvec3(0.0)) out.reasons |= guard_damping;
     }
     limit(out);
     if (!controlled || !contact.touching) return;
-    const glm::dvec3 brake = blended.presence * passivity_.force(account_.excess(), velocity_);
+    const dvec3 brake = blended.presence * passivity_.force(account_.excess(), velocity_);
     out.force += brake;
-    if (brake != glm::dvec3(0.0)) out.reasons |= guard_passivity;
+    if (brake != dvec3(0.0)) out.reasons |= guard_passivity;
     limit(out);
 }
 
 /// The last word. Written so that NaN stays in.
 bool ForceGuard::can_go_out(const GuardedForce& out) const {
-    const double squared = glm::dot(out.force, out.force);
+    const double squared = dot(out.force, out.force);
     return (squared <= surely_ || std::sqrt(squared) <= settings_.max_force) &&
            std::isfinite(out.energy.balance() - out.energy.bound);
 }
@@ -451,7 +445,7 @@ bool ForceGuard::can_go_out(const GuardedForce& out) const {
 /// Where what would go out cannot be, nothing that led to it is believed.
 GuardedForce ForceGuard::begin_anew() {
     *this = ForceGuard(settings_, metres_per_unit_);
-    return {glm::dvec3(0.0), guard_fault, {}};
+    return {dvec3(0.0), guard_fault, {}};
 }
 
 GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blended, bool is_blended,
@@ -476,12 +470,12 @@ GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blend
         out.reasons |= guard_ramp;
         ticks_in_ += 1;
     }
-    const glm::dvec3 whole = out.force;
+    const dvec3 whole = out.force;
     if (surface_share < 1) {
         out.force *= surface_share;
         out.reasons |= guard_stale;
     }
-    glm::dvec3 by_the_jump(0.0);
+    dvec3 by_the_jump(0.0);
     if (is_blended) {
         limit(alone);
         by_the_jump = felt_share * alone.force - account_.spring_force();

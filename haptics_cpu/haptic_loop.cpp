@@ -14,45 +14,17 @@
 
 namespace touchable {
 
-TickLog::TickLog(int ticks, int fingers) : ring_(slots_for(ticks, fingers)) {}
-
-std::vector<TickLog::Slot> TickLog::slots_for(int ticks, int fingers) {
-    const auto count = static_cast<std::size_t>(fingers);
-    std::vector<Slot> slots(static_cast<std::size_t>(ticks));
-    const auto share_out = [&](auto& all, auto part) {
-        all.resize(slots.size() * count);
-        for (std::size_t k = 0; k < slots.size(); ++k)
-            slots[k].*part = std::span(all).subspan(k * count, count);
-    };
-    share_out(goals_, &Slot::goals);
-    share_out(contacts_, &Slot::contacts);
-    share_out(forces_, &Slot::forces);
-    share_out(shares_, &Slot::shares);
-    return slots;
-}
-
-bool TickLog::push(const TouchTick& tick) {
-    return ring_.push([&tick](Slot& slot) {
-        slot.tick = tick;
-        std::copy(tick.goals.begin(), tick.goals.end(), slot.goals.begin());
-        std::copy(tick.contacts.begin(), tick.contacts.end(), slot.contacts.begin());
-        std::copy(tick.forces.begin(), tick.forces.end(), slot.forces.begin());
-        slot.tick.goals = slot.goals;
-        slot.tick.contacts = slot.contacts;
-        slot.tick.forces = slot.forces;
-        std::copy(tick.shares.begin(), tick.shares.end(), slot.shares.begin());
-        if (!tick.shares.empty()) slot.tick.shares = slot.shares;
-    });
-}
-
 namespace {
 
+using std::chrono::steady_clock;
+using Memory = RealtimeGrant::Memory;
+
 std::string memory_in_words(const RealtimeGrant& grant) {
-    if (grant.memory == MemoryLock::all) return "memory locked";
+    if (grant.memory == Memory::all) return "memory locked";
     const std::string limit = grant.memory_limit
                                   ? "RLIMIT_MEMLOCK is " + std::to_string(*grant.memory_limit / 1024) + " KiB"
                                   : "not permitted";
-    if (grant.memory == MemoryLock::none) return "memory not locked (" + limit + ")";
+    if (grant.memory == Memory::none) return "memory not locked (" + limit + ")";
     return "memory locked but what came after the start (" + limit + ")";
 }
 
@@ -106,12 +78,12 @@ unsigned char touch_stack() {
 /// frames before the hand sees them: to fetch all of it at once would fetch what drivers and libraries only
 /// reserve, and eight megabytes of stack for every thread. Below a finite limit nothing is asked for later
 /// memory, because what would go beyond it is refused altogether.
-MemoryLock lock_memory(bool limited) {
-    if (mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) return MemoryLock::none;
+Memory lock_memory(bool limited) {
+    if (mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) return Memory::none;
     dl_iterate_phdr(lock_for_ticks, nullptr);
     touch_stack();
-    if (limited || mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) return MemoryLock::present;
-    return MemoryLock::all;
+    if (limited || mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) return Memory::present;
+    return Memory::all;
 }
 
 /// The CPU the calling thread is pinned to; -1 where it has only one, or may not choose.
@@ -141,6 +113,37 @@ bool answer_of(Call&& call) noexcept {
 
 }  // namespace
 
+TickLog::TickLog(int ticks, int fingers) : ring_(slots_for(ticks, fingers)) {}
+
+std::vector<TickLog::Slot> TickLog::slots_for(int ticks, int fingers) {
+    const auto count = static_cast<std::size_t>(fingers);
+    std::vector<Slot> slots(static_cast<std::size_t>(ticks));
+    const auto share_out = [&](auto& all, auto part) {
+        all.resize(slots.size() * count);
+        for (std::size_t k = 0; k < slots.size(); ++k)
+            slots[k].*part = std::span(all).subspan(k * count, count);
+    };
+    share_out(goals_, &Slot::goals);
+    share_out(contacts_, &Slot::contacts);
+    share_out(forces_, &Slot::forces);
+    share_out(shares_, &Slot::shares);
+    return slots;
+}
+
+bool TickLog::push(const TouchTick& tick) {
+    return ring_.push([&tick](Slot& slot) {
+        slot.tick = tick;
+        std::copy(tick.goals.begin(), tick.goals.end(), slot.goals.begin());
+        std::copy(tick.contacts.begin(), tick.contacts.end(), slot.contacts.begin());
+        std::copy(tick.forces.begin(), tick.forces.end(), slot.forces.begin());
+        slot.tick.goals = slot.goals;
+        slot.tick.contacts = slot.contacts;
+        slot.tick.forces = slot.forces;
+        std::copy(tick.shares.begin(), tick.shares.end(), slot.shares.begin());
+        if (!tick.shares.empty()) slot.tick.shares = slot.shares;
+    });
+}
+
 std::string RealtimeGrant::in_words() const {
     const std::string scheduling = fifo ? "SCHED_FIFO" : "normal scheduling (SCHED_FIFO is not permitted)";
     return scheduling + ", " + memory_in_words(*this) +
@@ -169,8 +172,6 @@ void sleep_until(std::chrono::steady_clock::time_point moment) {
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &when, nullptr) == EINTR) {
     }
 }
-
-using std::chrono::steady_clock;
 
 HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port,
                        TickLog& log, MomentOfTick moment_of_tick)

@@ -113,17 +113,16 @@ public:
     virtual double share(std::size_t) const { return 1; }
 };
 
-/// Memory from which no page has to be fetched in a tick.
-enum class MemoryLock {
-    none,
-    present,  ///< what there was when it was asked for, as under a finite RLIMIT_MEMLOCK
-    all       ///< and whatever comes later, once it has been touched
-};
-
 /// How much of what a real-time thread wants this machine allows.
 struct RealtimeGrant {
+    /// Memory from which no page has to be fetched in a tick.
+    enum class Memory {
+        none,
+        present,  ///< what there was when it was asked for, as under a finite RLIMIT_MEMLOCK
+        all       ///< and what comes later, once it has been touched
+    };
     bool fifo = false;  ///< SCHED_FIFO
-    MemoryLock memory = MemoryLock::none;
+    Memory memory = Memory::none;
     std::optional<std::uint64_t> memory_limit{};  ///< RLIMIT_MEMLOCK, bytes; nothing: none that counts
     int cpu = -1;                                 ///< the one CPU the thread stays on; -1: any
     std::string in_words() const;  ///< "SCHED_FIFO, memory locked, on CPU 1", or what is missing
@@ -144,24 +143,23 @@ bool become_fifo();
 /// Sleeps until a moment of the monotonic clock, absolutely.
 void sleep_until(std::chrono::steady_clock::time_point moment);
 
-/// How a loop went; complete once it has ended.
-struct LoopFacts {
-    RealtimeGrant grant;
-    std::int64_t ticks = 0;
-    std::int64_t late = 0;       ///< wake-ups a whole tick or more too late
-    std::int64_t skipped = 0;    ///< ticks whose time had passed by then; never made up for
-    std::int64_t gaps = 0;       ///< of more than `longest_gap_ns` without a tick
-    std::int64_t lost = 0;       ///< ticks for which the log had no room
-    double longest_port_ms = 0;  ///< that the port took in one tick, its reading and its writing together
-    bool port_failed = false;    ///< it said so, or threw
-    bool broke_off = false;      ///< something else threw in a tick: a fault of the program
-};
-
 /// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time.
 /// It never waits for anybody, never allocates; a tick that comes too late is counted and the missed ones are
 /// skipped (docs/architecture.md, Threads).
 class HapticLoop {
 public:
+    /// How a loop went; complete once it has ended.
+    struct Facts {
+        RealtimeGrant grant;
+        std::int64_t ticks = 0;
+        std::int64_t late = 0;       ///< wake-ups a whole tick or more too late
+        std::int64_t skipped = 0;    ///< ticks whose time had passed by then; never made up for
+        std::int64_t gaps = 0;       ///< of more than `longest_gap_ns` without a tick
+        std::int64_t lost = 0;       ///< ticks for which the log had no room
+        double longest_port_ms = 0;  ///< that the port took in one tick, its reading and its writing together
+        bool port_failed = false;    ///< it said so, or threw
+        bool broke_off = false;      ///< something else threw in a tick: a fault of the program
+    };
     /// Which moment of the clip a tick is of; asked tick by tick by the haptic thread, so it must not wait.
     /// Nothing: the tick's own time, of epoch 0.
     using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
@@ -194,7 +192,7 @@ public:
     /// When tick 0 was due; nothing until its thread has come so far.
     std::optional<std::chrono::steady_clock::time_point> zero() const;
     /// After `stop`, or once it is not running.
-    const LoopFacts& facts() const { return facts_; }
+    const Facts& facts() const { return facts_; }
 
 private:
     static constexpr auto not_begun = std::chrono::steady_clock::time_point::min();
@@ -214,7 +212,7 @@ private:
     std::int64_t ticked_ns_ = 0;  // by that clock, when the newest tick began
     std::vector<glm::dvec3> newtons_;
     std::vector<double> shares_;
-    LoopFacts facts_;
+    Facts facts_;
     std::optional<std::int64_t> end_;
     bool started_ = false;
     std::atomic<bool> stopping_{false}, ended_{true};

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <span>
+#include <utility>
 
 #include "haptics_cpu/cast.hpp"
-
-#include <span>
-
-#include <utility>
 
 namespace touchable {
 
@@ -241,8 +239,6 @@ void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& 
     }
 }
 
-using glm::dvec3;
-
 /// Which edges of a face a move starts on; it does not leave through them, whatever rounding says.
 struct StartEdges {
     bool h = false, v = false, d = false;
@@ -310,12 +306,12 @@ Place on_the_rim(const Place& at) {
 /// The distance to the goal is the same after such a way: it is gone whole, whatever friction says, which
 /// could end ever shorter ones and never let it arrive.
 bool too_short_to_tell(const Motion& motion, const dvec3& pull) {
-    return glm::dot(motion.way, motion.way) <= 0x1p-52 * glm::dot(pull, pull);
+    return dot(motion.way, motion.way) <= 0x1p-52 * dot(pull, pull);
 }
 
 /// A way that is made of roundings. A proxy that may not leave would go to and fro on such.
 bool is_rounding(const Motion& motion, const dvec3& pull) {
-    return glm::dot(motion.way, motion.way) <= 0x1p-96 * glm::dot(pull, pull);
+    return dot(motion.way, motion.way) <= 0x1p-96 * dot(pull, pull);
 }
 
 constexpr int stall_limit = 8;
@@ -440,7 +436,7 @@ private:
     /// from where it led.
     bool is_foot(const Motion& motion, const dvec3& pull) const {
         const dvec3 left = goal_ - proxy_.point, aside = left - (pull - motion.way);
-        return glm::dot(aside, aside) <= 1e-20 * glm::dot(left, left);
+        return dot(aside, aside) <= 1e-20 * dot(left, left);
     }
 
     enum class Progress { nearer, same, none };
@@ -470,14 +466,14 @@ private:
     bool is_surely_nearer(const dvec3& point, const dvec3& pull, const dvec3& rest) const {
         const dvec3 both = pull + rest;
         const double ends = glm::length(point) + glm::length(proxy_.point);
-        return glm::dot(point - proxy_.point, both) > 0x1p-48 * ends * glm::length(both);
+        return dot(point - proxy_.point, both) > 0x1p-48 * ends * glm::length(both);
     }
 
     /// Takes the new place unless it is farther from the goal than rounding explains.
     Progress take(const Place& next, bool sliding, const dvec3& pull) {
         const dvec3 point = surface_point(space_, next);
         const dvec3 rest = goal_ - point;
-        const double before = glm::dot(pull, pull), after = glm::dot(rest, rest);
+        const double before = dot(pull, pull), after = dot(rest, rest);
         if (!(after <= before * (1.0 + 1e-13)) &&
             !is_explained(std::sqrt(before), std::sqrt(after), next, point))
             return Progress::none;
@@ -521,7 +517,7 @@ constexpr double never_held = std::numeric_limits<double>::infinity();
 /// The share (0 to 1) of the motion's way after which a sliding proxy comes to rest, where friction is level.
 double sliding_share(const FrictionCone& cone, const Motion& motion) {
     if (cone.stopping == 0) return 1.0;
-    const double share = 1.0 - cone.stopping * std::sqrt(motion.load2 / glm::dot(motion.way, motion.way));
+    const double share = 1.0 - cone.stopping * std::sqrt(motion.load2 / dot(motion.way, motion.way));
     return share > 0 ? share : 0.0;
 }
 
@@ -532,8 +528,7 @@ bool goes_beyond(double length, const ImageStep& step, const FrictionCone& cone,
     constexpr double certain = 1.0 + 1e-6;  // by far more than roundings can be wrong
     const double rest = 1.0 - length * (1.0 + step.stretch), whole = rest + length;  // (1 - s) : 1
     const double held = cone.stopping * whole;
-    return rest > 1e-6 &&
-           held * held * motion.load2 * certain < rest * rest * glm::dot(motion.way, motion.way);
+    return rest > 1e-6 && held * held * motion.load2 * certain < rest * rest * dot(motion.way, motion.way);
 }
 
 /// What friction lacks to hold a proxy on its way from u = 0 to 1, as a cubic: held where it is not positive.
@@ -624,7 +619,7 @@ Shortfall shortfall(const std::array<double, 4>& mu, double load_per_way, const 
 double uneven_stop(const FrictionCone& cone, const Motion& motion, const ImageStep& step,
                    const CellPoint& from, double reach) {
     const double to_foot = step.length_at(1.0), span = std::min(reach, to_foot);
-    const double way2 = glm::dot(motion.way, motion.way);
+    const double way2 = dot(motion.way, motion.way);
     const double load_per_way = way2 > 0 ? std::sqrt(motion.load2 / way2) : 0.0;
     if (!(load_per_way > 0) || !(span < never_held)) return to_foot;
     if (load_per_way == std::numeric_limits<double>::infinity()) return 0;
@@ -700,7 +695,7 @@ FrictionCone cone_over(const CornerProperties& corners, const CellPoint& at, boo
 
 bool rests(const FrictionCone& cone, const Motion& motion) {
     const double mu2 = cone.resting * cone.resting;
-    return mu2 > 0 && glm::dot(motion.way, motion.way) <= mu2 * motion.load2 * on_the_cone;
+    return mu2 > 0 && dot(motion.way, motion.way) <= mu2 * motion.load2 * on_the_cone;
 }
 
 double stopping_length(const FrictionCone& cone, const Motion& motion, const ImageStep& step,

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <array>
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 
 namespace touchable {
 

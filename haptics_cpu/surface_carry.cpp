@@ -122,8 +122,6 @@ private:
     std::optional<Place> found_;
 };
 
-using glm::dvec3;
-
 // A slope of up to 60 degrees that rises along the ray comes no nearer than this share of the way: there the
 // ray is right. The sides of objects come far nearer.
 constexpr double much_nearer = 0.5;
@@ -167,7 +165,7 @@ bool carry(const Space& space, Proxy& proxy, double sudden) {
         return true;
     if constexpr (std::is_same_v<Space, WorldSpace>) {
         const dvec3 way = proxy.point - was;
-        const double squared = glm::dot(way, way);
+        const double squared = dot(way, way);
         if (squared > sudden * sudden) return carry_suddenly(space, proxy, was, std::sqrt(squared));
     }
     return true;

@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 
 namespace touchable {
 

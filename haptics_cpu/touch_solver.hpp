@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "engine/base/result.hpp"
-#include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/slide.hpp"
+#include "haptics_cpu/world_space.hpp"
 
 namespace touchable {
 

@@ -8,12 +8,6 @@
 
 namespace touchable {
 
-Workspace default_workspace(int width, double fx, double median_depth) {
-    constexpr double picture_width = 0.16;  // of device space, metres
-    const double scene_width = width / fx * median_depth;
-    return {picture_width / scene_width, {0, 0, -median_depth}};
-}
-
 namespace {
 
 // A proxy is on the surface by construction; this is room for the roundings of checking it in the world.
@@ -24,6 +18,12 @@ bool fits(const SurfaceFrame* frame, const Scene& scene) {
 }
 
 }  // namespace
+
+Workspace default_workspace(int width, double fx, double median_depth) {
+    constexpr double picture_width = 0.16;  // of device space, metres
+    const double scene_width = width / fx * median_depth;
+    return {picture_width / scene_width, {0, 0, -median_depth}};
+}
 
 TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers)
     : solver_(solver), waits_to_be_free_(guard.waits_to_be_free), stale_(guard) {
@@ -76,10 +76,6 @@ void TouchStep::solve(const HeightField& field, int ticks) {
     }
 }
 
-void TouchStep::look_at_age(std::int64_t age_ns, int ticks) {
-    if (stale_.look(age_ns, ticks)) let_go();
-}
-
 /// Of a tick without a surface: what no finger can have met, which the guards take for a fault.
 void TouchStep::meet_nothing() {
     for (std::size_t k = 0; k < guards_.size(); ++k) {
@@ -97,7 +93,7 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     TouchTick done;
     if (fits(pair.prev.frame, scene) && fits(pair.next.frame, scene)) {
         const HeightField field(scene, pair);
-        look_at_age(time_ns - std::max(pair.prev.time_ns, pair.next.time_ns), ticks);
+        if (stale_.look(time_ns - std::max(pair.prev.time_ns, pair.next.time_ns), ticks)) let_go();
         solve(field, ticks);
         done.solve_us = std::chrono::duration<double, std::micro>(steady_clock::now() - start).count();
         done.blend = field.blend();

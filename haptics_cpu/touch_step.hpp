@@ -91,7 +91,6 @@ public:
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
 private:
-    void look_at_age(std::int64_t age_ns, int ticks);
     void let_go();
     void solve(const HeightField& field, int ticks);
     void meet_nothing();

@@ -30,12 +30,10 @@ constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178), 
                                                       pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
 
 /// A point of the surface as it is felt; nothing in a hole and beside the picture.
-std::optional<glm::dvec3> felt_point(const WorldSpace& space, double x, double y) {
-    const HeightField& field = space.field();
+std::optional<glm::dvec3> felt_point(const HeightField& field, double x, double y) {
     if (!(x >= 0 && y >= 0 && x < field.width() - 1 && y < field.height() - 1)) return std::nullopt;
-    const Place at = face_under(x, y);
-    if (is_in_hole(space, at)) return std::nullopt;
-    return surface_point(space, at);
+    if (is_in_hole(field, face_under(x, y))) return std::nullopt;
+    return surface_point(field, x, y);
 }
 
 constexpr int solid_sides = 40;
@@ -207,14 +205,13 @@ std::optional<FingerMark::Under> under_finger(const HeightField& field, const gl
     const Camera& camera = field.scene().camera;
     const auto seen = project(camera, proxy);
     if (!seen) return std::nullopt;
-    const WorldSpace space(field);
-    const auto middle = felt_point(space, seen->x, seen->y);
+    const auto middle = felt_point(field, seen->x, seen->y);
     if (!middle) return std::nullopt;
     const double right = std::max(1.0, std::min(reach * camera.fx / -middle->z, field.width() / 4.0)),
                  down = std::max(1.0, std::min(reach * camera.fy / -middle->z, field.height() / 4.0));
     // Where the surface ends, or goes over into another one, the middle itself is one of the two ends.
     const auto end = [&](double dx, double dy) {
-        const auto point = felt_point(space, seen->x + dx, seen->y + dy);
+        const auto point = felt_point(field, seen->x + dx, seen->y + dy);
         return point && glm::distance(*point, *middle) < 4 * reach ? *point : *middle;
     };
     const glm::dvec3 normal = glm::cross(end(right, 0) - end(-right, 0), end(0, -down) - end(0, down));

@@ -153,7 +153,7 @@ struct LiveFacts {
         Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made
     };
 
-    LoopFacts loop;
+    HapticLoop::Facts loop;
     std::int64_t late_frames = 0;    ///< not built yet when the surface first needed them
     std::optional<Camera> camera{};  ///< of a live source, which has no late frames
     bool interrupted = false;        ///< a person ended it

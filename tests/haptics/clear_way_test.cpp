@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "haptics_cpu/cast.hpp"
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/small_field.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"

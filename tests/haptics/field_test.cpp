@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "tests/haptics/small_field.hpp"
 
 namespace touchable::test {

@@ -98,7 +98,7 @@ TEST(HapticLoop, TicksInOrderLogsEachAndEndsWithZeroForce) {
     EXPECT_FALSE(loop.running());
     EXPECT_EQ(logged, rig.port.ticks);
     for (std::size_t k = 1; k < logged.size(); ++k) EXPECT_GT(logged[k], logged[k - 1]);
-    const LoopFacts& facts = loop.facts();
+    const HapticLoop::Facts& facts = loop.facts();
     EXPECT_EQ(facts.ticks, static_cast<std::int64_t>(logged.size()));
     EXPECT_EQ(facts.skipped, logged.back() + 1 - facts.ticks) << "a tick is run or counted as skipped";
     EXPECT_EQ(facts.lost, 0);

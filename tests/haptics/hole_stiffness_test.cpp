@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "haptics_cpu/force_guard.hpp"
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "tests/haptics/force_path.hpp"
 
 namespace touchable::test {

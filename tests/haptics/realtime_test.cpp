@@ -49,7 +49,7 @@ TEST(Realtime, MemoryThatComesLaterIsLockedToo) {
 #endif
     const int said = in_a_child([] {
         const RealtimeGrant grant = become_realtime();
-        if (grant.memory != MemoryLock::all) return not_here;
+        if (grant.memory != RealtimeGrant::Memory::all) return not_here;
         const long before = locked_kib();
         if (!take_memory(std::size_t{64} << 20)) return wrong;
         const bool named = grant.in_words().find(", memory locked,") != std::string::npos;
@@ -67,7 +67,7 @@ TEST(Realtime, BelowALimitWhatComesLaterIsNotRefusedAndTheLimitIsNamed) {
         if (setrlimit(RLIMIT_MEMLOCK, &limit) != 0) return not_here;
         if (geteuid() == 0 && setuid(65534) != 0) return not_here;  // root is above limits
         const RealtimeGrant grant = become_realtime();
-        if (grant.memory == MemoryLock::all || grant.memory_limit != limit.rlim_cur) return wrong;
+        if (grant.memory == RealtimeGrant::Memory::all || grant.memory_limit != limit.rlim_cur) return wrong;
         const std::string named = "RLIMIT_MEMLOCK is " + std::to_string(limit.rlim_cur / 1024) + " KiB";
         if (grant.in_words().find(named) == std::string::npos) return wrong;
         return take_memory(std::size_t{3} << 29) ? right : wrong;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "haptics_cpu/surface_carry.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/small_field.hpp"

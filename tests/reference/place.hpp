@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "haptics_cpu/height_field.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "tests/reference/surface.hpp"
 
 namespace touchable::reference {
