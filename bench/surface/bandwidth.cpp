@@ -32,7 +32,7 @@ Result<double> copy_bandwidth(const std::shared_ptr<GpuDevice>& device) {
     if (!submission.ok()) return submission.error();
     if (auto done = submission->wait(); !done.ok()) return done.error();
     double least_ms = HUGE_VAL;
-    for (const GpuTime& time : submission->times())
+    for (const GpuDevice::Time& time : submission->times())
         if (time.label == "copy") least_ms = std::min(least_ms, time.ms);
     return 2 * static_cast<double>(copied_bytes) * 1e-6 / least_ms;
 }

@@ -48,7 +48,7 @@ void add_ratios(Figures& figures, const std::string& side, const std::vector<Rac
 
 double kernels_ms(const VulkanSurfaceBuilder& vulkan) {
     double sum = 0;
-    for (const GpuTime& stage : vulkan.stages())
+    for (const GpuDevice::Time& stage : vulkan.stages())
         if (stage.label != "read in" && stage.label != "read back") sum += stage.ms;
     return sum;
 }

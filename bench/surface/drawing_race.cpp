@@ -10,7 +10,7 @@
 #include "bench/surface/surface_case.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
 #include "player/draw/pictures.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/suite.hpp"
-#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 
 namespace touchable {
 

@@ -45,7 +45,7 @@ public:
     Result<ViewSurface> seen() {
         return lattices_.surface_of(HeightField(picture_.scene, still(frame_)), still(frame_), {});
     }
-    const std::vector<GpuTime>& stages() const { return stages_; }
+    const std::vector<GpuDevice::Time>& stages() const { return stages_; }
     const SurfaceFrame& codes() const { return frame_; }
 
 private:
@@ -71,7 +71,7 @@ private:
     GpuLattice lattice_;
     GpuBuffer q_;
     SurfaceFrame frame_;
-    std::vector<GpuTime> stages_;
+    std::vector<GpuDevice::Time> stages_;
 };
 
 /// By the CPU builder and the lattices of the cpu painter.
@@ -147,7 +147,7 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
         return right;
 
     const std::string side = std::to_string(picture.scene.filter.median);
-    std::vector<GpuTime> stages;
+    std::vector<GpuDevice::Time> stages;
     std::vector<Racer> racers{{"positions" + side, [&] { return kernels.make_q(); }},
                               {"cpu_positions" + side + "_1t", [&] { return one.make_q(); }},
                               {"cpu_positions" + side + "_2t", [&] { return two.make_q(); }},
@@ -176,7 +176,7 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
     }
     if (auto raced = race(racers, rounds); !raced.ok()) return raced;
     for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
-    for (const GpuTime& stage : stages)
+    for (const GpuDevice::Time& stage : stages)
         figures.push_back({"mesh" + side + "_" + stage.label + "_ms", stage.ms, "ms"});
     if (!with_opencv) return {};
     const FrameTimes &positions = racers[6].times, &mask = racers[8].times;

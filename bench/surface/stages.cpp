@@ -72,7 +72,7 @@ Result<void> measure_terraces_within(int reach, const SurfaceCase& c, const Pict
     const auto times = time_frames(**vulkan, picture.raw, frame, frames);
     if (!times.ok()) return times.error();
     add_times(figures, name, *times);
-    for (const GpuTime& stage : (*vulkan)->stages())
+    for (const GpuDevice::Time& stage : (*vulkan)->stages())
         if (std::string_view(stage.label) == "terraces")
             figures.push_back({name + "_kernels_ms", stage.ms, "ms"});
     const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));

@@ -7,7 +7,7 @@
 
 #include "bench/surface/race.hpp"
 #include "bench/surface/stages.hpp"
-#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 
 namespace touchable {
 namespace {
@@ -76,7 +76,7 @@ Result<void> race_with_temporal(const SurfaceCase& c, const Picture& picture, in
             figures.push_back({racers[k].name + "_added_cpu_ms",
                                racers[k].times.cpu_ms - racers[k + 1].times.cpu_ms, "ms"});
         }
-        for (const GpuTime& stage : vulkan.stages())
+        for (const GpuDevice::Time& stage : vulkan.stages())
             if (std::string_view(stage.label) == "temporal")
                 figures.push_back({what + "_kernel_ms", stage.ms, "ms"});
     }

@@ -4,7 +4,7 @@
 
 #include "bench/suite.hpp"
 #include "bench/surface/surface_case.hpp"
-#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 
 namespace touchable {
 

@@ -42,7 +42,7 @@ std::string range_text(std::size_t offset, std::size_t bytes, const GpuBuffer& b
 }
 
 /// Why this binding of a storage buffer cannot be: it makes no sense, or is more than the device can.
-Result<void> check_storage(const GpuBinding& binding, std::size_t bytes, const GpuLimits& limits) {
+Result<void> check_storage(const GpuBinding& binding, std::size_t bytes, const GpuFacts::Limits& limits) {
     if (bytes == 0 || !is_within(binding.offset, bytes, binding.buffer.size()))
         return Error{ErrorKind::internal,
                      range_text(binding.offset, bytes, binding.buffer) + " are not there"};
@@ -74,15 +74,12 @@ struct Descriptors {
         write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
         write.dstBinding = count;
         write.descriptorCount = 1;
+        write.descriptorType = descriptor_type(kind);
         if (kind == GpuBindingKind::storage_buffer) {
             buffers[count] = {binding.buffer.handle(), binding.offset, bytes};
-            write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             write.pBufferInfo = &buffers[count];
         } else {
             texels[count] = binding.texels();
-            write.descriptorType = kind == GpuBindingKind::uniform_texels
-                                       ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
-                                       : VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
             write.pTexelBufferView = &texels[count];
         }
         ++count;
@@ -96,7 +93,7 @@ struct Descriptors {
 
 }  // namespace
 
-std::vector<GpuTime> GpuSubmission::times() const {
+std::vector<GpuDevice::Time> GpuCommands::Submission::times() const {
     return device_->read(*times_);
 }
 
@@ -168,7 +165,7 @@ bool GpuCommands::bind(const GpuProgram& program, std::span<const std::byte> pus
 }
 
 void GpuCommands::dispatch_bytes(const GpuProgram& program, std::span<const std::byte> push,
-                                 std::initializer_list<GpuBinding> bindings, GpuGroups groups) {
+                                 std::initializer_list<GpuBinding> bindings, Groups groups) {
     const auto& most = device_->facts().limits.max_group_count;
     if (groups.x > most[0] || groups.y > most[1] || groups.z > most[2])
         return fault("kernel " + (program ? program.name() : "") + ": " + std::to_string(groups.x) + "x" +
@@ -240,13 +237,13 @@ void GpuCommands::keep(std::shared_ptr<const void> resource) {
     recording_->kept.push_back(std::move(resource));
 }
 
-Result<GpuSubmission> GpuCommands::submit() && {
+Result<GpuCommands::Submission> GpuCommands::submit() && {
     if (fault_) return *fault_;
     TRY(recording_->end());
-    std::shared_ptr<const std::vector<GpuTime>> times = recording_->times;
+    std::shared_ptr<const std::vector<GpuDevice::Time>> times = recording_->times;
     TRY_ASSIGN(const auto value, device_->submit(std::move(recording_)));
     *submitted_ = true;
-    return GpuSubmission(device_, value, std::move(times));
+    return Submission(device_, value, std::move(times));
 }
 
 Result<void> GpuCommands::run() && {

@@ -168,11 +168,6 @@ struct GpuBinding {
     VkBufferView texels() const { return is_words ? buffer.words() : buffer.texels(); }
 };
 
-/// Workgroups in x, y and z.
-struct GpuGroups {
-    std::uint32_t x = 1, y = 1, z = 1;
-};
-
 /// Who wrote, and who reads or writes next. Host needs no barrier: what the CPU wrote before the submission
 /// is seen, and when a submission has completed the CPU sees what it wrote.
 enum class GpuStage { compute, transfer, indirect, graphics };
@@ -181,33 +176,10 @@ enum class GpuStage { compute, transfer, indirect, graphics };
 /// threads wait for each other.
 enum class GpuTiming { by_marks, none };
 
-/// Milliseconds on the device between a mark and the one before it (the first: since `begin`).
-struct GpuTime {
-    std::string label;
-    double ms = 0;
-};
-
-/// Work given to the queue; a handle.
-class GpuSubmission {
-public:
-    std::uint64_t value() const { return value_; }  ///< on the device's timeline
-    bool done() const { return device_->completed() >= value_; }
-    Result<void> wait() const { return device_->wait(value_); }
-    /// Of a picture that a person waits for.
-    Result<void> wait_for_picture() const { return device_->wait(value_, GpuDevice::longest_picture); }
-    /// By mark, in order; empty before it is done, and without timing.
-    std::vector<GpuTime> times() const;
-
-private:
-    friend class GpuCommands;
-    GpuSubmission(std::shared_ptr<GpuDevice> device, std::uint64_t value,
-                  std::shared_ptr<const std::vector<GpuTime>> times)
-        : device_(std::move(device)), value_(value), times_(std::move(times)) {}
-
-    std::shared_ptr<GpuDevice> device_;
-    std::uint64_t value_;
-    std::shared_ptr<const std::vector<GpuTime>> times_;  // written by GpuDevice::collect under its lock
-};
+/// How many groups of `size` cover `count` items.
+constexpr std::uint32_t groups_for(std::uint32_t count, std::uint32_t size) {
+    return count / size + (count % size != 0);
+}
 
 /// Records work and submits it. Not for two threads at once; any number of these may be recorded side by
 /// side.
@@ -218,6 +190,48 @@ private:
 /// the submission has completed.
 class GpuCommands {
 public:
+    /// Workgroups in x, y and z.
+    struct Groups {
+        std::uint32_t x = 1, y = 1, z = 1;
+    };
+    /// Work given to the queue; a handle.
+    class Submission {
+    public:
+        std::uint64_t value() const { return value_; }  ///< on the device's timeline
+        bool done() const { return device_->completed() >= value_; }
+        Result<void> wait() const { return device_->wait(value_); }
+        /// Of a picture that a person waits for.
+        Result<void> wait_for_picture() const { return device_->wait(value_, GpuDevice::longest_picture); }
+        /// By mark, in order; empty before it is done, and without timing.
+        std::vector<GpuDevice::Time> times() const;
+
+    private:
+        friend class GpuCommands;
+        Submission(std::shared_ptr<GpuDevice> device, std::uint64_t value,
+                   std::shared_ptr<const std::vector<GpuDevice::Time>> times)
+            : device_(std::move(device)), value_(value), times_(std::move(times)) {}
+
+        std::shared_ptr<GpuDevice> device_;
+        std::uint64_t value_;
+        std::shared_ptr<const std::vector<GpuDevice::Time>>
+            times_;  // written by GpuDevice::collect under its lock
+    };
+    /// What is made on a device once and then serves again: there for what the commands that make it do
+    /// afterwards, and for other commands from when these were submitted. Of commands that were recorded and
+    /// forgotten nothing is there. What the CPU makes is there at once.
+    class Made {
+    public:
+        void by(const GpuCommands& commands) { submitted_ = commands.submitted(); }
+        void by_cpu() { submitted_ = std::make_shared<const bool>(true); }
+        void reset() { submitted_.reset(); }
+        bool is_there_for(const GpuCommands& commands) const {
+            return submitted_ && (*submitted_ || submitted_ == commands.submitted());
+        }
+
+    private:
+        std::shared_ptr<const bool> submitted_;
+    };
+
     /// Fails (ErrorKind::gpu) on a lost device. The label is for debuggers.
     static Result<GpuCommands> begin(std::shared_ptr<GpuDevice> device, const std::string& label,
                                      GpuTiming timing = GpuTiming::by_marks);
@@ -228,12 +242,12 @@ public:
     /// push constants, `bindings` are as many as its layout's.
     template <class Push>
     void dispatch(const GpuProgram& program, const Push& push, std::initializer_list<GpuBinding> bindings,
-                  GpuGroups groups) {
+                  Groups groups) {
         static_assert(std::is_trivially_copyable_v<Push>);
         dispatch_bytes(program, std::as_bytes(std::span(&push, 1)), bindings, groups);
     }
     /// For a program without push constants.
-    void dispatch(const GpuProgram& program, std::initializer_list<GpuBinding> bindings, GpuGroups groups) {
+    void dispatch(const GpuProgram& program, std::initializer_list<GpuBinding> bindings, Groups groups) {
         dispatch_bytes(program, {}, bindings, groups);
     }
     /// The groups are three uint32 at `offset` (a multiple of 4) of `groups`, written before (barrier to
@@ -263,19 +277,19 @@ public:
     VkCommandBuffer handle() const;
     void keep(std::shared_ptr<const void> resource);
 
-    /// Becomes true when these are submitted, and outlives them (GpuMade).
+    /// Becomes true when these are submitted, and outlives them (Made).
     std::shared_ptr<const bool> submitted() const { return submitted_; }
 
     /// Gives the work to the queue and does not wait for it.
-    Result<GpuSubmission> submit() &&;
-    /// Gives the work to the queue and waits until it is done, as `wait` does; nobody learns what its marks
-    /// took, nor asks the driver.
+    Result<Submission> submit() &&;
+    /// Gives the work to the queue and waits until it is done, as `wait` does; the times of its
+    /// marks are not read.
     Result<void> run() &&;
 
 private:
     GpuCommands(std::shared_ptr<GpuDevice> device, std::unique_ptr<GpuRecording> recording);
     void dispatch_bytes(const GpuProgram& program, std::span<const std::byte> push,
-                        std::initializer_list<GpuBinding> bindings, GpuGroups groups);
+                        std::initializer_list<GpuBinding> bindings, Groups groups);
     void dispatch_indirect_bytes(const GpuProgram& program, std::span<const std::byte> push,
                                  std::initializer_list<GpuBinding> bindings, const GpuBuffer& groups,
                                  std::size_t offset);
@@ -287,27 +301,6 @@ private:
     std::unique_ptr<GpuRecording> recording_;
     std::shared_ptr<bool> submitted_;
     std::optional<Error> fault_;
-};
-
-/// How many groups of `size` cover `count` items.
-constexpr std::uint32_t groups_for(std::uint32_t count, std::uint32_t size) {
-    return count / size + (count % size != 0);
-}
-
-/// What is made on a device once and then serves again: there for what the commands that make it do
-/// afterwards, and for other commands from when these were submitted. Of commands that were recorded and
-/// forgotten nothing is there. What the CPU makes is there at once.
-class GpuMade {
-public:
-    void by(const GpuCommands& commands) { submitted_ = commands.submitted(); }
-    void by_cpu() { submitted_ = std::make_shared<const bool>(true); }
-    void reset() { submitted_.reset(); }
-    bool is_there_for(const GpuCommands& commands) const {
-        return submitted_ && (*submitted_ || submitted_ == commands.submitted());
-    }
-
-private:
-    std::shared_ptr<const bool> submitted_;
 };
 
 }  // namespace touchable

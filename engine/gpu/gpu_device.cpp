@@ -6,6 +6,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_recording.hpp"
+#include "engine/gpu/vulkan_instance.hpp"
 
 namespace touchable {
 
@@ -41,6 +42,10 @@ constexpr const char* optional_extensions[] = {
     // that this is known. Nothing of what may be missing then is used here.
     "VK_KHR_portability_subset",
 };
+
+bool has_extension(const std::vector<std::string>& here, std::string_view name) {
+    return std::find(here.begin(), here.end(), name) != here.end();
+}
 
 bool is_on(const Feature& feature, const GpuFeatures& features) {
     return feature.of(const_cast<GpuFeatures&>(features)) == VK_TRUE;  // read only
@@ -85,15 +90,6 @@ bool has_unified_memory(VkPhysicalDevice device) {
                        [](const VkMemoryType& type) { return (type.propertyFlags & unified) == unified; });
 }
 
-/// Chains of newer Vulkan may not be asked of older devices.
-GpuFacts facts_of_old(const VkPhysicalDeviceProperties& properties) {
-    GpuFacts facts;
-    facts.name = properties.deviceName;
-    facts.api = version_text(properties.apiVersion);
-    facts.kind = kind_of(properties.deviceType);
-    return facts;
-}
-
 struct Properties {
     VkPhysicalDeviceProperties2 core{};
     VkPhysicalDeviceVulkan11Properties v11{};
@@ -115,9 +111,9 @@ void ask(VkPhysicalDevice device, bool imports, Properties& properties) {
     vkGetPhysicalDeviceProperties2(device, &properties.core);
 }
 
-GpuLimits limits_of(const Properties& properties) {
+GpuFacts::Limits limits_of(const Properties& properties) {
     const VkPhysicalDeviceLimits& from = properties.core.properties.limits;
-    GpuLimits limits;
+    GpuFacts::Limits limits;
     limits.max_storage_buffer_range = from.maxStorageBufferRange;
     limits.max_allocation = std::min(properties.v11.maxMemoryAllocationSize, properties.v13.maxBufferSize);
     limits.max_texel_buffer_elements = from.maxTexelBufferElements;
@@ -130,6 +126,65 @@ GpuLimits limits_of(const Properties& properties) {
     limits.min_storage_buffer_alignment = static_cast<std::uint32_t>(from.minStorageBufferOffsetAlignment);
     limits.min_texel_buffer_alignment = static_cast<std::uint32_t>(from.minTexelBufferOffsetAlignment);
     return limits;
+}
+
+/// The queue family to use: one that computes and draws, else one that computes; negative where there is
+/// none.
+int queue_family_of(VkPhysicalDevice device) {
+    const auto families = families_of(device);
+    for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, VK_QUEUE_COMPUTE_BIT + 0})
+        for (std::size_t i = 0; i < families.size(); ++i)
+            if (families[i].queueCount > 0 && (families[i].queueFlags & wanted) == wanted)
+                return static_cast<int>(i);
+    return -1;
+}
+
+std::vector<std::string> extensions_of(VkPhysicalDevice device) {
+    std::uint32_t count = 0;
+    std::vector<VkExtensionProperties> found;
+    if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr) == VK_SUCCESS)
+        found.resize(count);
+    if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, found.data()) != VK_SUCCESS)
+        found.clear();
+    std::vector<std::string> names;
+    for (const VkExtensionProperties& extension : found) names.emplace_back(extension.extensionName);
+    return names;
+}
+
+GpuFacts facts_of(VkPhysicalDevice device) {
+    VkPhysicalDeviceProperties oldest;
+    vkGetPhysicalDeviceProperties(device, &oldest);
+    GpuFacts facts;
+    facts.name = oldest.deviceName;
+    facts.api = version_text(oldest.apiVersion);
+    facts.kind = kind_of(oldest.deviceType);
+    GpuFeatures features;
+    GpuOffer offer{oldest.apiVersion, extensions_of(device), false};
+    if (oldest.apiVersion < VK_API_VERSION_1_3) {  // may not be asked for chains of newer Vulkan
+        facts.missing = missing_from(offer, features);
+        return facts;
+    }
+
+    const bool imports = has_extension(offer.extensions, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
+    Properties properties;
+    ask(device, imports, properties);
+    vkGetPhysicalDeviceFeatures2(device, &features.core);
+    facts.driver = properties.v12.driverName;
+    facts.driver_info = properties.v12.driverInfo;
+    facts.limits = limits_of(properties);
+    facts.unified_memory = has_unified_memory(device);
+    facts.int64_atomics = features.v12.shaderBufferInt64Atomics == VK_TRUE;
+    facts.float64 = features.core.features.shaderFloat64 == VK_TRUE;
+    facts.import_alignment = imports ? properties.host_memory.minImportedHostPointerAlignment : 0;
+    if (const int family = queue_family_of(device); family >= 0) {
+        const VkQueueFamilyProperties queue = families_of(device)[static_cast<std::size_t>(family)];
+        offer.computes = true;
+        facts.draws_triangles = (queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0;
+        facts.limits.timestamp_bits = queue.timestampValidBits;
+        facts.limits.timestamp_period_ns = queue.timestampValidBits > 0 ? oldest.limits.timestampPeriod : 0;
+    }
+    facts.missing = missing_from(offer, features);
+    return facts;
 }
 
 std::vector<GpuFacts> all_facts(const std::vector<VkPhysicalDevice>& devices) {
@@ -274,69 +329,11 @@ void enable(GpuFeatures& wanted, const GpuFeatures& here) {
         if (is_on(feature, here)) feature.of(wanted) = VK_TRUE;
 }
 
-bool has_extension(const std::vector<std::string>& here, std::string_view name) {
-    return std::find(here.begin(), here.end(), name) != here.end();
-}
-
 std::vector<const char*> extensions_to_enable(const std::vector<std::string>& here) {
     std::vector<const char*> enabled(std::begin(needed_extensions), std::end(needed_extensions));
     for (const char* extension : optional_extensions)
         if (has_extension(here, extension)) enabled.push_back(extension);
     return enabled;
-}
-
-int queue_family_of(VkPhysicalDevice device) {
-    const auto families = families_of(device);
-    for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, VK_QUEUE_COMPUTE_BIT + 0})
-        for (std::size_t i = 0; i < families.size(); ++i)
-            if (families[i].queueCount > 0 && (families[i].queueFlags & wanted) == wanted)
-                return static_cast<int>(i);
-    return -1;
-}
-
-std::vector<std::string> extensions_of(VkPhysicalDevice device) {
-    std::uint32_t count = 0;
-    std::vector<VkExtensionProperties> found;
-    if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr) == VK_SUCCESS)
-        found.resize(count);
-    if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, found.data()) != VK_SUCCESS)
-        found.clear();
-    std::vector<std::string> names;
-    for (const VkExtensionProperties& extension : found) names.emplace_back(extension.extensionName);
-    return names;
-}
-
-GpuFacts facts_of(VkPhysicalDevice device) {
-    VkPhysicalDeviceProperties oldest;
-    vkGetPhysicalDeviceProperties(device, &oldest);
-    GpuFacts facts = facts_of_old(oldest);
-    GpuFeatures features;
-    GpuOffer offer{oldest.apiVersion, extensions_of(device), false};
-    if (oldest.apiVersion < VK_API_VERSION_1_3) {
-        facts.missing = missing_from(offer, features);
-        return facts;
-    }
-
-    const bool imports = has_extension(offer.extensions, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME);
-    Properties properties;
-    ask(device, imports, properties);
-    vkGetPhysicalDeviceFeatures2(device, &features.core);
-    facts.driver = properties.v12.driverName;
-    facts.driver_info = properties.v12.driverInfo;
-    facts.limits = limits_of(properties);
-    facts.unified_memory = has_unified_memory(device);
-    facts.int64_atomics = features.v12.shaderBufferInt64Atomics == VK_TRUE;
-    facts.float64 = features.core.features.shaderFloat64 == VK_TRUE;
-    facts.import_alignment = imports ? properties.host_memory.minImportedHostPointerAlignment : 0;
-    if (const int family = queue_family_of(device); family >= 0) {
-        const VkQueueFamilyProperties queue = families_of(device)[static_cast<std::size_t>(family)];
-        offer.computes = true;
-        facts.draws_triangles = (queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0;
-        facts.limits.timestamp_bits = queue.timestampValidBits;
-        facts.limits.timestamp_period_ns = queue.timestampValidBits > 0 ? oldest.limits.timestampPeriod : 0;
-    }
-    facts.missing = missing_from(offer, features);
-    return facts;
 }
 
 Result<std::vector<GpuFacts>> list_gpus() {
@@ -384,15 +381,19 @@ GpuDevice::~GpuDevice() {
     vkDestroySemaphore(vulkan_->device, timeline_, nullptr);
 }
 
+std::shared_ptr<const GpuMessages> GpuDevice::messages() const {
+    return vulkan_->instance->messages();
+}
+
 bool GpuDevice::comes_to_rest() {
     std::uint64_t newest = 0;
     {
         const std::lock_guard lock(mutex_);
         newest = submitted_;
     }
-    const bool rests =
-        wait_for(newest, lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
-    if (!rests) vulkan_->lost = true;  // nobody after this one has to be as patient
+    const bool rests = wait_on(*vulkan_, timeline_, newest,
+                               lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
+    if (!rests) vulkan_->lost = true;  // no later wait has to be as patient
     return rests;
 }
 
@@ -411,14 +412,10 @@ std::uint64_t GpuDevice::completed() const {
     return value;
 }
 
-VkResult GpuDevice::wait_for(std::uint64_t value, std::chrono::nanoseconds timeout) const {
-    return wait_on(*vulkan_, timeline_, value, timeout);
-}
-
 Result<void> GpuDevice::wait(std::uint64_t value, std::chrono::nanoseconds at_most) {
     if (lost()) return lost_error(*vulkan_);
     const std::chrono::nanoseconds patience = std::min(patience_.load(), at_most);
-    const VkResult result = wait_for(value, patience);
+    const VkResult result = wait_on(*vulkan_, timeline_, value, patience);
     if (result == VK_TIMEOUT) {
         vulkan_->lost = true;
         return Error{ErrorKind::gpu, "the GPU " + vulkan_->facts.name + " has not finished after " +
@@ -496,7 +493,7 @@ void GpuDevice::collect() {
     }
 }
 
-std::vector<GpuTime> GpuDevice::read(const std::vector<GpuTime>& times) {
+std::vector<GpuDevice::Time> GpuDevice::read(const std::vector<Time>& times) {
     collect();
     const std::lock_guard lock(mutex_);
     return times;

@@ -33,41 +33,40 @@ enum class GpuKind { discrete, integrated, virtualised, software, other };
 /// For people and JSON: "discrete", "integrated", "virtual", "software", "other".
 std::string_view name_of(GpuKind kind);
 
-/// The limits a kernel or a buffer of this engine can run into; bytes unless said otherwise.
-struct GpuLimits {
-    std::uint64_t max_storage_buffer_range = 0;   ///< of one binding
-    std::uint64_t max_allocation = 0;             ///< of one buffer
-    std::uint32_t max_texel_buffer_elements = 0;  ///< texels of one view
-    std::uint32_t max_push_constants = 0;
-    std::uint32_t max_group_invocations = 0;  ///< invocations of one workgroup
-    std::array<std::uint32_t, 3> max_group_size{};
-    std::array<std::uint32_t, 3> max_group_count{};
-    std::uint32_t max_shared_memory = 0;  ///< of one workgroup
-    std::uint32_t subgroup_size = 0;      ///< invocations
-    std::uint32_t min_storage_buffer_alignment = 0;
-    std::uint32_t min_texel_buffer_alignment = 0;
-    double timestamp_period_ns = 0;    ///< of one tick of a timestamp; 0: the queue has none
-    std::uint32_t timestamp_bits = 0;  ///< of a timestamp that count; beyond, it begins anew
-};
-
 /// What people call a device that calls itself otherwise: "lavapipe", where it says llvmpipe; else empty.
 std::string_view nickname_of(std::string_view device_name);
 
 /// What a Vulkan device says of itself, and what this engine needs and it lacks.
 struct GpuFacts {
+    /// The limits a kernel or a buffer of this engine can run into; bytes unless said otherwise.
+    struct Limits {
+        std::uint64_t max_storage_buffer_range = 0;   ///< of one binding
+        std::uint64_t max_allocation = 0;             ///< of one buffer
+        std::uint32_t max_texel_buffer_elements = 0;  ///< texels of one view
+        std::uint32_t max_push_constants = 0;
+        std::uint32_t max_group_invocations = 0;  ///< invocations of one workgroup
+        std::array<std::uint32_t, 3> max_group_size{};
+        std::array<std::uint32_t, 3> max_group_count{};
+        std::uint32_t max_shared_memory = 0;  ///< of one workgroup
+        std::uint32_t subgroup_size = 0;      ///< invocations
+        std::uint32_t min_storage_buffer_alignment = 0;
+        std::uint32_t min_texel_buffer_alignment = 0;
+        double timestamp_period_ns = 0;    ///< of one tick of a timestamp; 0: the queue has none
+        std::uint32_t timestamp_bits = 0;  ///< of a timestamp that count; beyond, it begins anew
+    };
+
     std::string name;         ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
     std::string driver;       ///< "llvmpipe"
     std::string driver_info;  ///< "Mesa 22.3.6 (LLVM 15.0.6)"
     std::string api;          ///< "1.3.230"
     GpuKind kind = GpuKind::other;
-    GpuLimits limits;
+    Limits limits;
     bool unified_memory = false;   ///< the CPU reads and writes device memory through its caches: no copies
     bool draws_triangles = false;  ///< its queue also does graphics
     bool int64_atomics = false;    ///< 64-bit atomics on storage buffers
     bool float64 = false;          ///< doubles in kernels
-    std::uint64_t import_alignment =
-        0;  ///< of host memory that it could import, which nobody asks for; 0: it cannot
-    std::vector<std::string> missing;  ///< what this engine needs and it lacks, in words; empty: usable
+    std::uint64_t import_alignment = 0;  ///< of host memory that it could import (unused here); 0: it cannot
+    std::vector<std::string> missing;    ///< what this engine needs and it lacks, in words; empty: usable
 
     bool usable() const { return missing.empty(); }
 };
@@ -78,82 +77,8 @@ struct GpuFacts {
 /// usable ones, or where it lacks something; the message names every device and what it lacks.
 Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request);
 
-/// Vulkan's features, as asked of a device and as asked for.
-struct GpuFeatures {
-    GpuFeatures();
-    GpuFeatures(const GpuFeatures&) = delete;  // its parts point at each other
-    GpuFeatures& operator=(const GpuFeatures&) = delete;
-
-    VkPhysicalDeviceFeatures2 core{};
-    VkPhysicalDeviceVulkan11Features v11{};
-    VkPhysicalDeviceVulkan12Features v12{};
-    VkPhysicalDeviceVulkan13Features v13{};
-};
-
-/// What a device without Vulkan's help would be asked: everything `missing_from` judges.
-struct GpuOffer {
-    std::uint32_t api_version = 0;
-    std::vector<std::string> extensions;
-    bool computes = false;  ///< has a queue that does
-};
-
-/// What this engine needs and a device that offers this lacks, in words.
-std::vector<std::string> missing_from(const GpuOffer& offer, const GpuFeatures& features);
-
-/// Turns on what this engine needs, and of what is merely good to have what `here` has.
-void enable(GpuFeatures& wanted, const GpuFeatures& here);
-
-/// Extensions to enable: the needed ones, and the optional ones among `here`.
-std::vector<const char*> extensions_to_enable(const std::vector<std::string>& here);
-bool has_extension(const std::vector<std::string>& here, std::string_view name);
-
-/// The queue family to use: one that computes and draws, else one that computes; negative where there is
-/// none.
-int queue_family_of(VkPhysicalDevice device);
-
-std::vector<std::string> extensions_of(VkPhysicalDevice device);
-GpuFacts facts_of(VkPhysicalDevice device);
-
-/// "VK_ERROR_OUT_OF_DEVICE_MEMORY" and the like.
-std::string_view name_of(VkResult result);
-
-/// What the validation layer said, warnings and errors. Outlives the device, whose end it may speak of.
-/// Every method may be called from any thread.
-class GpuMessages {
-public:
-    void add(std::string message);
-    std::vector<std::string> all() const;
-
-private:
-    mutable std::mutex mutex_;
-    std::vector<std::string> messages_;
-};
-
-/// Vulkan itself, with the validation layer's watch where it was asked for.
-class VulkanInstance {
-public:
-    /// Null where there is a loader but no driver. Fails (ErrorKind::gpu) where validation is asked for and
-    /// not installed, and where Vulkan fails.
-    /// `extensions`: wanted besides, such as a window system's; one that is not here is refused by name.
-    static Result<std::unique_ptr<VulkanInstance>> create(bool validation,
-                                                          const std::vector<std::string>& extensions = {});
-    VulkanInstance(const VulkanInstance&) = delete;
-    VulkanInstance& operator=(const VulkanInstance&) = delete;
-    ~VulkanInstance();
-
-    VkInstance handle() const { return instance_; }
-    bool validates() const { return validates_; }
-    const std::shared_ptr<GpuMessages>& messages() const { return messages_; }
-    Result<std::vector<VkPhysicalDevice>> devices() const;
-
-private:
-    VulkanInstance() = default;
-
-    VkInstance instance_ = VK_NULL_HANDLE;
-    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-    bool validates_ = false;
-    std::shared_ptr<GpuMessages> messages_ = std::make_shared<GpuMessages>();
-};
+class GpuMessages;
+class VulkanInstance;
 
 /// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
 /// shared_ptr to this, never to GpuDevice, so that it can be in flight there without keeping it alive for
@@ -184,6 +109,9 @@ struct VulkanDevice {
     /// where the result says so.
     Error failed(std::string_view call, VkResult result);
 
+    /// The instance, as window systems want it.
+    VkInstance instance_handle() const;
+
     /// What debuggers and validation messages call an object; nothing without the debug extension.
     void name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const;
 };
@@ -207,13 +135,17 @@ struct GpuOptions {
     std::vector<std::string> window_extensions{};
 };
 
-struct GpuTime;
 struct GpuRecording;  // a command buffer and what it needs (gpu_recording.hpp)
 
 /// An open device with its one queue. Submissions run in order, each sees all that earlier ones wrote, and
 /// what they use is kept alive until they have completed. Safe from any thread.
 class GpuDevice {
 public:
+    /// Milliseconds on the device between a mark and the one before it (the first: since `begin`).
+    struct Time {
+        std::string label;
+        double ms = 0;
+    };
     static Result<std::shared_ptr<GpuDevice>> open(const GpuOptions& options = {});
     /// Waits for what is in flight, but not for a lost device: what that may still be at work on is left as
     /// it is, for ever or until another one is opened after it has finished.
@@ -221,7 +153,8 @@ public:
 
     const GpuFacts& facts() const { return vulkan_->facts; }
     const std::shared_ptr<VulkanDevice>& vulkan() const { return vulkan_; }
-    std::shared_ptr<const GpuMessages> messages() const { return vulkan_->instance->messages(); }
+    /// What the validation layer says (vulkan_instance.hpp).
+    std::shared_ptr<const GpuMessages> messages() const;
 
     /// The timeline's value so far: every submission up to it has completed. No lock; a lost device stands
     /// still.
@@ -231,9 +164,9 @@ public:
     /// that takes longer than the patience there is, or than `at_most`: a device that hangs is lost.
     Result<void> wait(std::uint64_t value,
                       std::chrono::nanoseconds at_most = std::chrono::nanoseconds::max());
-    /// For whoever waits where a person's keys are taken: no longer than this.
+    /// The longest wait of a thread that takes a person's keys.
     static constexpr std::chrono::seconds longest_picture{10};
-    /// 10 s where nobody says; a minute for a software Vulkan, which compiles a kernel at its first dispatch
+    /// By default 10 s; a minute for a software Vulkan, which compiles a kernel at its first dispatch
     /// and never hangs, but is slow where others want the processor too.
     std::chrono::nanoseconds patience() const { return patience_; }
     void set_patience(std::chrono::nanoseconds patience) { patience_ = patience; }
@@ -250,18 +183,14 @@ public:
 
 private:
     friend class GpuCommands;
-    friend class GpuSubmission;
 
     GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline);
     Result<std::unique_ptr<GpuRecording>> take_recording();   ///< a used one where there is one
     void give_back(std::unique_ptr<GpuRecording> recording);  ///< one that was not submitted
     Result<std::uint64_t> submit(std::unique_ptr<GpuRecording> recording);
     void collect();  ///< reads timestamps of completed recordings and lets go of what they used
-    VkResult wait_for(std::uint64_t value, std::chrono::nanoseconds timeout) const;
     void abandon();
-
-    std::vector<GpuTime> read(
-        const std::vector<GpuTime>& times);  ///< under the lock `collect` writes them in
+    std::vector<Time> read(const std::vector<Time>& times);  ///< under the lock `collect` writes them in
 
     std::shared_ptr<VulkanDevice> vulkan_;
     VkSemaphore timeline_ = VK_NULL_HANDLE;

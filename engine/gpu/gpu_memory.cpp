@@ -3,6 +3,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_commands.hpp"
+#include "engine/gpu/gpu_recording.hpp"
 
 namespace touchable {
 
@@ -43,28 +44,12 @@ Error refusal(VulkanDevice& gpu, const std::string& name, std::size_t bytes, con
                                 " bytes: " + gpu.failed(call, result).message};
 }
 
-std::size_t rounded_up(std::size_t bytes) {
-    return (bytes + texel_bytes - 1) / texel_bytes * texel_bytes;
-}
-
 std::uint64_t heap_bytes(const VulkanDevice& gpu, std::uint32_t memory_type) {
     return gpu.memory.memoryHeaps[gpu.memory.memoryTypes[memory_type].heapIndex].size;
 }
 
-VkDescriptorType type_of(GpuBindingKind kind) {
-    switch (kind) {
-        case GpuBindingKind::storage_buffer:
-            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        case GpuBindingKind::uniform_texels:
-            return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-        case GpuBindingKind::storage_texels:
-            break;
-    }
-    return VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
-}
-
 /// What the device can not do of this layout; empty where it can.
-std::string beyond(const GpuLayout& layout, const GpuLimits& limits) {
+std::string beyond(const GpuLayout& layout, const GpuFacts::Limits& limits) {
     std::uint64_t invocations = 1;
     for (std::size_t i = 0; i < 3; ++i) {
         invocations *= layout.group_size[i];
@@ -86,7 +71,7 @@ Result<VkDescriptorSetLayout> make_set_layout(VulkanDevice& gpu, const GpuLayout
     for (const GpuBindingKind kind : layout.bindings) {
         VkDescriptorSetLayoutBinding binding{};
         binding.binding = static_cast<std::uint32_t>(bindings.size());
-        binding.descriptorType = type_of(kind);
+        binding.descriptorType = descriptor_type(kind);
         binding.descriptorCount = 1;
         binding.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
         bindings.push_back(binding);
@@ -149,6 +134,18 @@ Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
 
 }  // namespace
 
+VkDescriptorType descriptor_type(GpuBindingKind kind) {
+    switch (kind) {
+        case GpuBindingKind::storage_buffer:
+            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        case GpuBindingKind::uniform_texels:
+            return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+        case GpuBindingKind::storage_texels:
+            break;
+    }
+    return VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+}
+
 std::optional<std::uint32_t> choose_memory_type(const VkPhysicalDeviceMemoryProperties& memory,
                                                 std::uint32_t allowed, GpuMemory use) {
     std::optional<std::uint32_t> best;
@@ -181,7 +178,7 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
     const std::uint64_t most = gpu.facts.limits.max_allocation;
     if (bytes > most - texel_bytes)
         return refusal(gpu, state->name, bytes, "at most " + std::to_string(most) + " in one piece");
-    state->size = rounded_up(bytes);
+    state->size = (bytes + texel_bytes - 1) / texel_bytes * texel_bytes;
 
     VkBufferCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;

@@ -63,7 +63,7 @@ GpuRecording::~GpuRecording() {
 Result<void> GpuRecording::begin(GpuTiming timing) {
     release();
     is_timed = stamps && timing == GpuTiming::by_marks;
-    times = std::make_shared<std::vector<GpuTime>>();
+    times = std::make_shared<std::vector<GpuDevice::Time>>();
     VkResult result = vkResetCommandPool(vulkan->device, pool, 0);
     if (result != VK_SUCCESS) return vulkan->failed("vkResetCommandPool", result);
     VkCommandBufferBeginInfo info{};
@@ -98,7 +98,7 @@ void GpuRecording::read_times() {
         vkGetQueryPoolResults(vulkan->device, stamps, 0, stamp_count, stamp_count * sizeof(ticks[0]),
                               ticks.data(), sizeof(ticks[0]), VK_QUERY_RESULT_64_BIT);
     if (result != VK_SUCCESS) return;  // work without times is still work
-    const GpuLimits& limits = vulkan->facts.limits;
+    const GpuFacts::Limits& limits = vulkan->facts.limits;
     for (std::size_t i = 0; i < labels.size(); ++i) {
         const auto passed = static_cast<double>(ticks_between(ticks[i], ticks[i + 1], limits.timestamp_bits));
         times->push_back({labels[i], passed * limits.timestamp_period_ns * 1e-6});

@@ -39,12 +39,14 @@ struct GpuRecording {
     std::uint64_t value = 0;          ///< on the timeline; 0 before it is submitted
     std::vector<std::string> labels;  ///< of the marks: stamps 1, 2...
     std::vector<std::shared_ptr<const void>> kept;
-    std::shared_ptr<std::vector<GpuTime>> times;
+    std::shared_ptr<std::vector<GpuDevice::Time>> times;
 };
 
 /// Ticks from one timestamp to a later one, of which only the low `bits` count: what stands above is whatever
 /// the queue left there, and a count that was full has begun anew in between.
 std::uint64_t ticks_between(std::uint64_t from, std::uint64_t to, std::uint32_t bits);
+
+VkDescriptorType descriptor_type(GpuBindingKind kind);
 
 /// A barrier over all memory.
 void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,

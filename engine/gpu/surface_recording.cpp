@@ -173,7 +173,7 @@ Result<void> SurfaceRecording::check_limits() const {
             ErrorKind::gpu,
             "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
             "of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
-    const GpuLimits& limits = device().facts().limits;
+    const GpuFacts::Limits& limits = device().facts().limits;
     // Of hue three channels.
     const std::size_t most_bytes = std::size_t{is_hue() ? 24U : 16U} * pitch_ * height_;
     if (most_bytes / 16 > limits.max_texel_buffer_elements || most_bytes > limits.max_storage_buffer_range)
@@ -235,14 +235,10 @@ std::optional<int> SurfaceRecording::reach() const {
 Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
                                       bool begins, const VulkanVertices& slot) {
     Frame frame{commands, list, begins, slot, stored};
-    if (is_hue())
-        if (auto decoded = record_hue(frame); !decoded.ok()) return decoded;
-    for (const FilterPlan::Stage& stage : filters_.filters) {
-        const auto recorded =
-            std::visit([&](const auto& filter) { return record(filter, frame); }, stage.filter);
-        if (!recorded.ok()) return recorded;
-    }
-    if (auto ended = record_codes(frame, nullptr, slot.codes.gpu); !ended.ok()) return ended;
+    if (is_hue()) TRY(record_hue(frame));
+    for (const FilterPlan::Stage& stage : filters_.filters)
+        TRY(std::visit([&](const auto& filter) { return record(filter, frame); }, stage.filter));
+    TRY(record_codes(frame, nullptr, slot.codes.gpu));
     return record_bounds(frame);
 }
 
@@ -288,8 +284,7 @@ Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* wo
 /// Working codes, where they are not there yet.
 Result<void> SurfaceRecording::record_finer(const WorkingCodes& working, Frame& frame) {
     if (std::exchange(frame.is_finer, true)) return {};
-    if (auto made = record_codes(frame, has_room_above() ? &working : nullptr, finer_); !made.ok())
-        return made;
+    TRY(record_codes(frame, has_room_above() ? &working : nullptr, finer_));
     frame.rows = {finer_, 2, pitch_, finer_codes};
     frame.kernel = StripKernel::decode;
     return {};
@@ -302,7 +297,7 @@ Result<void> SurfaceRecording::record(const FilterPlan::MedianWindow& window, Fr
 
 /// What the filter reads and writes changes places from frame to frame.
 Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame) {
-    if (auto made = record_finer(filter.working, frame); !made.ok()) return made;
+    TRY(record_finer(filter.working, frame));
     TRY_ASSIGN(const auto program, kernels_->temporal());
     ValidCodes valid = finer_codes;
     if (!has_room_above()) {
@@ -322,7 +317,7 @@ Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame
 }
 
 Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame) {
-    if (auto made = record_finer(filter.working, frame); !made.ok()) return made;
+    TRY(record_finer(filter.working, frame));
     const TerracesPush push{width_,
                             height_,
                             pitch_,

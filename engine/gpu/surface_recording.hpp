@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "engine/gpu/gpu_commands.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/surface/frame_changes.hpp"

@@ -31,7 +31,7 @@ public:
           stored_(device_, valid_codes_of(scene.depth), plan.copies) {}
 
     std::string_view name() const override { return "vulkan"; }
-    const std::vector<GpuTime>& stages() const override { return stages_; }
+    const std::vector<GpuDevice::Time>& stages() const override { return stages_; }
     double built_share() const override { return list_.share(); }
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override;
 
@@ -48,15 +48,15 @@ private:
     BlockList list_;
     StoredPlane stored_;
     std::optional<RawFrame::Place> last_;  // of the frame that is remembered
-    std::vector<GpuTime> stages_;
+    std::vector<GpuDevice::Time> stages_;
 };
 
 Result<void> Builder::build(const RawFrame& raw, SurfaceFrame& out) {
-    if (auto checked = check_raw_frame(raw, scene_); !checked) return checked;
+    TRY(check_raw_frame(raw, scene_));
     TRY_ASSIGN(const auto slot, slot_of(out));
     const BuildNumber held = std::exchange(slot->build, {});
     const BuildNumber newest = list_.advance(raw, held);
-    if (auto built = build_listed(raw, *slot); !built.ok()) return built;
+    TRY(build_listed(raw, *slot));
     list_.done();
     show(*slot, out);
     if (!list_.same_touch_planes(held)) copy_touch_planes(raw, out);
@@ -84,11 +84,10 @@ Result<void> Builder::build_listed(const RawFrame& raw, const VulkanVertices& sl
     const bool begins = !last_ || !last_->is_before(raw);
     last_.reset();  // until all of it is done
     stored_.record_reading_in(commands);
-    if (auto recorded = recording_.record(commands, rows, list_, begins, slot); !recorded.ok())
-        return recorded;
+    TRY(recording_.record(commands, rows, list_, begins, slot));
     if (slot.codes.is_copied()) record_reading_back(commands, slot);
     TRY_ASSIGN(const auto submission, std::move(commands).submit());
-    if (auto done = submission.wait(); !done.ok()) return done;
+    TRY(submission.wait());
     last_.emplace(raw);
     stages_ = submission.times();
     return {};
@@ -97,7 +96,7 @@ Result<void> Builder::build_listed(const RawFrame& raw, const VulkanVertices& sl
 /// Rows of listed blocks: what a slot holds of others in the GPU's memory it holds in the CPU's.
 void Builder::record_reading_back(GpuCommands& commands, const VulkanVertices& slot) const {
     commands.barrier(GpuStage::compute, GpuStage::transfer);
-    const auto copy = [&](const SharedPlane& plane, std::uint32_t rows, const RowRange& range) {
+    const auto copy = [&](const VulkanVertices::Plane& plane, std::uint32_t rows, const RowRange& range) {
         const std::size_t row_bytes = plane.gpu.bytes() / rows, first = range.first * row_bytes;
         if (range.count() > 0) commands.copy(plane.gpu, first, plane.host, first, range.count() * row_bytes);
     };
@@ -192,12 +191,12 @@ void BlockList::list(const FrameChanges::StaleBlocks& stale) {
 
 Result<void> StoredPlane::make_buffers(std::size_t bytes) {
     if (upload_ && upload_.bytes() == bytes) return {};
-    auto mapped = GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload);
-    if (!mapped.ok()) return mapped.error();
-    TRY_ASSIGN(
-        auto own,
-        copies_ ? GpuBuffer::create(*device_, "stored values of the GPU", bytes, GpuMemory::device) : mapped);
-    upload_ = *mapped;
+    TRY_ASSIGN(auto mapped, GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload));
+    GpuBuffer own = mapped;
+    if (copies_) {
+        TRY_ASSIGN(own, GpuBuffer::create(*device_, "stored values of the GPU", bytes, GpuMemory::device));
+    }
+    upload_ = mapped;
     stored_ = own;
     return {};
 }
@@ -233,13 +232,13 @@ void StoredPlane::record_reading_in(GpuCommands& commands) const {
     commands.mark("read in");
 }
 
-Result<SharedPlane> SharedPlane::create(const GpuDevice& device, const std::string& name, std::size_t bytes,
-                                        bool copied) {
+Result<VulkanVertices::Plane> VulkanVertices::Plane::create(const GpuDevice& device, const std::string& name,
+                                                            std::size_t bytes, bool copied) {
     TRY_ASSIGN(auto gpu,
                GpuBuffer::create(device, name, bytes, copied ? GpuMemory::device : GpuMemory::shared));
-    if (!copied) return SharedPlane{gpu, gpu};
+    if (!copied) return Plane{gpu, gpu};
     TRY_ASSIGN(auto host, GpuBuffer::create(device, name + " read back", bytes, GpuMemory::readback));
-    return SharedPlane{gpu, host};
+    return Plane{gpu, host};
 }
 
 Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& device,
@@ -248,14 +247,14 @@ Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& 
     std::unique_ptr<VulkanVertices> made(new VulkanVertices(device, frame, width, height));
     const auto rows = static_cast<std::size_t>(height), columns = static_cast<std::size_t>(width);
     const TileGrid grid = TileGrid::of(width, height);
-    const std::tuple<SharedPlane&, const char*, std::size_t> planes[] = {
+    const std::tuple<Plane&, const char*, std::size_t> planes[] = {
         {made->codes, "codes", rows * ((columns + 7) / 8) * 16},
         {made->validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t)},
         {made->tiles, "tiles",
          static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y) *
              sizeof(TileBounds)}};
     for (const auto& [plane, name, bytes] : planes) {
-        TRY_ASSIGN(auto created, SharedPlane::create(device, name, bytes, copied));
+        TRY_ASSIGN(auto created, Plane::create(device, name, bytes, copied));
         plane = created;
     }
     return made;
@@ -275,15 +274,16 @@ Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& s
     TRY_ASSIGN(auto list, BlockList::create(*device, scene.width, scene.height,
                                             plan.break_even > 0 ? recording.reach() : std::nullopt,
                                             plan.break_even, run));
-    std::unique_ptr<VulkanSurfaceBuilder> builder =
-        std::make_unique<Builder>(scene, device, plan, std::move(recording), std::move(list));
-    return builder;
+    return std::unique_ptr<VulkanSurfaceBuilder>(
+        std::make_unique<Builder>(scene, device, plan, std::move(recording), std::move(list)));
 }
 
-Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
-                                                                  std::shared_ptr<GpuDevice> device) {
+Result<std::unique_ptr<SurfaceBuilder>> make_vulkan_builder(const Scene& scene,
+                                                            std::shared_ptr<GpuDevice> device) {
     const SurfacePlan plan = plan_for(device->facts());
-    return make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(std::move(device)), plan);
+    TRY_ASSIGN(auto builder,
+               make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(std::move(device)), plan));
+    return std::unique_ptr<SurfaceBuilder>(std::move(builder));
 }
 
 }  // namespace touchable

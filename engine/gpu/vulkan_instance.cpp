@@ -1,3 +1,5 @@
+#include "engine/gpu/vulkan_instance.hpp"
+
 #include <algorithm>
 #include <atomic>
 #include <charconv>
@@ -67,6 +69,36 @@ bool extension_is_here(const char* name) {
 template <class Function>
 Function function_of(VkInstance instance, const char* name) {
     return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
+}
+
+std::string_view name_of(VkResult result) {
+    switch (result) {
+#define TOUCHABLE_RESULT(name) \
+    case name:                 \
+        return #name;
+        TOUCHABLE_RESULT(VK_SUCCESS)
+        TOUCHABLE_RESULT(VK_NOT_READY)
+        TOUCHABLE_RESULT(VK_TIMEOUT)
+        TOUCHABLE_RESULT(VK_INCOMPLETE)
+        TOUCHABLE_RESULT(VK_ERROR_OUT_OF_HOST_MEMORY)
+        TOUCHABLE_RESULT(VK_ERROR_OUT_OF_DEVICE_MEMORY)
+        TOUCHABLE_RESULT(VK_ERROR_INITIALIZATION_FAILED)
+        TOUCHABLE_RESULT(VK_ERROR_DEVICE_LOST)
+        TOUCHABLE_RESULT(VK_ERROR_MEMORY_MAP_FAILED)
+        TOUCHABLE_RESULT(VK_ERROR_LAYER_NOT_PRESENT)
+        TOUCHABLE_RESULT(VK_ERROR_EXTENSION_NOT_PRESENT)
+        TOUCHABLE_RESULT(VK_ERROR_FEATURE_NOT_PRESENT)
+        TOUCHABLE_RESULT(VK_ERROR_INCOMPATIBLE_DRIVER)
+        TOUCHABLE_RESULT(VK_ERROR_TOO_MANY_OBJECTS)
+        TOUCHABLE_RESULT(VK_ERROR_FORMAT_NOT_SUPPORTED)
+        TOUCHABLE_RESULT(VK_ERROR_FRAGMENTED_POOL)
+        TOUCHABLE_RESULT(VK_ERROR_OUT_OF_POOL_MEMORY)
+        TOUCHABLE_RESULT(VK_ERROR_INVALID_EXTERNAL_HANDLE)
+        TOUCHABLE_RESULT(VK_ERROR_INVALID_SHADER_NV)
+#undef TOUCHABLE_RESULT
+        default:
+            return "an error this program has no name for";
+    }
 }
 
 Error failure(const char* call, VkResult result) {
@@ -144,36 +176,6 @@ Result<std::size_t> by_name(std::span<const GpuFacts> gpus, std::string_view par
 }
 
 }  // namespace
-
-std::string_view name_of(VkResult result) {
-    switch (result) {
-#define TOUCHABLE_RESULT(name) \
-    case name:                 \
-        return #name;
-        TOUCHABLE_RESULT(VK_SUCCESS)
-        TOUCHABLE_RESULT(VK_NOT_READY)
-        TOUCHABLE_RESULT(VK_TIMEOUT)
-        TOUCHABLE_RESULT(VK_INCOMPLETE)
-        TOUCHABLE_RESULT(VK_ERROR_OUT_OF_HOST_MEMORY)
-        TOUCHABLE_RESULT(VK_ERROR_OUT_OF_DEVICE_MEMORY)
-        TOUCHABLE_RESULT(VK_ERROR_INITIALIZATION_FAILED)
-        TOUCHABLE_RESULT(VK_ERROR_DEVICE_LOST)
-        TOUCHABLE_RESULT(VK_ERROR_MEMORY_MAP_FAILED)
-        TOUCHABLE_RESULT(VK_ERROR_LAYER_NOT_PRESENT)
-        TOUCHABLE_RESULT(VK_ERROR_EXTENSION_NOT_PRESENT)
-        TOUCHABLE_RESULT(VK_ERROR_FEATURE_NOT_PRESENT)
-        TOUCHABLE_RESULT(VK_ERROR_INCOMPATIBLE_DRIVER)
-        TOUCHABLE_RESULT(VK_ERROR_TOO_MANY_OBJECTS)
-        TOUCHABLE_RESULT(VK_ERROR_FORMAT_NOT_SUPPORTED)
-        TOUCHABLE_RESULT(VK_ERROR_FRAGMENTED_POOL)
-        TOUCHABLE_RESULT(VK_ERROR_OUT_OF_POOL_MEMORY)
-        TOUCHABLE_RESULT(VK_ERROR_INVALID_EXTERNAL_HANDLE)
-        TOUCHABLE_RESULT(VK_ERROR_INVALID_SHADER_NV)
-#undef TOUCHABLE_RESULT
-        default:
-            return "an error this program has no name for";
-    }
-}
 
 void GpuMessages::add(std::string message) {
     const std::lock_guard lock(mutex_);
@@ -277,6 +279,10 @@ VulkanDevice::~VulkanDevice() {
 Error VulkanDevice::failed(std::string_view call, VkResult result) {
     if (result == VK_ERROR_DEVICE_LOST) lost = true;
     return {ErrorKind::gpu, std::string(call) + ": " + std::string(name_of(result)) + " on " + facts.name};
+}
+
+VkInstance VulkanDevice::instance_handle() const {
+    return instance->handle();
 }
 
 void VulkanDevice::name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const {

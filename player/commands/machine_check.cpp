@@ -111,7 +111,7 @@ void print_device(std::ostream& out, const GpuFacts& gpu) {
 }
 
 void print_abilities(std::ostream& out, const GpuFacts& gpu) {
-    const GpuLimits& limits = gpu.limits;
+    const GpuFacts::Limits& limits = gpu.limits;
     out << indent << (gpu.unified_memory ? "memory shared with the CPU" : "memory of its own")
         << (gpu.import_alignment > 0 ? ", imports the CPU's" : ", does not import the CPU's")
         << (gpu.draws_triangles ? ", draws triangles" : ", draws no triangles")
@@ -133,7 +133,7 @@ void print_kernel(std::ostream& out, const KernelFacts& kernel) {
 }
 
 nlohmann::ordered_json device_json(const GpuFacts& gpu) {
-    const GpuLimits& limits = gpu.limits;
+    const GpuFacts::Limits& limits = gpu.limits;
     return {{"name", gpu.name},
             {"kind", name_of(gpu.kind)},
             {"software", gpu.kind == GpuKind::software},

@@ -16,8 +16,8 @@
 #include "shaders/view_screen.vert.spv.h"
 
 // SurfaceDrawing. What a picture needs is made once and kept: the lattice of the surface shown, its tiles and
-// edges, the pixels of the raster, the images. GpuMade tells for each whether it is there for the commands
-// that are being recorded.
+// edges, the pixels of the raster, the images. GpuCommands::Made tells for each whether it is there for the
+// commands that are being recorded.
 
 namespace touchable {
 namespace {
@@ -80,14 +80,14 @@ private:
     GraphicsProgram background_;
 
     GpuLattice lattice_;
-    GpuMade shown_;                 // the surface
-    GpuMade listed_;                // its tiles
-    GpuMade edged_;                 // its edges
+    GpuCommands::Made shown_;       // the surface
+    GpuCommands::Made listed_;      // its tiles
+    GpuCommands::Made edged_;       // its edges
     bool are_values_ = false;       // its colours, of a scale
     GpuBuffer pixels_, large_;      // of the raster
     GpuBuffer colours_, z_values_;  // the surface and its background, as they are copied into images
     UploadPool pictures_;           // of these, where the CPU writes them
-    GpuMade drawn_;                 // these
+    GpuCommands::Made drawn_;       // these
     ViewCamera drawn_from_;         // that they are of
     GpuBuffer rows_;                // colours of the background
     int rows_height_ = 0;
@@ -151,7 +151,7 @@ Result<void> DeviceDrawing::show(GpuCommands& commands, const HeightField& field
 /// Nothing is shown until it is made.
 Result<void> DeviceDrawing::begin_surface(const HeightField& field, const PlaneView& colour,
                                           Lighting lighting) {
-    for (GpuMade* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
+    for (GpuCommands::Made* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
     are_values_ = lighting == Lighting::plain && !colour.empty();
     return check_colour(colour, field.width(), field.height());
 }

@@ -75,7 +75,7 @@ public:
         : vulkan_(std::move(vulkan)), surface_(surface) {}
     WindowSurface(const WindowSurface&) = delete;
     WindowSurface& operator=(const WindowSurface&) = delete;
-    ~WindowSurface() { vkDestroySurfaceKHR(vulkan_->instance->handle(), surface_, nullptr); }
+    ~WindowSurface() { vkDestroySurfaceKHR(vulkan_->instance_handle(), surface_, nullptr); }
     VkSurfaceKHR handle() const { return surface_; }
 
 private:
@@ -442,7 +442,7 @@ public:
         const auto& vulkan = device->vulkan();
         VkSurfaceKHR surface = VK_NULL_HANDLE;
         const VkResult result =
-            glfwCreateWindowSurface(vulkan->instance->handle(), window_, nullptr, &surface);
+            glfwCreateWindowSurface(vulkan->instance_handle(), window_, nullptr, &surface);
         if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
         auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
         if (!made) return why(made.error());

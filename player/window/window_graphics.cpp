@@ -133,7 +133,7 @@ Result<void> ImGuiVulkan::make_pass() {
 Result<void> ImGuiVulkan::start() {
     VulkanDevice& gpu = *device_->vulkan();
     ImGui_ImplVulkan_InitInfo info{};
-    info.Instance = gpu.instance->handle();
+    info.Instance = gpu.instance_handle();
     info.PhysicalDevice = gpu.physical;
     info.Device = gpu.device;
     info.QueueFamily = gpu.queue_family;

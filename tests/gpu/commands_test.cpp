@@ -156,9 +156,9 @@ TEST_F(Commands, WhatMakesNoSenseIsSaidWhenSubmitting) {
 
 TEST_F(Commands, WhatIsTooMuchForTheDeviceIsTheDevicesFault) {
     // So that who can do without this device does (FallbackBuilder, PictureOrder).
-    GpuLimits& limits = gpu->vulkan()->facts.limits;
-    const GpuLimits its_own = limits;
-    const auto too_much = [&](const char* why, GpuGroups groups) {
+    GpuFacts::Limits& limits = gpu->vulkan()->facts.limits;
+    const GpuFacts::Limits its_own = limits;
+    const auto too_much = [&](const char* why, GpuCommands::Groups groups) {
         auto commands = begin();
         commands.dispatch(program, push(1, 1), {in, in, texels_out, out, seen}, groups);
         const auto submitted = std::move(commands).submit();
@@ -179,7 +179,7 @@ TEST_F(Commands, WhatIsTooMuchForTheDeviceIsTheDevicesFault) {
 
 TEST_F(Commands, ManyMayBeInFlightAndRunInOrder) {
     constexpr std::uint32_t submissions = 200;
-    std::vector<GpuSubmission> given;
+    std::vector<GpuCommands::Submission> given;
     for (std::uint32_t i = 1; i <= submissions; ++i) {
         auto commands = begin();
         mix(commands, 1000, i);
@@ -188,7 +188,7 @@ TEST_F(Commands, ManyMayBeInFlightAndRunInOrder) {
         EXPECT_EQ(given.back().value(), i);
     }
     must(given.back().wait());
-    for (const GpuSubmission& submission : given) EXPECT_TRUE(submission.done());
+    for (const GpuCommands::Submission& submission : given) EXPECT_TRUE(submission.done());
     for (std::uint32_t i = 0; i < 1000; ++i)
         ASSERT_EQ(out.mapped<std::uint32_t>()[i], mix_word(in.mapped<std::uint32_t>()[i], submissions)) << i;
     EXPECT_EQ(given.front().times().size(), 1U);
@@ -243,7 +243,7 @@ TEST(TicksBetween, OnlyTheBitsThatCount) {
 }
 
 TEST_F(Commands, TimesAreOfTheBitsThatTheQueueCounts) {
-    const GpuLimits& limits = gpu->facts().limits;
+    const GpuFacts::Limits& limits = gpu->facts().limits;
     if (limits.timestamp_bits == 0) GTEST_SKIP() << "the queue has no timestamps";
     gpu->vulkan()->facts.limits.timestamp_bits = 3;
     auto commands = begin();
@@ -256,7 +256,7 @@ TEST_F(Commands, TimesAreOfTheBitsThatTheQueueCounts) {
     must(submission.wait());
     const auto times = submission.times();
     ASSERT_EQ(times.size(), 20U);
-    for (const GpuTime& time : times) EXPECT_LT(time.ms, 8 * limits.timestamp_period_ns * 1e-6);
+    for (const GpuDevice::Time& time : times) EXPECT_LT(time.ms, 8 * limits.timestamp_period_ns * 1e-6);
 }
 
 TEST_F(Commands, AQueueWithoutTimestampsGivesNoTimes) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/gpu/gpu_device.hpp"
+#include "engine/gpu/vulkan_instance.hpp"
 
 namespace touchable::test {
 namespace {

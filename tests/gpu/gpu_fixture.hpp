@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/gpu/gpu_device.hpp"
+#include "engine/gpu/vulkan_instance.hpp"
 
 namespace touchable::test {
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "engine/gpu/gpu_device.hpp"
+#include "engine/gpu/vulkan_instance.hpp"
 #include "tests/gpu/spirv_layout.hpp"
 
 // What the engine demands of a device against what its kernels, as built, declare.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "engine/gpu/vulkan_builder.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/gpu/blockade.hpp"
 #include "tests/surface/pictures.hpp"

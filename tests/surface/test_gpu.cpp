@@ -5,6 +5,8 @@
 
 #include <stdexcept>
 
+#include "engine/gpu/vulkan_instance.hpp"
+
 namespace touchable::test {
 namespace {
 

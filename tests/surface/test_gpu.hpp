@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 
 namespace touchable::test {
 

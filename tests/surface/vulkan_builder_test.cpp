@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 
@@ -130,8 +130,8 @@ TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
     const auto kernels = std::make_shared<SurfaceKernels>(*device);
     const Scene scene = depth_scene(640, 400, 16, Marking::zero, {3, 0});
     constexpr std::uint32_t row_texels = 80, texels = row_texels * 400, strips = 200;
-    GpuLimits& limits = (*device)->vulkan()->facts.limits;
-    const GpuLimits whole = limits;
+    GpuFacts::Limits& limits = (*device)->vulkan()->facts.limits;
+    const GpuFacts::Limits whole = limits;
     for (const SurfacePlan& plan : {all_plans[0], all_plans[1], plan_for((*device)->facts())}) {
         const std::uint32_t segments =
             plan.segment_texels > 0 ? groups_for(row_texels, plan.segment_texels) : 1;
@@ -164,7 +164,7 @@ std::string stages_of(const FilterSettings& filter) {
     SurfaceFrame slot;
     EXPECT_TRUE(builder->build(noisy_plane(scene, Fill::blob, 1).frame(), slot));
     std::string labels;
-    for (const GpuTime& stage : builder->stages()) {
+    for (const GpuDevice::Time& stage : builder->stages()) {
         EXPECT_GT(stage.ms, 0);
         if (stage.label.rfind("read ", 0) != 0) labels += stage.label + " ";
     }

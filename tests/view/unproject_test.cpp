@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/content/seeded_noise.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "tests/gpu/gpu_fixture.hpp"

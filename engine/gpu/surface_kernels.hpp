@@ -1,0 +1,83 @@
+#pragma once
+
+// The kernels of the surface, and its Vulkan builder for those that choose how they march (tests,
+// benchmarks).
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/gpu/gpu_commands.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "shaders/surface_codes.h"
+
+namespace touchable {
+
+/// The kernels that march along strips (shaders/strip.h). The first three take it from stored
+/// values to codes, validity and parts of bounds, which are final where no filter comes after them.
+enum class StripKernel { decode, median3, median5, fill_holes };
+
+/// How rows are shared among lanes, and planes between GPU and CPU. The same bits come of any.
+struct SurfacePlan {
+    std::uint32_t group_size = 8;      ///< lanes of a workgroup
+    std::uint32_t segment_texels = 0;  ///< of a row for one lane, a multiple of 4; 0: the whole row
+    bool along_x = false;              ///< neighbouring lanes take neighbouring segments, not rows
+    bool copies = false;  ///< to and from memory of the GPU's own, instead of working on the CPU's
+    /// Of a frame that has changed in part only that is built, up to this share of its blocks. 0: always all.
+    double break_even = 0.6;
+};
+/// What a device likes: few long marches on a CPU, many short ones with coalesced loads elsewhere.
+SurfacePlan plan_for(const GpuFacts& facts);
+
+/// `coding`, as kernels test it. Codes at the ends of the range that are marked invalid narrow it.
+ValidCodes valid_codes_of(const DepthCoding& coding);
+
+/// The programs of the surface on one device, each made when it is first asked for. One thread at a time.
+class SurfaceKernels {
+public:
+    explicit SurfaceKernels(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+    const std::shared_ptr<GpuDevice>& device() const { return device_; }
+
+    Result<GpuProgram> strip(StripKernel kernel, const StripConstants& constants);
+    /// One pass of terrace removal, its taps `step` pixels away; `has_levels`: gates differ from code to
+    /// code.
+    Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last, bool has_levels);
+    /// `sample_bytes`: of a stored value, 1 or 2.
+    Result<GpuProgram> flying_pixels(std::uint32_t sample_bytes);
+    Result<GpuProgram> temporal();
+    Result<GpuProgram> tile_bounds();
+    Result<GpuProgram> hue_codes();
+
+private:
+    using Constants = std::array<std::uint32_t, 7>;
+
+    Result<GpuProgram> made(GpuProgram& kept, const char* name, std::span<const std::uint32_t> spirv,
+                            GpuLayout layout, std::span<const std::uint32_t> constants = {});
+
+    std::shared_ptr<GpuDevice> device_;
+    std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
+    std::map<std::array<std::uint32_t, 4>, GpuProgram> terraces_;
+    GpuProgram flying_pixels_[2];
+    GpuProgram temporal_, tile_bounds_, hue_codes_;
+};
+
+/// The builder of make_vulkan_builder (vulkan_builder.hpp), and what its stages took.
+class VulkanSurfaceBuilder : public SurfaceBuilder {
+public:
+    /// Milliseconds of the last frame on the device, by stage: "read in" and "read back" where its memory is
+    /// its own; "hue" and "fill" where there are such; "median" (or "decode"); with filters after it
+    /// "temporal", "terraces" and another "decode"; "bounds". None where nothing had changed.
+    virtual const std::vector<GpuDevice::Time>& stages() const = 0;
+};
+
+/// Refused as the builder of a device is. `kernels` may serve many builders, one thread at a time.
+Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
+                                                                  std::shared_ptr<SurfaceKernels> kernels,
+                                                                  const SurfacePlan& plan);
+
+}  // namespace touchable
