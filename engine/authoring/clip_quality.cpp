@@ -1,4 +1,4 @@
-#include "engine/authoring/clip_quality.hpp"
+#include "engine/authoring/quality_estimators.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -226,8 +226,8 @@ double ColourEdges::agreement(Facing a, Facing b) const {
     return static_cast<double>(near_median(a) + near_median(b)) / static_cast<double>(edges);
 }
 
-std::optional<ColourEdges::Fit> ColourEdges::fit() const {
-    Fit fit;
+std::optional<ClipQuality::ColourFit> ColourEdges::fit() const {
+    ClipQuality::ColourFit fit;
     double rims = 0;
     for (const Facing facing : {to_right, to_left, down, up}) {
         fit.edges += count(facing);
@@ -266,7 +266,7 @@ void FrameTimesEstimator::add(const RawFrame& frame) {
             ++same_;
             same_of_new_colour_ += same_samples(before_->colour, frame.colour) ? 0 : 1;
         } else {
-            if (same_ <= FrameTimes::longest_repeat && so_far_.changed > 0) {
+            if (same_ <= ClipQuality::FrameTimes::longest_repeat && so_far_.changed > 0) {
                 so_far_.repeated += same_;
                 so_far_.of_new_colour += same_of_new_colour_;
             }
@@ -277,8 +277,8 @@ void FrameTimesEstimator::add(const RawFrame& frame) {
     before_ = frame;
 }
 
-FrameTimes FrameTimesEstimator::times() const {
-    FrameTimes times = so_far_;
+ClipQuality::FrameTimes FrameTimesEstimator::times() const {
+    ClipQuality::FrameTimes times = so_far_;
     if (steps_ns_.empty()) return times;
     std::vector<std::int64_t> sorted = steps_ns_;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -292,7 +292,7 @@ FrameTimes FrameTimesEstimator::times() const {
     return times;
 }
 
-void HapticValuesEstimator::add(const RawFrame& frame, Where* where) {
+void HapticValuesEstimator::add(const RawFrame& frame, ClipQuality::Where::Haptic* where) {
     const std::size_t all = static_cast<std::size_t>(scene_.width) * static_cast<std::size_t>(scene_.height);
     if (where != nullptr)
         for (auto* marks : {&where->too_stiff, &where->more_dynamic, &where->mixed}) marks->assign(all, 0);
@@ -322,7 +322,7 @@ void HapticValuesEstimator::add(const RawFrame& frame, Where* where) {
         }
 }
 
-HapticValues HapticValuesEstimator::values() const {
+ClipQuality::HapticValues HapticValuesEstimator::values() const {
     const auto share = [&](std::int64_t count) {
         return pixels_ == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(pixels_);
     };

@@ -1,5 +1,3 @@
-#include "engine/authoring/filled_clip.hpp"
-
 #include <algorithm>
 #include <cstdint>
 #include <optional>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "engine/authoring/hole_filling.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

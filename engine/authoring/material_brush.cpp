@@ -1,4 +1,4 @@
-#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/materials.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "engine/authoring/segment_parts.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -14,41 +15,47 @@ namespace touchable {
 
 namespace {
 
-using HistoryNode = checked_json::Node;
 using HistoryJson = nlohmann::ordered_json;
 
 constexpr int history_version = 1;
 constexpr std::size_t most_edits_read = 10000;
 
-HistoryJson write_edit(const BrushEdit& edit) {
+/// All that was done with a brush, for another run of the program.
+struct BrushHistory {
+    std::string segments{};  ///< SegmentStore::fingerprint of those that are not cut yet
+    SegmentNames begin{};    ///< before the first edit
+    std::vector<MaterialBrush::Edit> edits{};
+    std::size_t done = 0;  ///< how many of them count; those behind were undone
+};
+
+HistoryJson write_edit(const MaterialBrush::Edit& edit) {
     HistoryJson json = HistoryJson::object();
-    if (const auto* const paint = std::get_if<PaintEdit>(&edit)) {
-        json["paint"] = segment_json::write_place(paint->at);
+    if (const auto* const paint = std::get_if<MaterialBrush::Paint>(&edit)) {
+        json["paint"] = write_place(paint->at);
         json["material"] = paint->material;
-    } else if (const auto* const join = std::get_if<JoinEdit>(&edit)) {
-        json["join"] =
-            HistoryJson::array({segment_json::write_place(join->a), segment_json::write_place(join->b)});
+    } else if (const auto* const join = std::get_if<MaterialBrush::Join>(&edit)) {
+        json["join"] = HistoryJson::array({write_place(join->a), write_place(join->b)});
     } else if (const auto* const cut = std::get_if<SegmentCut>(&edit)) {
-        json["cut"] = segment_json::write_cut(*cut);
+        json["cut"] = write_cut(*cut);
     } else {
-        json["otherwise"] = std::get<OtherwiseEdit>(edit).material;
+        json["otherwise"] = std::get<MaterialBrush::Otherwise>(edit).material;
     }
     return json;
 }
 
-BrushEdit read_edit(const HistoryNode& node) {
+MaterialBrush::Edit read_edit(const checked_json::Node& node) {
     node.allow_only({"paint", "material", "join", "cut", "otherwise"});
-    if (node.has("paint")) return PaintEdit{segment_json::read_place(node["paint"]), node["material"].text()};
+    if (node.has("paint")) return MaterialBrush::Paint{read_place(node["paint"]), node["material"].text()};
     if (node.has("join")) {
         const auto places = node["join"].elements(2, 2, "two places");
-        return JoinEdit{segment_json::read_place(places[0]), segment_json::read_place(places[1])};
+        return MaterialBrush::Join{read_place(places[0]), read_place(places[1])};
     }
-    if (node.has("cut")) return segment_json::read_cut(node["cut"]);
-    if (node.has("otherwise")) return OtherwiseEdit{node["otherwise"].text()};
+    if (node.has("cut")) return read_cut(node["cut"]);
+    if (node.has("otherwise")) return MaterialBrush::Otherwise{node["otherwise"].text()};
     node.refuse("paint, join, cut or otherwise");
 }
 
-BrushHistory read_history(const HistoryNode& node, const std::string& where) {
+BrushHistory read_history(const checked_json::Node& node, const std::string& where) {
     node.allow_only({"touchable_brush", "segments", "done", "begin", "edits"});
     if (node["touchable_brush"].integer(1, 1'000'000) != history_version)
         node["touchable_brush"].refuse("1, the version that is read here");
@@ -57,12 +64,38 @@ BrushHistory read_history(const HistoryNode& node, const std::string& where) {
     auto begin = parse_segment_names(node["begin"].json(), where + ": begin");
     if (!begin) throw checked_json::Refusal{begin.error().message};
     history.begin = std::move(*begin);
-    for (const HistoryNode& edit :
+    for (const checked_json::Node& edit :
          node["edits"].elements(0, most_edits_read, "a list of up to 10000 changes"))
         history.edits.push_back(read_edit(edit));
     history.done =
         static_cast<std::size_t>(node["done"].integer(0, static_cast<std::int64_t>(history.edits.size())));
     return history;
+}
+
+/// Refused (ErrorKind::input, beginning with `where`) where it is no history.
+Result<BrushHistory> parse_brush_history(std::string_view text, const std::string& where) {
+    const auto refuse = [&](const std::string& why) { return input_error(where + ": " + why); };
+    try {
+        const checked_json::Json json = checked_json::parse(text, largest_segment_names);
+        return read_history(checked_json::Node(json, ""), where);
+    } catch (const checked_json::Refusal& reason) {
+        return refuse(reason.message);
+    } catch (const checked_json::Json::exception& fault) {
+        return refuse(fault.what());
+    }
+}
+
+std::string brush_history_to_json(const BrushHistory& history) {
+    // A line for each edit, so that a person finds it.
+    std::string text = "{\"touchable_brush\": " + std::to_string(history_version) + ", \"segments\": \"" +
+                       history.segments + "\", \"done\": " + std::to_string(history.done) +
+                       ",\n\"begin\": " + segment_names_to_json(history.begin) + ",\"edits\": [";
+    const char* between = "\n ";
+    for (const MaterialBrush::Edit& edit : history.edits) {
+        text += between + write_edit(edit).dump(-1, ' ', true, HistoryJson::error_handler_t::replace);
+        between = ",\n ";
+    }
+    return text + "\n]}\n";
 }
 
 constexpr std::size_t most_kept_bytes = std::size_t{1} << 30;  // of segments that were cut, for undo
@@ -71,7 +104,7 @@ std::string segment_in_words(std::uint16_t label) {
     return "segment " + std::to_string(label);
 }
 
-/// Where not the whole clip has the segment: other frames have others there, which nobody has painted.
+/// Where not the whole clip has the segment: other frames have others there, which are not painted.
 std::string frames_in_words(const SegmentStore& segments, std::uint16_t label) {
     const std::int64_t first = segments.find(label)->frame, last = segments.last_frame_of(label);
     if (first == 0 && last == segments.frames() - 1) return {};
@@ -154,31 +187,6 @@ void name_parts(const SegmentStore& segments, SegmentNames& names, std::uint16_t
 }
 
 }  // namespace
-
-Result<BrushHistory> parse_brush_history(std::string_view text, const std::string& where) {
-    const auto refuse = [&](const std::string& why) { return input_error(where + ": " + why); };
-    try {
-        const checked_json::Json json = checked_json::parse(text, largest_segment_names);
-        return read_history(HistoryNode(json, ""), where);
-    } catch (const checked_json::Refusal& reason) {
-        return refuse(reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return refuse(fault.what());
-    }
-}
-
-std::string brush_history_to_json(const BrushHistory& history) {
-    // A line for each edit, so that a person finds it.
-    std::string text = "{\"touchable_brush\": " + std::to_string(history_version) + ", \"segments\": \"" +
-                       history.segments + "\", \"done\": " + std::to_string(history.done) +
-                       ",\n\"begin\": " + segment_names_to_json(history.begin) + ",\"edits\": [";
-    const char* between = "\n ";
-    for (const BrushEdit& edit : history.edits) {
-        text += between + write_edit(edit).dump(-1, ' ', true, HistoryJson::error_handler_t::replace);
-        between = ",\n ";
-    }
-    return text + "\n]}\n";
-}
 
 Result<MaterialBrush::State> MaterialBrush::state_of(std::shared_ptr<const SegmentStore> segments,
                                                      SegmentNames names) {

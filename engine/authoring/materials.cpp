@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/authoring/segment_parts.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
@@ -66,7 +67,7 @@ constexpr Rule rules[] = {
     {Hue::red, any_number, {50, 255}, {smooth, 4080}, {20, 1000}, "brick"},
     {Hue::green, any_number, any_number, {smooth, 4080}, any_number, "grass"},
     {Hue::blue, {60, 255}, {40, 255}, {0, smooth}, {300, 1000}, "water"},
-    // Whatever else has a colour: smooth, as paint on something, or woven.
+    // All else that has a colour: smooth, as paint on something, or woven.
     {Hue::any, any_number, {90, 255}, {0, smooth}, any_number, "plastic"},
     {Hue::any, any_number, any_number, any_number, {250, 1000}, "carpet"},
     {Hue::any, any_number, any_number, any_number, any_number, "cloth"},
@@ -86,6 +87,92 @@ std::uint8_t nearest_code(double value, const PropertyRange& range) {
     if (!(range.max > range.min)) return 0;
     const double share = (value - range.min) / (range.max - range.min);
     return static_cast<std::uint8_t>(std::clamp(share, 0.0, 1.0) * 255 + 0.5);
+}
+
+/// Paints each pixel as its segment feels. Pixels of no segment, which are holes, get what is nearest: a
+/// hole's rim is as hard as what it is in, and so is what filters put there.
+class HapticPainter {
+public:
+    explicit HapticPainter(const HapticRanges& ranges) : ranges_(ranges), codes_(65536), reliefs_(65536) {}
+
+    /// What segments of this label feel like, 0: a picture without any.
+    void set(std::uint16_t label, const Feel& feel);
+    /// Of labels that were set, row by row; 0: no segment.
+    Image haptic(const std::vector<std::uint16_t>& labels, int width, int height);
+    /// Of the picture that was painted last: its heights, 8 bits, around level (128) scaled by relief.
+    Image scaled(const PlaneView& height) const;
+
+private:
+    HapticRanges ranges_;
+    std::vector<std::array<std::uint8_t, 3>> codes_;  // by label
+    std::vector<int> reliefs_;
+    std::vector<std::uint16_t> labels_;  // of all pixels
+    NearestLabel nearest_;
+};
+
+void HapticPainter::set(std::uint16_t label, const Feel& feel) {
+    codes_[label] = haptic_code(feel.properties, ranges_);
+    reliefs_[label] = feel.relief;
+}
+
+Image HapticPainter::haptic(const std::vector<std::uint16_t>& labels, int width, int height) {
+    labels_ = labels;
+    nearest_.fill(labels_, width, height);
+    Image image{width, height, 1, 3, {}};
+    image.samples.resize(3 * labels_.size());
+    std::uint8_t* to = image.samples.data();
+    for (const std::uint16_t label : labels_) {
+        std::memcpy(to, codes_[label].data(), 3);
+        to += 3;
+    }
+    return image;
+}
+
+Image HapticPainter::scaled(const PlaneView& height) const {
+    Image image{height.width, height.height, 1, 1, {}};
+    image.samples.reserve(labels_.size());
+    std::size_t k = 0;
+    for (int y = 0; y < height.height; ++y)
+        for (int x = 0; x < height.width; ++x, ++k) {
+            const int above = (height.sample(x, y) - level_height) * reliefs_[labels_[k]] / 100;
+            image.samples.push_back(
+                static_cast<std::uint8_t>(std::clamp(level_height + above, 0, top_height)));
+        }
+    return image;
+}
+
+/// A clip with haptic pictures of these ranges in place of its own, which a class derived from this paints.
+class HapticTrackReader : public ReaderAround {
+public:
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+
+protected:
+    /// `ranges` are valid (validate).
+    HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges);
+
+private:
+    Scene scene_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+};
+
+HapticTrackReader::HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges)
+    : ReaderAround(std::move(clip)),
+      scene_(inner().scene()),
+      tracks_(inner().tracks()),
+      notes_(inner().notes()) {
+    scene_.haptic = ranges;
+    const std::string haptic(role_name(PlaneRole::haptic)), height(role_name(PlaneRole::height));
+    std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == haptic; });
+    const auto after = std::find_if(tracks_.begin(), tracks_.end(),
+                                    [&](const TrackInfo& track) { return track.role == height; });
+    tracks_.insert(after, {haptic, "materials of segments", "rgb24", scene_.width, scene_.height, true});
+    const auto of_none = default_touch_note(false, inner().scene());
+    std::erase_if(notes_, [&](const std::string& note) {
+        return note.starts_with(haptic + " is ") || (of_none && note == *of_none);
+    });
 }
 
 class PaintedReader final : public HapticTrackReader {
@@ -194,7 +281,7 @@ void MaterialReader::start() {
 }
 
 void MaterialReader::meet(const Segment& segment, std::int64_t frame) {
-    SegmentPaint paint =
+    PaintedSegments::Paint paint =
         paint_of(segment, scene().width * scene().height, materials_.named, materials_.otherwise);
     painter_.set(segment.label, paint.feel);
     met_[segment.label] = true;
@@ -236,7 +323,7 @@ Result<std::optional<RawFrame>> MaterialReader::next() {
 Result<void> MaterialReader::seek(std::int64_t frame) {
     const auto count = frame_count();
     if (count && frame > *count) return inner().seek(frame);  // which refuses it
-    if (auto back = inner().seek(0); !back) return back;
+    TRY(inner().seek(0));
     start();
     for (std::int64_t number = 0; number < frame; ++number) {
         if (stop_requested()) return interrupted_error();
@@ -286,14 +373,14 @@ Result<std::unique_ptr<ClipReader>> with_cut_materials(std::unique_ptr<ClipReade
 
 }  // namespace
 
-const PaletteMaterial& guess_material(const SegmentLook& look) {
-    const int red = look.colour[0], green = look.colour[1], blue = look.colour[2];
+const PaletteMaterial& guess_material(const Segment& segment, std::int32_t of_pixels) {
+    const int red = segment.colour[0], green = segment.colour[1], blue = segment.colour[2];
     const int chroma = std::max({red, green, blue}) - std::min({red, green, blue});
-    if (is_unseen_colour(look.colour.data())) return *find_material(of_unseen);
+    if (is_unseen_colour(segment.colour.data())) return *find_material(of_unseen);
     const auto permille =
-        static_cast<int>(std::int64_t{look.pixels} * 1000 / std::max<std::int64_t>(look.of_pixels, 1));
+        static_cast<int>(std::int64_t{segment.pixels} * 1000 / std::max<std::int64_t>(of_pixels, 1));
     const Seen seen{hue_of(red, green, blue, chroma), (30 * red + 59 * green + 11 * blue) / 100, chroma,
-                    std::clamp(look.contrast, 0, 4080), permille};
+                    std::clamp(segment.contrast, 0, 4080), permille};
     const auto* const rule = std::find_if(std::begin(rules), std::end(rules), [&](const Rule& each) {
         return (each.hue == Hue::any || each.hue == seen.hue) && each.brightness.holds(seen.brightness) &&
                each.chroma.holds(seen.chroma) && each.contrast.holds(seen.contrast) &&
@@ -302,15 +389,14 @@ const PaletteMaterial& guess_material(const SegmentLook& look) {
     return *find_material(rule->material);
 }
 
-SegmentPaint paint_of(const Segment& segment, std::int32_t of_pixels, const LabelNames& named,
-                      const PaletteMaterial* otherwise) {
+PaintedSegments::Paint paint_of(const Segment& segment, std::int32_t of_pixels, const LabelNames& named,
+                                const PaletteMaterial* otherwise) {
     if (const auto known = named.find(segment.label); known != named.end()) {
         const NamedSegment& name = known->second;
         return {name.name, name.material, name.feel, name.is_guess};
     }
     const PaletteMaterial* const material =
-        otherwise != nullptr ? otherwise
-                             : &guess_material({segment.colour, segment.contrast, segment.pixels, of_pixels});
+        otherwise != nullptr ? otherwise : &guess_material(segment, of_pixels);
     return {"", std::string(material->name), material->feel(), otherwise == nullptr};
 }
 
@@ -331,54 +417,6 @@ std::array<std::uint8_t, 3> haptic_code(const HapticProperties& properties, cons
     return {nearest_code(properties.stiffness / 1000, ranges.stiffness),
             nearest_code(properties.static_friction, ranges.static_friction),
             nearest_code(properties.dynamic_friction, ranges.dynamic_friction)};
-}
-
-void HapticPainter::set(std::uint16_t label, const Feel& feel) {
-    codes_[label] = haptic_code(feel.properties, ranges_);
-    reliefs_[label] = feel.relief;
-}
-
-Image HapticPainter::haptic(const std::vector<std::uint16_t>& labels, int width, int height) {
-    labels_ = labels;
-    nearest_.fill(labels_, width, height);
-    Image image{width, height, 1, 3, {}};
-    image.samples.resize(3 * labels_.size());
-    std::uint8_t* to = image.samples.data();
-    for (const std::uint16_t label : labels_) {
-        std::memcpy(to, codes_[label].data(), 3);
-        to += 3;
-    }
-    return image;
-}
-
-Image HapticPainter::scaled(const PlaneView& height) const {
-    Image image{height.width, height.height, 1, 1, {}};
-    image.samples.reserve(labels_.size());
-    std::size_t k = 0;
-    for (int y = 0; y < height.height; ++y)
-        for (int x = 0; x < height.width; ++x, ++k) {
-            const int above = (height.sample(x, y) - level_height) * reliefs_[labels_[k]] / 100;
-            image.samples.push_back(
-                static_cast<std::uint8_t>(std::clamp(level_height + above, 0, top_height)));
-        }
-    return image;
-}
-
-HapticTrackReader::HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges)
-    : ReaderAround(std::move(clip)),
-      scene_(inner().scene()),
-      tracks_(inner().tracks()),
-      notes_(inner().notes()) {
-    scene_.haptic = ranges;
-    const std::string haptic(role_name(PlaneRole::haptic)), height(role_name(PlaneRole::height));
-    std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == haptic; });
-    const auto after = std::find_if(tracks_.begin(), tracks_.end(),
-                                    [&](const TrackInfo& track) { return track.role == height; });
-    tracks_.insert(after, {haptic, "materials of segments", "rgb24", scene_.width, scene_.height, true});
-    const auto of_none = default_touch_note(false, inner().scene());
-    std::erase_if(notes_, [&](const std::string& note) {
-        return note.starts_with(haptic + " is ") || (of_none && note == *of_none);
-    });
 }
 
 Result<std::unique_ptr<ClipReader>> with_painted_segments(std::unique_ptr<ClipReader> clip,

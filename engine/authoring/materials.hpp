@@ -1,105 +1,44 @@
 #pragma once
 
-// Haptic pictures for a recording that has none: each segment feels like a material.
+// Materials of a recording's segments: haptic pictures for a recording that has none.
 //
-// A guess by colour and place says what a segment may be; what a person says of it counts before that.
-// HapticPainter writes a frame's haptic picture and its heights by labels; the clips here are readers around
-// a reader, one by names, one as it was painted by a brush.
+// with_materials gives a clip whose segments feel as they are named, or else as a guess by colour and place
+// says. A MaterialBrush has the segments as a person paints them: the states that there were (each immutable:
+// names, and the segments as painted), an undo that goes back among them, and its history as a file's text,
+// which another run of the program repeats. with_painted_segments gives the clip in which they feel so.
 //
-// A reader is one thread's; a stop is heard between frames.
+// A reader is one thread's. Changes of a brush take long and are one thread's; PaintedSegments, once made,
+// may be read by any thread. A stop is heard between frames.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/clip/readers.hpp"
-#include "engine/picture/image.hpp"
-#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 
-/// What is seen of a segment.
-struct SegmentLook {
-    std::array<std::uint8_t, 3> colour{};  ///< mean, RGB
-    std::int32_t contrast = 0;  ///< mean absolute deviation of brightness from its blur, 1/16 levels
-    std::int32_t pixels = 0, of_pixels = 1;  ///< its own, and the picture's
-};
-
-/// A material that such a segment may be of, by a few rules of thumb. Colour tells little: a painted wall is
-/// as white as paper. Whole numbers, the same on every machine.
-const PaletteMaterial& guess_material(const SegmentLook& look);
-
-/// What a segment is like, and who says so.
-struct SegmentPaint {
-    std::string name{};      ///< empty: nobody gave it one
-    std::string material{};  ///< of the palette; empty: values of its own
-    Feel feel{};
-    bool is_guess = false;
-};
-
-/// Of a segment as it was seen first, in a picture of so many pixels: as it is named, otherwise as all others
-/// are; null: as its look suggests.
-SegmentPaint paint_of(const Segment& segment, std::int32_t of_pixels, const LabelNames& named,
-                      const PaletteMaterial* otherwise);
-
-/// Ranges that hold the whole palette, the scene's defaults and these: the same for all choices of
-/// materials, and one for both frictions, so that rounding never puts the dynamic one above the static one.
-HapticRanges ranges_of_palette(const Scene& scene, const std::vector<Feel>& others);
-
-/// The haptic pixel nearest to that.
-std::array<std::uint8_t, 3> haptic_code(const HapticProperties& properties, const HapticRanges& ranges);
-
-/// Paints each pixel as its segment feels. Pixels of no segment, which are holes, get what is nearest: a
-/// hole's rim is as hard as what it is in, and so is what filters put there.
-class HapticPainter {
-public:
-    explicit HapticPainter(const HapticRanges& ranges) : ranges_(ranges), codes_(65536), reliefs_(65536) {}
-
-    /// What segments of this label feel like, 0: a picture without any.
-    void set(std::uint16_t label, const Feel& feel);
-    /// Of labels that were set, row by row; 0: no segment.
-    Image haptic(const std::vector<std::uint16_t>& labels, int width, int height);
-    /// Of the picture that was painted last: its heights, 8 bits, around level (128) scaled by relief.
-    Image scaled(const PlaneView& height) const;
-
-private:
-    HapticRanges ranges_;
-    std::vector<std::array<std::uint8_t, 3>> codes_;  // by label
-    std::vector<int> reliefs_;
-    std::vector<std::uint16_t> labels_;  // of all pixels
-    NearestLabel nearest_;
-};
-
-/// A clip with haptic pictures of these ranges in place of its own, which a class derived from this paints.
-class HapticTrackReader : public ReaderAround {
-public:
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-
-protected:
-    /// `ranges` are valid (validate).
-    HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges);
-
-private:
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
-};
-
 /// What all segments of a clip are like: of one moment, never changed.
 struct PaintedSegments {
+    /// What a segment is like, and who says so.
+    struct Paint {
+        std::string name{};      ///< empty: it was given none
+        std::string material{};  ///< of the palette; empty: values of its own
+        Feel feel{};
+        bool is_guess = false;
+    };
     std::shared_ptr<const SegmentStore> segments;
-    using Paint = SegmentPaint;
     std::map<std::uint16_t, Paint> by_label{};  ///< of all that are seen anywhere
 };
 
@@ -118,18 +57,17 @@ struct MaterialSettings {
     std::optional<HapticRanges> ranges{};
 };
 
-/// A segment as it was seen first.
-struct SeenSegment {
-    std::uint16_t label = 0;
-    PixelOfFrame at{};  ///< a pixel of it
-    std::int32_t pixels = 0;
-    std::array<std::uint8_t, 3> colour{};
-    SegmentPaint paint{};
-};
-
 /// What was found in the frames read since the clip's beginning.
 struct MaterialReport {
-    std::vector<SeenSegment> segments;  ///< in the order in which they came
+    /// A segment as it was seen first.
+    struct Seen {
+        std::uint16_t label = 0;
+        PixelOfFrame at{};  ///< a pixel of it
+        std::int32_t pixels = 0;
+        std::array<std::uint8_t, 3> colour{};
+        PaintedSegments::Paint paint{};
+    };
+    std::vector<Seen> segments;  ///< in the order in which they came
     std::int64_t frames = 0;
     /// Pixels with a segment in two frames that follow each other, and those whose segment is another one.
     std::int64_t compared = 0, changed = 0;
@@ -151,5 +89,76 @@ Result<std::unique_ptr<ClipReader>> with_materials(std::unique_ptr<ClipReader> c
                                                    const MaterialSettings& settings,
                                                    const BeginSegments& begin,
                                                    std::shared_ptr<MaterialReport> report);
+
+/// Materials of a clip's segments as a person paints them, with undo. What was not painted feels as its
+/// first look suggests, or as all others do. As a file (history):
+/// {"touchable_brush": 1, "segments": "<hash of all labels>", "done": 1, "begin": {names of segments},
+///  "edits": [{"paint": [10, 20, 0], "material": "wood"}, {"join": [[1, 2, 0], [3, 4, 0]]},
+///            {"cut": {"frame": 0, "stroke": [[1, 2], [3, 4]]}}, {"otherwise": "felt"}]}
+class MaterialBrush {
+public:
+    /// One thing that is done with a brush.
+    struct Paint {
+        PixelOfFrame at;
+        std::string material;
+    };
+    /// Both segments are one thing: of the material of the one that was painted, otherwise of the first.
+    struct Join {
+        PixelOfFrame a, b;
+    };
+    struct Otherwise {
+        std::string material;  ///< of all that have no name; empty: guesses
+    };
+    using Edit = std::variant<Paint, Join, SegmentCut, Otherwise>;
+
+    /// As many are kept for undo; less where segments that are cut take more than 1 GiB.
+    static constexpr std::size_t most_edits = 200;
+
+    /// With what was said of the segments before, such as in a file; `segments` are without its cuts, and of
+    /// at least one frame. Refused as find_named_segments and with_cuts do.
+    static Result<MaterialBrush> begin(SegmentStore segments, const SegmentNames& names = {});
+
+    /// What was done, in words: "segment 7 is wood". Refused (ErrorKind::usage), and then nothing is changed:
+    /// a place beyond the clip or without a surface, no such material, a stroke that parts nothing, more cuts
+    /// than a file of names has. ErrorKind::interrupted where it is given up (stop_requested).
+    Result<std::string> edit(const Edit& edit);
+    /// What was undone, or done again, in words. Refused where there is nothing.
+    Result<std::string> undo();
+    Result<std::string> redo();
+    /// How many edits count now, and how many there are with those that were undone.
+    std::size_t done() const { return done_; }
+    std::size_t edits() const { return edits_.size(); }
+
+    /// As all is now; what it points to stays as it is.
+    std::shared_ptr<const PaintedSegments> painted() const { return states_[done_].painted; }
+    /// For a file that --segments reads.
+    const SegmentNames& names() const { return states_[done_].names; }
+
+    /// All that was done and undone, for another run of the program.
+    std::string history() const;
+    /// Brings a history back in place of all that is here. Refused (ErrorKind::input, beginning with
+    /// `where`), and then nothing is changed, where it is none, or of other segments. ErrorKind::interrupted
+    /// where it is given up.
+    Result<void> repeat(std::string_view history, const std::string& where);
+
+private:
+    struct State {
+        SegmentNames names;
+        std::shared_ptr<const PaintedSegments> painted;
+    };
+    struct Done {
+        Edit edit;
+        std::string words;
+    };
+    MaterialBrush() = default;
+    static Result<State> state_of(std::shared_ptr<const SegmentStore> segments, SegmentNames names);
+    class Draft;
+    void forget_oldest();
+
+    std::shared_ptr<const SegmentStore> uncut_;
+    std::vector<State> states_;  // before the first edit, after it, ...: one more than edits
+    std::vector<Done> edits_;
+    std::size_t done_ = 0;
+};
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-#include "engine/authoring/relief.hpp"
+#include "engine/authoring/relief_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -164,7 +164,7 @@ Result<ReliefRange> look(Prefetch& ahead, const ReliefSettings& settings) {
     std::optional<std::int64_t> newest;
     const auto add = [&](const RawFrame& frame) -> Result<void> {
         if (stop_requested()) return interrupted_error();
-        if (auto fit = check_relief_colour(frame, ahead.clip()); !fit) return fit;
+        TRY(check_relief_colour(frame, ahead.clip()));
         const NumberField& relief = filter.apply(frame);
         estimator.add(relief, filter.confidence(), newest && frame.number == *newest + 1);
         newest = frame.number;
@@ -179,7 +179,7 @@ Result<ReliefRange> look(Prefetch& ahead, const ReliefSettings& settings) {
         if (wanted < first_frames) continue;
         const auto frame = ahead.at(wanted);
         if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
-        if (!frame || !*frame) break;  // damaged: who reads on learns of it
+        if (!frame || !*frame) break;  // damaged: reading on tells of it
         TRY(add(**frame));
     }
     return estimator.range();
@@ -207,8 +207,8 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
 std::string range_in_words(const ReliefRange& range) {
     if (range.full <= 1)
         return "relief: nothing of it can be felt: colour is even, in deep shadow, in highlights, or not "
-               "seen "
-               "by its camera";
+               "seen by its "
+               "camera";
     const auto levels = [](std::int32_t number) { return short_number(number / 16.0, 3); };
     std::string words = "relief: the largest height stands for details of " + levels(range.full) +
                         " of 255 levels of brightness";

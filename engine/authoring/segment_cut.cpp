@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/authoring/segments.hpp"
+#include "engine/authoring/segment_parts.hpp"
 
 namespace touchable {
 

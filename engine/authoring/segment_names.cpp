@@ -1,3 +1,5 @@
+#include "engine/authoring/segments.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -5,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/authoring/segments.hpp"
+#include "engine/authoring/segment_parts.hpp"
 #include "engine/base/words.hpp"
 #include "engine/scene/checked_json.hpp"
 
@@ -42,10 +44,17 @@ constexpr std::array<PaletteMaterial, 20> materials{{
     {"water", 0.05, 0.03, 0.02, 0, estimate, "estimate"},
 }};
 
-constexpr std::int64_t last_pixel = 16383;
+/// All of them, between commas.
+std::string material_names() {
+    std::string all;
+    for (const PaletteMaterial& material : materials)
+        all += (all.empty() ? "" : ", ") + std::string(material.name);
+    return all;
+}
+
+constexpr std::int64_t last_pixel = 16383, last_frame = 999'999'999;
 constexpr std::size_t most_points = 10000;
 
-using NamesNode = checked_json::Node;
 using NamesJson = nlohmann::ordered_json;
 
 constexpr int format_version = 1;
@@ -53,14 +62,14 @@ constexpr std::size_t most_segments = 65535;
 constexpr std::pair<const char*, bool> said_by_whom[] = {{"guess", true}, {"hand", false}};
 constexpr double stiffest_segment = 10, roughest_segment = 10;  // N/mm, coefficient
 
-double number_between(const NamesNode& node, double least, double most, const char* right) {
+double number_between(const checked_json::Node& node, double least, double most, const char* right) {
     const double number = node.number();
     if (!(number >= least && number <= most)) node.refuse(right);
     return number;
 }
 
 /// Values that are said beside a material, or in its place.
-void read_feel(const NamesNode& node, NamedSegment& segment) {
+void read_feel(const checked_json::Node& node, NamedSegment& segment) {
     HapticProperties& properties = segment.feel.properties;
     if (node.has("material")) {
         segment.material = node["material"].text();
@@ -85,16 +94,16 @@ void read_feel(const NamesNode& node, NamedSegment& segment) {
 }
 
 /// One place, or a list of them.
-std::vector<PixelOfFrame> read_places(const NamesNode& node) {
+std::vector<PixelOfFrame> read_places(const checked_json::Node& node) {
     const auto first = node.element(0);
-    if (!first || first->size() < 2) return {segment_json::read_place(node)};
+    if (!first || first->size() < 2) return {read_place(node)};
     std::vector<PixelOfFrame> places;
-    for (const NamesNode& place : node.elements(1, most_segments, "a list of places"))
-        places.push_back(segment_json::read_place(place));
+    for (const checked_json::Node& place : node.elements(1, most_segments, "a list of places"))
+        places.push_back(read_place(place));
     return places;
 }
 
-NamedSegment read_segment(const NamesNode& node) {
+NamedSegment read_segment(const checked_json::Node& node) {
     node.allow_only({"name", "material", "at", "index", "stiffness", "static_friction", "dynamic_friction",
                      "relief", "by"});
     NamedSegment segment;
@@ -110,7 +119,7 @@ NamedSegment read_segment(const NamesNode& node) {
     return segment;
 }
 
-SegmentNames read_names(const NamesNode& node, std::string_view where) {
+SegmentNames read_names(const checked_json::Node& node, std::string_view where) {
     node.allow_only({"touchable_segments", "otherwise", "cuts", "segments"});
     if (node["touchable_segments"].integer(1, 1'000'000) != format_version)
         node["touchable_segments"].refuse("1, the version that is read here");
@@ -121,8 +130,8 @@ SegmentNames read_names(const NamesNode& node, std::string_view where) {
         if (find_material(names.otherwise) == nullptr) node["otherwise"].refuse("one of " + material_names());
     }
     if (node.has("cuts"))
-        for (const NamesNode& cut : node["cuts"].elements(0, most_cuts, "a list of up to 1000 cuts"))
-            names.cuts.push_back(segment_json::read_cut(cut));
+        for (const checked_json::Node& cut : node["cuts"].elements(0, most_cuts, "a list of up to 1000 cuts"))
+            names.cuts.push_back(read_cut(cut));
     const auto segments = node["segments"].elements(0, most_segments, "a list of up to 65535 segments");
     for (std::size_t k = 0; k < segments.size(); ++k) {
         names.segments.push_back(read_segment(segments[k]));
@@ -143,7 +152,7 @@ NamesJson write_segment(const NamedSegment& segment) {
     }
     if (segment.is_guess) json["by"] = "guess";
     NamesJson places = NamesJson::array();
-    for (const PixelOfFrame& at : segment.at) places.push_back(segment_json::write_place(at));
+    for (const PixelOfFrame& at : segment.at) places.push_back(write_place(at));
     if (!places.empty()) json["at"] = places.size() == 1 ? places.front() : places;
     if (segment.index) json["index"] = *segment.index;
     return json;
@@ -161,13 +170,6 @@ const PaletteMaterial* find_material(std::string_view name) {
     return found == materials.end() ? nullptr : &*found;
 }
 
-std::string material_names() {
-    std::string all;
-    for (const PaletteMaterial& material : materials)
-        all += (all.empty() ? "" : ", ") + std::string(material.name);
-    return all;
-}
-
 std::string no_such_material(std::string_view name) {
     std::vector<std::string> names;
     for (const PaletteMaterial& material : materials) names.emplace_back(material.name);
@@ -175,10 +177,6 @@ std::string no_such_material(std::string_view name) {
     return in_quotes(name) + " is no material" + (meant.empty() ? "" : " (" + meant + "?)") +
            "; right would be one of " + material_names();
 }
-
-}  // namespace touchable
-
-namespace touchable::segment_json {
 
 PixelOfFrame read_place(const checked_json::Node& node) {
     const auto numbers = node.elements(2, 3, "[X, Y] or [X, Y, FRAME]");
@@ -216,17 +214,13 @@ nlohmann::ordered_json write_cut(const SegmentCut& cut) {
     return json;
 }
 
-}  // namespace touchable::segment_json
-
-namespace touchable {
-
 Result<SegmentNames> parse_segment_names(std::string_view json, std::string_view where) {
     const auto refusal = [&](const std::string& message) {
         return input_error(std::string(where) + ": " + message);
     };
     try {
         const checked_json::Json text = checked_json::parse(json, largest_segment_names);
-        return read_names(NamesNode(text, ""), where);
+        return read_names(checked_json::Node(text, ""), where);
     } catch (const checked_json::Refusal& reason) {
         return refusal(reason.message);
     } catch (const checked_json::Json::exception& fault) {
@@ -243,7 +237,7 @@ std::string segment_names_to_json(const SegmentNames& names) {
     if (!names.otherwise.empty()) text += ",\n \"otherwise\": " + in_ascii(names.otherwise);
     if (!names.cuts.empty()) text += ",\n \"cuts\": [";
     for (const SegmentCut& cut : names.cuts)
-        text += (&cut == &names.cuts.front() ? "\n  " : ",\n  ") + in_ascii(segment_json::write_cut(cut));
+        text += (&cut == &names.cuts.front() ? "\n  " : ",\n  ") + in_ascii(write_cut(cut));
     if (!names.cuts.empty()) text += "\n ]";
     text += ",\n \"segments\": [";
     const char* between = "\n  ";

@@ -4,15 +4,13 @@
 //
 // A frame becomes superpixels by its PixelFeatures, these are merged to regions where they are alike, small
 // ones are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmenter does this one
-// call a frame, in order; a Segmentation is what it gives.
-//
-// A Segmenter is one thread's; the same frames give the same labels on every machine.
+// call a frame, in order. It is one thread's; the same frames give the same labels on every machine.
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "engine/authoring/segments.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
@@ -65,26 +63,6 @@ private:
     std::vector<std::int32_t> depth_of_code_, ray_;  // ray_: of range depth, by pixel; else none
     std::vector<std::int32_t> quanta_;               // by eighths of an octave
     std::vector<std::int32_t> shares_;
-};
-
-/// 4096 log2(number), for 1 and up to 2^31, rounded down.
-std::int32_t fixed_log2(double number);
-
-/// A segment as its pixels have it so far in this frame.
-struct Segment {
-    std::uint16_t label;  ///< 1 and up, the same through the whole clip; never used again for something else
-    std::int32_t pixels;
-    std::array<std::uint8_t, 3> colour;  ///< mean, RGB; 0 where the clip has none
-    std::int32_t x, y;                   ///< a pixel of it, near its middle and inside of it
-    std::int32_t contrast;  ///< mean absolute deviation of brightness from its blur, 1/16 levels: how
-                            ///< textured it is; 0 without colour
-    bool operator==(const Segment&) const = default;
-};
-
-struct Segmentation {
-    int width = 0, height = 0;
-    std::vector<std::uint16_t> labels;  ///< row by row; 0: no surface (a hole), no segment
-    std::vector<Segment> segments;      ///< by label, ascending; only those in this frame
 };
 
 /// Follows segments through a clip. Feed it frames in order.

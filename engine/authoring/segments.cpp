@@ -5,6 +5,8 @@
 #include <set>
 #include <utility>
 
+#include "engine/authoring/segment_parts.hpp"
+#include "engine/authoring/segmentation.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -49,7 +51,7 @@ Error refuse_name(const NamedSegment& name, const std::string& why) {
     return {name.kind, name.said_by + ": " + why};
 }
 
-/// A pixel that somebody named.
+/// A pixel that has a name.
 struct NamedPlace {
     const NamedSegment* name;
     PixelOfFrame at;
@@ -134,13 +136,13 @@ Result<void> take_name(const NamedPlace& place, const Segmentation& frame, Label
     return {};
 }
 
-/// Looks at frames in order, as far as somebody named something there.
+/// Looks at frames in order, as far as something is named there.
 class NameSearch {
 public:
     NameSearch(const SegmentNames& names, const std::optional<SegmentMap>& map, const Segmentation& size)
         : names_(names), map_(map), size_(size) {}
 
-    /// Before the first frame; nothing: nobody knows how many there are.
+    /// Before the first frame; nothing: their number is not known.
     Result<void> begin(std::optional<std::int64_t> frames);
     /// The place that is looked for next; null: none is.
     const NamedPlace* next() const { return next_ < places_.size() ? &places_[next_] : nullptr; }
@@ -172,7 +174,7 @@ Result<void> NameSearch::begin(std::optional<std::int64_t> frames) {
     for (const NamedSegment& name : names_.segments)
         for (const PixelOfFrame& at : name.at) {
             places_.push_back({&name, at});
-            if (auto fits = check_place(places_.back(), size_, frames); !fits) return fits;
+            TRY(check_place(places_.back(), size_, frames));
         }
     std::stable_sort(places_.begin(), places_.end(),
                      [](const NamedPlace& a, const NamedPlace& b) { return a.at.frame < b.at.frame; });
@@ -184,8 +186,7 @@ Result<void> NameSearch::look(const Segmentation& segmentation, std::int64_t fra
         TRY_ASSIGN(auto of_map, names_of_map(*map_, segmentation, by_index_));
         found_ = std::move(of_map);
     }
-    for (; next() && next()->at.frame == frame; ++next_)
-        if (auto taken = take_name(*next(), segmentation, by_pixel_); !taken) return taken;
+    for (; next() && next()->at.frame == frame; ++next_) TRY(take_name(*next(), segmentation, by_pixel_));
     return {};
 }
 

@@ -1,46 +1,53 @@
 #pragma once
 
-// Segments of a whole clip: kept, cut, named, searched.
+// Segments of a whole clip: found, kept, cut, named, searched.
 //
-// A SegmentStore has the labels of all frames, compressed. A SegmentCut parts a segment in two along a
-// stroke, in all frames. The palette has materials by name and what they feel like; SegmentNames is what a
-// person says of segments (a file of JSON, docs/content.md), and the search finds which segments that means.
+// A Segmentation has the surfaces of a frame, each with a label that is the same through the clip;
+// begin_segments finds them, frame by frame. A SegmentStore has the labels of all frames, compressed. A
+// SegmentCut parts a segment in two along a stroke, in all frames. The palette has materials by name and what
+// they feel like; SegmentNames is what a person says of segments (a file of JSON, docs/content.md), and
+// find_named_segments finds which labels that means.
 //
-// A store does not change once all frames are added, and may be read by any thread; the rest are plain
-// values.
+// A store does not change once all frames are added, and may be read by any thread; what begin_segments gives
+// is one thread's; the rest are plain values.
 
-/// Places and strokes in files of ours: names of segments, and a brush's history.
-
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "engine/authoring/segmentation.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/checked_json.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 
-/// Gives pixels without a label (0) that of the nearest one that has any, by a distance transform.
-class NearestLabel {
-public:
-    /// `labels`: width x height, row by row. Where none has a label all stay as they are.
-    void fill(std::vector<std::uint16_t>& labels, int width, int height);
-
-private:
-    std::vector<std::int32_t> distances_;  // to the label, a third of a pixel
+/// A segment as its pixels have it so far in this frame.
+struct Segment {
+    std::uint16_t label;  ///< 1 and up, the same through the whole clip; never used again for something else
+    std::int32_t pixels;
+    std::array<std::uint8_t, 3> colour;  ///< mean, RGB; 0 where the clip has none
+    std::int32_t x, y;                   ///< a pixel of it, near its middle and inside of it
+    std::int32_t contrast;  ///< mean absolute deviation of brightness from its blur, 1/16 levels: how
+                            ///< textured it is; 0 without colour
+    bool operator==(const Segment&) const = default;
 };
+
+struct Segmentation {
+    int width = 0, height = 0;
+    std::vector<std::uint16_t> labels;  ///< row by row; 0: no surface (a hole), no segment
+    std::vector<Segment> segments;      ///< by label, ascending; only those in this frame
+};
+
+class CutFollower;
 
 /// What a surface of some material is like under a finger.
 struct Feel {
@@ -74,9 +81,6 @@ std::span<const PaletteMaterial> palette();
 /// Null: there is none of that name.
 const PaletteMaterial* find_material(std::string_view name);
 
-/// All of them, between commas.
-std::string material_names();
-
 /// Why a name is none of the palette's: what was probably meant, and all there are.
 std::string no_such_material(std::string_view name);
 
@@ -90,50 +94,6 @@ struct SegmentCut {
     std::int64_t frame = 0;
     std::vector<Point> stroke{};  ///< 2 and more
     bool operator==(const SegmentCut&) const = default;
-};
-
-/// The label on which most of the stroke lies, of a picture of labels with that width; 0: none. The stroke
-/// lies in the picture.
-std::uint16_t label_under(const SegmentCut& cut, const std::vector<std::uint16_t>& labels, int width);
-
-/// Parts one segment along a stroke, and follows both parts from frame to frame.
-class CutFollower {
-public:
-    /// Of a picture of width x height labels; `part` is the label of the smaller part.
-    CutFollower(std::uint16_t label, std::uint16_t part, int width, int height);
-
-    /// The frame in which it was drawn. False: the stroke does not part the segment, and nothing was changed.
-    bool begin(const SegmentCut& cut, std::vector<std::uint16_t>& labels);
-    /// A frame beside the last one that was given, either way through time. Each pixel of the segment belongs
-    /// to the part that it belonged to when it was last seen, once the segment is moved as it moved since
-    /// then; one that was never seen, to the nearest part. A frame without the segment stays as it is.
-    void next(std::vector<std::uint16_t>& labels);
-
-private:
-    struct Box {
-        int left, top, right, bottom;  // right and bottom beyond the last pixel
-        void hold(const Box& other);
-    };
-    struct Place {
-        std::int64_t x = 0, y = 0;
-    };
-    /// Where the segment is, and the middle of its pixels; nothing: nowhere.
-    struct Seen {
-        Box box;
-        Place middle;
-    };
-    std::optional<Seen> find(const std::vector<std::uint16_t>& labels) const;
-    std::int64_t overlap(const std::vector<std::uint16_t>& labels, const Box& box, const Place& shift) const;
-    void shift_known(const Place& shift);
-    void remember(const std::vector<std::uint16_t>& labels, const Seen& seen);
-
-    const std::uint16_t label_, part_;
-    const int width_, height_;
-    std::vector<std::uint16_t> known_;  // which part a place belongs to, since it was seen; 0: nobody knows
-    Box known_box_;                     // outside of it nothing is known
-    Place middle_;                      // of the segment in the last frame that had it
-    std::vector<std::uint16_t> near_;   // of a box
-    NearestLabel nearest_;
 };
 
 /// The labels of all frames of a clip, kept in little memory. A value: copies share what they have in common.
@@ -232,24 +192,6 @@ inline constexpr std::size_t largest_segment_names = std::size_t{16} << 20;
 Result<SegmentNames> parse_segment_names(std::string_view json, std::string_view where);
 /// As text; parse_segment_names gives the same back.
 std::string segment_names_to_json(const SegmentNames& names);
-
-}  // namespace touchable
-
-namespace touchable::segment_json {
-
-inline constexpr std::int64_t last_frame = 999'999'999;
-
-/// [X, Y] or [X, Y, FRAME]. Throws checked_json::Refusal, as read_cut does.
-PixelOfFrame read_place(const checked_json::Node& node);
-nlohmann::ordered_json write_place(const PixelOfFrame& place);
-
-/// {"frame": 0, "stroke": [[X, Y], [X, Y]]}
-SegmentCut read_cut(const checked_json::Node& node);
-nlohmann::ordered_json write_cut(const SegmentCut& cut);
-
-}  // namespace touchable::segment_json
-
-namespace touchable {
 
 /// Segments of a clip's frames in order, each until the next call; `follows` the frame before.
 using SegmentFrames = std::function<const Segmentation&(const RawFrame& frame, bool follows)>;

@@ -37,8 +37,7 @@ std::vector<int> even_cells(int length, int side, int& cells) {
     return ends;
 }
 
-}  // namespace
-
+/// 4096 log2(number), for 1 and up to 2^31, rounded down.
 std::int32_t fixed_log2(double number) {
     const auto fixed = static_cast<std::uint64_t>(number * 4294967296.0);
     const int octave = std::bit_width(fixed) - 1;
@@ -53,6 +52,8 @@ std::int32_t fixed_log2(double number) {
     }
     return log;
 }
+
+}  // namespace
 
 FeatureReader::FeatureReader(const Scene& scene)
     : width_(scene.width), height_(scene.height), coding_(scene.depth) {

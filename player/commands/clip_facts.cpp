@@ -151,7 +151,7 @@ private:
 };
 
 void Findings::look_at_times() {
-    const FrameTimes& times = quality_.times;
+    const ClipQuality::FrameTimes& times = quality_.times;
     if (times.jumps > 0)
         add("times",
             frames(times.jumps, "is", "are") +
@@ -241,7 +241,7 @@ void Findings::look_at_codes() {
 
 void Findings::look_at_colour() {
     if (!quality_.colour) return;
-    const ColourEdges::Fit& fit = *quality_.colour;
+    const ClipQuality::ColourFit& fit = *quality_.colour;
     const double right = fit.right.value_or(0), below = fit.below.value_or(0);
     const auto* where = &quality_.where.colour_edges;
     const char* colour_camera =
@@ -277,7 +277,7 @@ void Findings::look_at_colour() {
 
 void Findings::look_at_haptic() {
     if (!quality_.haptic) return;
-    const HapticValues& values = *quality_.haptic;
+    const ClipQuality::HapticValues& values = *quality_.haptic;
     const auto& where = quality_.where.haptic;
     const auto track = std::find_if(facts_.tracks.begin(), facts_.tracks.end(),
                                     [](const TrackInfo& info) { return info.role == "haptic"; });
@@ -326,7 +326,7 @@ Result<void> draw(const std::vector<Finding>& findings, const ClipQuality& quali
 }
 
 nlohmann::ordered_json measures_json(const ClipQuality& quality) {
-    const FrameTimes& times = quality.times;
+    const ClipQuality::FrameTimes& times = quality.times;
     nlohmann::ordered_json json{{"frames", times.frames},
                                 {"repeated", times.repeated},
                                 {"missing", times.missing},
@@ -334,7 +334,7 @@ nlohmann::ordered_json measures_json(const ClipQuality& quality) {
                                 {"longest_ms", times.longest_ms}};
     if (quality.pumping) json["pumping"] = *quality.pumping;
     if (quality.colour) {
-        const ColourEdges::Fit& fit = *quality.colour;
+        const ClipQuality::ColourFit& fit = *quality.colour;
         const auto known = [](const std::optional<double>& value) {
             return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
         };
@@ -359,7 +359,7 @@ std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
     if (quality.pumping) words += "; depth goes to and fro by " + number(100 * *quality.pumping) + " %";
     if (!has_colour) return words + "; no colour, which could be beside depth";
     if (!quality.colour) return words + "; too few edges to tell whether colour is where depth is";
-    const ColourEdges::Fit& fit = *quality.colour;
+    const ClipQuality::ColourFit& fit = *quality.colour;
     words += "; colour against depth at " + std::to_string(fit.edges) + " edges (" +
              number(100 * fit.agreement) + " % agree):";
     if (fit.right) words += ' ' + number(*fit.right) + " pixels to the right,";

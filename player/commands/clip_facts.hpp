@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/authoring/clip_quality.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

@@ -45,7 +45,7 @@ std::string values_in_words(const HapticProperties& properties) {
                      properties.static_friction, properties.dynamic_friction);
 }
 
-std::string segment_line(const SeenSegment& segment, double of_pixels) {
+std::string segment_line(const MaterialReport::Seen& segment, double of_pixels) {
     std::string at = std::to_string(segment.at.x) + ',' + std::to_string(segment.at.y);
     if (segment.at.frame > 0) at += ',' + std::to_string(segment.at.frame);
     const std::string material = segment.paint.material.empty() ? "own values" : segment.paint.material;
@@ -61,16 +61,17 @@ std::string segment_line(const SeenSegment& segment, double of_pixels) {
 /// With cuts the segments were found before, and their time is not known.
 std::string report_in_words(const MaterialReport& report, const Scene& scene, bool has_cuts) {
     const double of_pixels = static_cast<double>(scene.width) * scene.height;
-    std::vector<SeenSegment> told = report.segments;
-    std::erase_if(told, [&](const SeenSegment& segment) {
+    std::vector<MaterialReport::Seen> told = report.segments;
+    std::erase_if(told, [&](const MaterialReport::Seen& segment) {
         return (segment.paint.name.empty() || segment.paint.is_guess) &&
                std::int64_t{1000} * segment.pixels < told_permille * scene.width * scene.height;
     });
-    std::stable_sort(told.begin(), told.end(),
-                     [](const SeenSegment& a, const SeenSegment& b) { return a.pixels > b.pixels; });
+    std::stable_sort(
+        told.begin(), told.end(),
+        [](const MaterialReport::Seen& a, const MaterialReport::Seen& b) { return a.pixels > b.pixels; });
     std::string words = "  label  --at            share  colour   material\n";
     bool guessed = false;
-    for (const SeenSegment& segment : told) {
+    for (const MaterialReport::Seen& segment : told) {
         words += segment_line(segment, of_pixels);
         guessed = guessed || segment.paint.is_guess;
     }
@@ -96,7 +97,7 @@ SegmentNames used_names(const MaterialReport& report, const SegmentNames& given)
     SegmentNames used;
     used.otherwise = given.otherwise;
     used.cuts = given.cuts;
-    for (const SeenSegment& segment : report.segments) {
+    for (const MaterialReport::Seen& segment : report.segments) {
         const bool is_first_guess = segment.paint.is_guess && segment.at.frame == 0;
         if (segment.paint.name.empty() && !is_first_guess) continue;
         const auto known = std::find_if(used.segments.begin(), used.segments.end(), [&](const auto& name) {
@@ -121,7 +122,7 @@ SegmentNames used_names(const MaterialReport& report, const SegmentNames& given)
 
 /// What is cut of materials that a clip's own ranges do not hold.
 void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
-    for (const SeenSegment& segment : report.segments) {
+    for (const MaterialReport::Seen& segment : report.segments) {
         const auto say = [&](const char* what, double value, const PropertyRange& range) {
             const double felt = std::clamp(value, range.min, range.max);
             if (formatted("%.3g", felt) == formatted("%.3g", value)) return;

@@ -6,8 +6,8 @@
 #include <system_error>
 #include <utility>
 
-#include "engine/authoring/filled_clip.hpp"
 #include "engine/authoring/materials.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -29,8 +29,8 @@
 #include <thread>
 #include <vector>
 
-#include "engine/authoring/material_brush.hpp"
-#include "engine/authoring/relief.hpp"
+#include "engine/authoring/materials.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 #include "engine/authoring/segments.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

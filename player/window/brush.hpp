@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/materials.hpp"
 #include "engine/authoring/segments.hpp"
 #include "engine/base/result.hpp"
 #include "player/window/window_command.hpp"

@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/authoring/segmentation.hpp"
+#include "engine/authoring/segments.hpp"
 #include "engine/base/try.hpp"
 #include "player/window/brush.hpp"
 
@@ -25,7 +25,7 @@ int brightness_at(const PlaneView& colour, int x, int y, int width, int height) 
 }
 
 /// Guesses are paler.
-TintRgb tint_of(const SegmentPaint& paint) {
+TintRgb tint_of(const PaintedSegments::Paint& paint) {
     TintRgb colour = material_colour(paint.material);
     if (paint.is_guess)
         for (std::uint8_t& c : colour) c = static_cast<std::uint8_t>((c + pale) / 2);

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/materials.hpp"
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/picture/image.hpp"

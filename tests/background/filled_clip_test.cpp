@@ -1,5 +1,5 @@
 // Holes get the depth that is behind them where other frames saw it, and nothing else does.
-#include "engine/authoring/filled_clip.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 
 #include <gtest/gtest.h>
 

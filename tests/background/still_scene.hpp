@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "engine/authoring/filled_clip.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 #include "engine/clip/clip.hpp"
 #include "tests/alignment/pumping_clip.hpp"
 

@@ -1,5 +1,5 @@
 // What is said of segments, and what a brush did to them: files that anybody may have written.
-#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/materials.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,9 +1,7 @@
 // Materials painted by a person: joined, cut, undone, saved, and brought back.
-#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/materials.hpp"
 
 #include <gtest/gtest.h>
-
-#include "engine/authoring/materials.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/materials/colour_segments.hpp"
 #include "tests/materials/drawn_segments.hpp"

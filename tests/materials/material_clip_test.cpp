@@ -1,5 +1,6 @@
 // A clip whose segments feel like materials: all its other planes as they were, and what a person says of it.
 #include "engine/authoring/materials.hpp"
+#include "engine/authoring/segment_parts.hpp"
 
 #include <gtest/gtest.h>
 

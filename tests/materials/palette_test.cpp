@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "engine/authoring/materials.hpp"
+#include "engine/authoring/segment_parts.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
@@ -67,7 +67,7 @@ TEST(Palette, IsInTheDocumentsAsItIs) {
 
 TEST(Palette, GuessesWhatColoursSuggest) {
     const auto guess = [](std::array<std::uint8_t, 3> colour, int levels, int per_cent) {
-        return guess_material({colour, levels * 16, per_cent, 100}).name;
+        return guess_material({1, per_cent, colour, 0, 0, levels * 16}, 100).name;
     };
     EXPECT_EQ(guess({150, 100, 60}, 3, 30), "wood");
     EXPECT_EQ(guess({220, 170, 150}, 1, 10), "skin");
@@ -89,13 +89,15 @@ TEST(Palette, HasAGuessForWhateverIsSeen) {
             for (int blue = 0; blue < 256; blue += 15)
                 for (const int contrast : {0, 32, 33, 96, 97, 5000})
                     for (const int pixels : {0, 1, 300, 1000}) {
-                        const SegmentLook look{
+                        const Segment segment{
+                            1,
+                            pixels,
                             {static_cast<std::uint8_t>(red), static_cast<std::uint8_t>(green),
                              static_cast<std::uint8_t>(blue)},
-                            contrast,
-                            pixels,
-                            1000};
-                        ASSERT_NE(find_material(guess_material(look).name), nullptr);
+                            0,
+                            0,
+                            contrast};
+                        ASSERT_NE(find_material(guess_material(segment, 1000).name), nullptr);
                     }
 }
 

@@ -1,5 +1,5 @@
 // Where edges of colour are, against edges of depth that are known.
-#include "engine/authoring/clip_quality.hpp"
+#include "engine/authoring/quality_estimators.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ protected:
         const int end = (uneven_ ? 44 + 13 * square % 17 : 50) + larger;
         return column >= 20 - larger && column < end && row >= 20 - larger && row < end;
     }
-    ColourEdges::Fit fit(int right, int below, int colour_larger, bool with_shadow = false) {
+    ClipQuality::ColourFit fit(int right, int below, int colour_larger, bool with_shadow = false) {
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
                 const bool shadow = with_shadow && !in_box(x + 80, y + 80) && in_box(x + 87, y + 80);
@@ -48,7 +48,7 @@ protected:
         edges.add(frame, &where);
         const auto found = edges.fit();
         EXPECT_TRUE(found);
-        return found.value_or(ColourEdges::Fit{});
+        return found.value_or(ClipQuality::ColourFit{});
     }
 
     static constexpr std::uint8_t invalid = 0;

@@ -1,5 +1,5 @@
 // How frames follow each other.
-#include "engine/authoring/clip_quality.hpp"
+#include "engine/authoring/quality_estimators.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ RawFrame frame_at(std::int64_t number, std::int64_t ms, std::uint8_t depth, std:
 TEST(FrameTimes, AreAllRight) {
     FrameTimesEstimator estimator;
     for (int k = 0; k < 20; ++k) estimator.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k)));
-    const FrameTimes times = estimator.times();
+    const ClipQuality::FrameTimes times = estimator.times();
     EXPECT_EQ(times.frames, 20);
     EXPECT_EQ(times.repeated, 0);
     EXPECT_EQ(times.missing, 0);
@@ -63,7 +63,7 @@ TEST(FrameTimes, GapsAndJumpsAreCounted) {
         ms += k == 5 ? 132 : k == 9 ? 0 : k == 12 ? 66 : 33;
         estimator.add(frame_at(k, ms, static_cast<std::uint8_t>(k)));
     }
-    const FrameTimes times = estimator.times();
+    const ClipQuality::FrameTimes times = estimator.times();
     EXPECT_EQ(times.missing, 3 + 1);
     EXPECT_EQ(times.jumps, 1);
     EXPECT_EQ(times.longest_ms, 132);

@@ -1,5 +1,5 @@
 // What haptic pictures ask of a device.
-#include "engine/authoring/clip_quality.hpp"
+#include "engine/authoring/quality_estimators.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ constexpr int columns = 100, rows = 10;
 
 class HapticValuesOf : public ::testing::Test {
 protected:
-    HapticValues values(const std::function<std::array<int, 3>(int, int)>& rgb) {
+    ClipQuality::HapticValues values(const std::function<std::array<int, 3>(int, int)>& rgb) {
         Scene scene = small_scene(columns, rows);
         scene.haptic = {{0, 10}, {0, 1}, {0, 1}};
         std::vector<std::uint8_t> depth(columns * rows, 100), haptic;
@@ -35,11 +35,11 @@ protected:
         return std::count(marks.begin(), marks.end(), 1);
     }
 
-    HapticValuesEstimator::Where where;
+    ClipQuality::Where::Haptic where;
 };
 
 TEST_F(HapticValuesOf, SharesAreThoseOfThePicture) {
-    const HapticValues found = values([](int x, int) {
+    const ClipQuality::HapticValues found = values([](int x, int) {
         return std::array{x < 25 ? 255 : 51, 100, x < 10 ? 200 : 50};
     });
     EXPECT_DOUBLE_EQ(found.stiffest, 10);
@@ -57,7 +57,7 @@ TEST_F(HapticValuesOf, AreasAndSmoothChangesAreNotMixed) {
 
 TEST_F(HapticValuesOf, NoiseOfACodecIsMixed) {
     std::minstd_rand random(3);
-    const HapticValues found = values([&](int, int) {
+    const ClipQuality::HapticValues found = values([&](int, int) {
         const int noise = static_cast<int>(random() / 16 % 5);
         return std::array{100 + noise, 120 - noise, 60};
     });

@@ -1,5 +1,5 @@
 // Depth that goes to and fro as a whole.
-#include "engine/authoring/clip_quality.hpp"
+#include "engine/authoring/quality_estimators.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The Laplacian of Gaussian, against sums that are written out.
-#include "engine/authoring/relief.hpp"
+#include "engine/authoring/relief_filter.hpp"
 
 #include <gtest/gtest.h>
 

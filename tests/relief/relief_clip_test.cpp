@@ -1,5 +1,5 @@
 // A clip with relief: its other planes as they were, heights that are the same bits everywhere.
-#include "engine/authoring/relief.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 
 #include <gtest/gtest.h>
 

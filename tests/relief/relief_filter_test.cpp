@@ -1,5 +1,5 @@
 // What of a picture becomes relief, and where there is none.
-#include "engine/authoring/relief.hpp"
+#include "engine/authoring/relief_filter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Heights of a clip, frame after frame: steady where nothing moves, and quick where something does.
-#include "engine/authoring/relief.hpp"
+#include "engine/authoring/relief_filter.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/materials.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
 #include "player/session/clip_choice.hpp"

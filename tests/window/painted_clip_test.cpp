@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "engine/authoring/material_brush.hpp"
+#include "engine/authoring/materials.hpp"
 #include "engine/authoring/segments.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/window/clip_picture.hpp"

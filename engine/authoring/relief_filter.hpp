@@ -1,22 +1,15 @@
 #pragma once
 
-// Relief that is felt, made of a recording's colour (docs/content.md).
-//
-// A clip with heights is made around one without: details of brightness between two widths (difference of
-// Gaussians) are taken for bumps. Some frames of the clip tell how strong they are (ReliefEstimator), and
-// heights stay steady through time (ReliefHeights).
-//
-// A reader is one thread's; a stop is heard between frames.
+// The relief of a clip's pictures, step by step: details by their size (DifferenceOfGaussians), a frame's
+// relief (ReliefFilter), how strong a clip's is (ReliefEstimator), heights through time (ReliefHeights).
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <optional>
-#include <string>
+#include <tuple>
 #include <vector>
 
-#include "engine/base/result.hpp"
-#include "engine/clip/clip.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -62,8 +55,8 @@ public:
     void apply(NumberField& field, int side, const SurfaceRuns& runs);
 
 private:
-    std::vector<std::uint32_t> row_sums_,
-        column_sums_;  // of all before; they may wrap, their differences do not
+    // Of all before; they may wrap, their differences do not.
+    std::vector<std::uint32_t> row_sums_, column_sums_;
 };
 
 /// Details of a picture by their size: what a Gaussian blur leaves less what a wider one leaves. This is the
@@ -72,7 +65,7 @@ private:
 /// it (normalised convolution).
 class DifferenceOfGaussians {
 public:
-    static constexpr int bands = 3;
+    static constexpr int bands = std::tuple_size_v<decltype(ReliefSettings::bands)>;
     /// Standard deviations of the blurs between which the bands lie, in pixels. A Gaussian is boxes, one
     /// after the other: sides of squares.
     static constexpr std::array<double, bands + 1> sigma{0.82, 1.83, 4.47, 10.39};
@@ -92,15 +85,6 @@ private:
     BoxFilter box_;
     NumberField weighted_, weights_, mean_, wider_, confidence_;
     std::array<NumberField, bands> bands_;
-};
-
-/// What of a picture's details becomes relief.
-struct ReliefSettings {
-    std::array<int, DifferenceOfGaussians::bands> bands{
-        100, 70, 40};     ///< per cent of fine, medium, coarse; -400 to 400
-    int amount = 100;     ///< per cent of the largest height, 0 to 400
-    bool invert = false;  ///< dark stands out, not bright
-    bool operator==(const ReliefSettings&) const = default;
 };
 
 /// The relief that the colour of a frame suggests, before it is scaled: what is brighter than around it
@@ -126,15 +110,6 @@ private:
     DifferenceOfGaussians split_;
     NumberField luma_, weights_, relief_;
     SurfaceRuns runs_;
-};
-
-/// What a clip's relief is like, in the numbers of ReliefFilter.
-struct ReliefRange {
-    std::int32_t full =
-        1;  ///< 99 % of what counts is no higher and no deeper: this becomes the largest height
-    /// Standard deviation from frame to frame of what does not move. Nothing: no two frames followed each
-    /// other.
-    std::optional<std::int32_t> noise{};
 };
 
 /// Looks at the relief of some frames. Percentiles of the whole clip, not of each frame: otherwise a picture
@@ -180,23 +155,5 @@ private:
     std::vector<std::uint8_t> codes_;
     std::int64_t still_ = 0, changes_ = 0, larger_ = 0;
 };
-
-/// A clip at its beginning, and what its relief is like.
-struct LookedAt {
-    std::unique_ptr<ClipReader> clip;
-    ReliefRange range;
-};
-/// Looks at some frames (telling_frames) of a clip that is at its beginning: they say what the largest height
-/// stands for, and how much of it is the camera's noise. Amount and direction change nothing of it. Refused
-/// without colour.
-Result<LookedAt> look_at_relief(std::unique_ptr<ClipReader> clip, const ReliefSettings& settings);
-
-/// The clip with heights that its colour suggests, in place of its own: codes of 8 bits, 128 is level, from
-/// -max_height / 2 to max_height / 2 around it. `max_height`: scene units, more than 0; where that leaves no
-/// room before the camera it is half of the nearest depth, and a note says so. `notes`: what else a person
-/// should know, before what is noted here. After the last frame a note says how far heights flicker.
-Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip,
-                                                const ReliefSettings& settings, const ReliefRange& range,
-                                                double max_height, std::vector<std::string> notes = {});
 
 }  // namespace touchable
