@@ -275,8 +275,7 @@ Cast cast(const Space& space, const glm::dvec3& from, const Place* from_surface,
     return SurfaceCast<Space>(space, way->begin, way->end, cells, cell_limit).run(way->begin, start);
 }
 
-template <class Space>
-bool is_clear(const Space& space, const glm::dvec3& from, const glm::dvec3& to) {
+bool is_clear(const auto& space, const glm::dvec3& from, const glm::dvec3& to) {
     const auto begin = space.chart(from), end = space.chart(to);
     if (!begin || !end) return false;
     const TileGrid tiles = space.field().tiles();

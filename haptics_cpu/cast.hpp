@@ -73,7 +73,6 @@ Cast cast(const Space& space, const glm::dvec3& from, const Place* from_surface,
 
 /// True where one bound tells that the straight way between two free points stays in front of the surface,
 /// both ends included: what a finger far from everything costs. False says nothing.
-template <class Space>
-bool is_clear(const Space& space, const glm::dvec3& from, const glm::dvec3& to);
+bool is_clear(const auto& space, const glm::dvec3& from, const glm::dvec3& to);
 
 }  // namespace touchable

@@ -368,7 +368,7 @@ bool ForceGuard::is_sound(const Contact& contact, const BlendedForce& blended) c
            is_within(blended.force, most_newtons) && blended.presence >= 0 && blended.presence <= 1;
 }
 
-/// A step towards no force. Whoever comes back before that finds the ramp at the share that was left.
+/// A step towards no force. A goal that comes back before that finds the ramp at the share that was left.
 GuardedForce ForceGuard::ramp_out(double surface_share) {
     if (ticks_faulty_ < ramp_out_ticks()) ++ticks_faulty_;
     const double left = 1.0 - static_cast<double>(ticks_faulty_) / ramp_out_ticks();

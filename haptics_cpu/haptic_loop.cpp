@@ -28,7 +28,7 @@ std::string memory_in_words(const RealtimeGrant& grant) {
     return "memory locked but what came after the start (" + limit + ")";
 }
 
-/// Whether memory may be locked beyond a limit, as whoever has CAP_IPC_LOCK may: tried on addresses with
+/// Whether memory may be locked beyond a limit, as a process with CAP_IPC_LOCK may: tried on addresses with
 /// nothing behind them.
 bool may_lock_beyond(std::uint64_t limit) {
     const std::size_t bytes = limit + (std::size_t{1} << 20);
@@ -74,7 +74,7 @@ unsigned char touch_stack() {
     return below[0];
 }
 
-/// What is there is kept, and what comes later once somebody has touched it, as a builder does with its
+/// What is there is kept, and what comes later once it has been touched, as a builder does with its
 /// frames before the hand sees them: to fetch all of it at once would fetch what drivers and libraries only
 /// reserve, and eight megabytes of stack for every thread. Below a finite limit nothing is asked for later
 /// memory, because what would go beyond it is refused altogether.

@@ -63,7 +63,7 @@ private:
     alignas(64) std::atomic<std::uint64_t> popped_{0};
 };
 
-/// Ticks on their way from the haptic thread to whoever keeps them.
+/// Ticks on their way from the haptic thread to the thread that keeps them.
 class TickLog {
 public:
     TickLog(int ticks, int fingers);
@@ -144,8 +144,8 @@ bool become_fifo();
 void sleep_until(std::chrono::steady_clock::time_point moment);
 
 /// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time.
-/// It never waits for anybody, never allocates; a tick that comes too late is counted and the missed ones are
-/// skipped (docs/architecture.md, Threads).
+/// It never waits for another thread, never allocates; a tick that comes too late is counted and the missed
+/// ones are skipped (docs/architecture.md, Threads).
 class HapticLoop {
 public:
     /// How a loop went; complete once it has ended.
@@ -184,7 +184,7 @@ public:
     /// Ends after the tick in progress, with zero force written; does nothing before it started or once it
     /// has ended.
     void stop();
-    /// Likewise, and does not wait for that. Any thread.
+    /// The same without waiting for it. Any thread.
     void ask_to_stop() { stopping_.store(true, std::memory_order_relaxed); }
     bool running() const { return !ended_.load(std::memory_order_acquire); }
     /// Time of the newest tick begun: tick k is at k ms.

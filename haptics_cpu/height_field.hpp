@@ -195,7 +195,7 @@ private:
     const SurfaceFrame* prev_;
     const SurfaceFrame* prev_codes_;            // VertexSource::read_from
     const SurfaceFrame* next_ = nullptr;        // nothing to interpolate, or both frames are one
-    const SurfaceFrame* next_codes_ = nullptr;  // likewise
+    const SurfaceFrame* next_codes_ = nullptr;  // of next_
     const SurfaceFrame* nearer_;                // in time: gives the state of half-valid pixels
     bool has_haptic_image_;
     double blend_ = 0;

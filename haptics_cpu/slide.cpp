@@ -67,8 +67,7 @@ void along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way, 
     }
 }
 
-template <class Space>
-void on_face(const Space& space, const Place& at, const dvec3& pull, bool may_leave, Motion& motion) {
+void on_face(const auto& space, const Place& at, const dvec3& pull, bool may_leave, Motion& motion) {
     const bool lower = at.feature == Feature::face_lower;
     const SpaceVertex &first = space.vertex(at.i, at.j), &second = space.vertex(at.i + 1, at.j + 1);
     const SpaceVertex& apex = space.vertex(at.i + lower, at.j + !lower);
@@ -114,8 +113,7 @@ bool points_to_first(Feature edge, const ImageStep& step) {
     }
 }
 
-template <class Space>
-void on_edge(const Space& space, const Place& at, const dvec3& point, const dvec3& pull, bool may_leave,
+void on_edge(const auto& space, const Place& at, const dvec3& point, const dvec3& pull, bool may_leave,
              Motion& motion) {
     const std::int64_t end_i = at.i + (at.feature == Feature::edge_v ? 0 : 1);
     const std::int64_t end_j = at.j + (at.feature == Feature::edge_h ? 0 : 1);
@@ -183,8 +181,7 @@ std::size_t sector_of(const ImageStep& step) {
     return step.dx <= 0 ? 4 : 5;
 }
 
-template <class Space>
-void on_vertex(const Space& space, std::int64_t i, std::int64_t j, const dvec3& point, const dvec3& pull,
+void on_vertex(const auto& space, std::int64_t i, std::int64_t j, const dvec3& point, const dvec3& pull,
                bool may_leave, Motion& motion) {
     std::array<dvec3, 6> e, n;
     const SpaceVertex& middle = space.vertex(i, j);
@@ -635,8 +632,7 @@ double uneven_stop(const FrictionCone& cone, const Motion& motion, const ImageSt
 
 }  // namespace
 
-template <class Space>
-Motion project_on_tangent_cone(const Space& space, const Proxy& proxy, const dvec3& point, const dvec3& pull,
+Motion project_on_tangent_cone(const auto& space, const Proxy& proxy, const dvec3& point, const dvec3& pull,
                                bool may_leave) {
     Motion motion;
     switch (proxy.feature) {

@@ -30,8 +30,7 @@ struct Motion {
 /// the cone's boundary is a union of face sectors, so the projection is the longest among the projections on
 /// incident faces (where it falls into the face's sector) and edges. Exact, also at ridges and saddles, where
 /// free space is not convex. `may_leave` false treats a pull off the surface as one along it.
-template <class Space>
-Motion project_on_tangent_cone(const Space& space, const Proxy& proxy, const glm::dvec3& point,
+Motion project_on_tangent_cone(const auto& space, const Proxy& proxy, const glm::dvec3& point,
                                const glm::dvec3& pull, bool may_leave);
 
 /// Coulomb friction as a cone around the goal (Melder and Harwin 2004; docs/solver.md, Friction): a proxy
@@ -64,16 +63,14 @@ bool is_slow(double speed, double stribeck_speed);
 
 /// Of the cell of a place the corners (0, 0), (1, 0), (0, 1), (1, 1): whether each is valid, or has no weight
 /// there and is not looked at.
-template <class Space>
-std::array<bool, 4> valid_corners(const Space& space, const Place& at) {
+std::array<bool, 4> valid_corners(const auto& space, const Place& at) {
     const bool right = at.a > 0, below = at.b > 0;
     const auto valid = [&](int di, int dj) { return space.is_valid(at.i + di, at.j + dj); };
     return {valid(0, 0), !right || valid(1, 0), !below || valid(0, 1), !right || !below || valid(1, 1)};
 }
 
 /// Stiffness and friction at a place of the surface.
-template <class Space>
-HapticProperties properties_at(const Space& space, const Place& at) {
+HapticProperties properties_at(const auto& space, const Place& at) {
     return space.field().properties(at.i, at.j, at.a, at.b, valid_corners(space, at));
 }
 
@@ -90,8 +87,7 @@ inline CellPoint in_cell_of(const Motion& motion, const Place& at) {
 FrictionCone cone_over(const CornerProperties& corners, const CellPoint& at, bool sliding, const Slip& slip);
 
 /// The cone of a proxy about to move through a cell whose friction may differ from place to place.
-template <class Space>
-FrictionCone uneven_cone(const Space& space, const Proxy& proxy, const Motion& motion, const Slip& slip) {
+FrictionCone uneven_cone(const auto& space, const Proxy& proxy, const Motion& motion, const Slip& slip) {
     // Along a side of the cell the other side's corners have no weight.
     const bool right = motion.feature != Feature::edge_v, below = motion.feature != Feature::edge_h;
     const auto valid = [&](int di, int dj) { return space.is_valid(motion.i + di, motion.j + dj); };
@@ -104,8 +100,7 @@ FrictionCone uneven_cone(const Space& space, const Proxy& proxy, const Motion& m
 }
 
 /// The cone of a proxy about to move; all zero where the field has no friction.
-template <class Space>
-FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Motion& motion, const Slip& slip) {
+FrictionCone friction_cone(const auto& space, const Proxy& proxy, const Motion& motion, const Slip& slip) {
     const HeightField& field = space.field();
     if (!field.has_friction()) return {};
     if (field.has_haptic_image() || !motion.corners_valid) return uneven_cone(space, proxy, motion, slip);
@@ -121,8 +116,7 @@ FrictionCone friction_cone(const Space& space, const Proxy& proxy, const Motion&
 
 /// Whether what was presumed of a motion's cone is so: that the corner of its cell beyond its face is valid.
 /// By Stribeck's rule the minimum at the corners may round to another number: there nothing is presumed.
-template <class Space>
-bool is_as_presumed(const Space& space, const Motion& motion, const Slip& slip) {
+bool is_as_presumed(const auto& space, const Motion& motion, const Slip& slip) {
     const bool lower = motion.feature == Feature::face_lower;
     return slip.static_share == 0 && space.is_valid(motion.i + !lower, motion.j + lower);
 }

@@ -127,8 +127,7 @@ private:
 constexpr double much_nearer = 0.5;
 
 /// Onto a surface that rose past a free proxy, on its ray. False where it did not.
-template <class Space>
-bool lift(const Space& space, Proxy& proxy) {
+bool lift(const auto& space, Proxy& proxy) {
     const auto at = space.chart(proxy.point);
     if (!at) return false;
     const Place under = face_under(at->x, at->y);

@@ -25,7 +25,7 @@ bool is_usable(const dvec3& goal, double limit) {
     return std::abs(goal.x) <= limit && std::abs(goal.y) <= limit && std::abs(goal.z) <= limit;
 }
 
-/// False where any number of it is none. No tick leaves it so; whoever hands such a state in begins anew.
+/// False where any number of it is none. No tick leaves it so; a finger whose state is so begins anew.
 bool is_sound(const FingerState& finger) {
     const Proxy& proxy = finger.proxy;
     const dvec3 sum = proxy.point + finger.goal + finger.place;
@@ -34,8 +34,7 @@ bool is_sound(const FingerState& finger) {
 }
 
 /// Cast, then slide: from a place on or in front of the surface to where the goal pulls the proxy.
-template <class Space>
-void solve(const Space& space, Proxy& proxy, const dvec3& goal, const SolveLimits& limits, const Slip& slip,
+void solve(const auto& space, Proxy& proxy, const dvec3& goal, const SolveLimits& limits, const Slip& slip,
            SolveCounts& counts) {
     if (!proxy.on_surface()) {
         const Cast flight = cast(space, proxy.point, nullptr, goal, counts.cells, limits.cells);
@@ -87,8 +86,7 @@ double sudden_distance(const HeightField& field, const TouchSettings& settings, 
     return settings.sudden_speed * due_s / settings.metres_per_scene_unit;
 }
 
-template <class Space>
-void book_carried(const Space& space, const Proxy& proxy, Contact& contact) {
+void book_carried(const auto& space, const Proxy& proxy, Contact& contact) {
     contact.carried_stiffness.reset();
     if (!proxy.on_surface()) return;
     contact.carried = space.to_world(proxy.point);
@@ -100,8 +98,7 @@ constexpr double largest_step = 0.1;
 
 /// Whether the surface has become so much stiffer or softer under a proxy that it counts as a jump. What a
 /// hole does to stiffness comes on as evenly as the guard lets it (ContactStiffness).
-template <class Space>
-bool is_other_stuff(const Space& space, const TouchSettings& settings, const dvec3& goal,
+bool is_other_stuff(const auto& space, const TouchSettings& settings, const dvec3& goal,
                     const FingerState& before, const Proxy& proxy, const Contact& contact) {
     if (!contact.carried_stiffness || before.near_hole) return false;
     const double per_metre = *contact.carried_stiffness - before.stiffness;
@@ -113,8 +110,7 @@ bool is_other_stuff(const Space& space, const TouchSettings& settings, const dve
 
 /// Brings a proxy to the surface of this tick, and finds what one that jumped exerts at `goal`, of the tick
 /// before.
-template <class Space>
-void bring(const Space& space, const TouchSettings& settings, double sudden, const dvec3& goal,
+void bring(const auto& space, const TouchSettings& settings, double sudden, const dvec3& goal,
            const Slip& slip, FingerState& finger, Contact& contact) {
     Proxy& proxy = finger.proxy;
     const dvec3 before = proxy.point;
@@ -157,8 +153,7 @@ void note_slip(const TouchSettings& settings, const Contact& contact, FingerStat
     finger.ticks_held = 0;
 }
 
-template <class Space>
-void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scene_unit, Contact& contact) {
+void fill_contact(const auto& space, const Proxy& proxy, double metres_per_scene_unit, Contact& contact) {
     contact.touching = proxy.on_surface();
     if (contact.touching) {
         contact.pixel_x = proxy.x();
@@ -179,8 +174,7 @@ void fill_contact(const Space& space, const Proxy& proxy, double metres_per_scen
 }
 
 /// The order of docs/solver.md, A tick, file by file.
-template <class Space>
-void tick_in(const Space& space, const TouchSettings& settings, double goal_limit,
+void tick_in(const auto& space, const TouchSettings& settings, double goal_limit,
              std::span<const dvec3> goals, std::span<FingerState> fingers, std::span<Contact> contacts,
              int ticks) {
     const HeightField& field = space.field();

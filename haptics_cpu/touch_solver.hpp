@@ -22,7 +22,7 @@ struct TouchSettings {
     TouchMetric metric = TouchMetric::world;
     double metres_per_scene_unit = 0.001;    ///< S of F = k S (P - G), from the Workspace
     int event_limit = SolveLimits{}.events;  ///< features a proxy may pass in a tick, 1 to 1000000
-    int cell_limit = SolveLimits{}.cells;    ///< lattice lines and faces it may look at, likewise
+    int cell_limit = SolveLimits{}.cells;    ///< lattice lines and faces it may look at, 1 to 1000000
     double stribeck_speed = 0;  ///< v_s, m/s: friction that falls with speed (stribeck_slip); 0: Coulomb's
     /// A surface that takes a proxy along faster than this (device metres per second of the hand) moves
     /// suddenly: see `carry` and `Contact::jumped`. Infinite: never, but for a new epoch.
@@ -37,7 +37,7 @@ struct FingerState {
     double slip_speed = 0;    ///< of the proxy over the surface, m/s, filtered; kept for Stribeck's friction
     int ticks_held = 0;       ///< that have passed since `goal` was new
     double moment_ns = 0;     ///< of the surface it last met
-    std::uint64_t epoch = 0;  ///< likewise
+    std::uint64_t epoch = 0;  ///< of that surface
     double stiffness = 0;     ///< at the proxy, N/m; 0 out of contact
     bool near_hole = false;   ///< part of it is that of holes
     glm::dvec3 place{0.0};    ///< of the proxy after its last tick, world

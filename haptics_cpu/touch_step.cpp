@@ -71,7 +71,7 @@ void TouchStep::solve(const HeightField& field, int ticks) {
     solver_.tick(field, goals_, fingers_, contacts_, ticks);
     for (std::size_t k = 0; k < guards_.size(); ++k) {
         forces_[k] = guards_[k].guard(contacts_[k], stale_.share());
-        // Whoever comes back may be anywhere by then.
+        // A hand that comes back may be anywhere by then.
         if (waits_to_be_free_ && contacts_[k].goal_held && guards_[k].has_let_go()) meet_anew(k);
     }
 }

@@ -5,7 +5,7 @@
 //
 // TouchStep holds a solver and a guard for each finger. `run` takes the frames of the moment and the
 // fingers' goals, solves each proxy (touch_solver.hpp), makes its force and guards it (force_guard.hpp), and
-// gives a TouchTick with all that is told of it. A Workspace says how the device's metres lie in the scene.
+// gives a TouchTick with all that is known of it. A Workspace says how the device's metres lie in the scene.
 // ForceHash is the hash by which two runs are compared; force_rules is the version of the rules by which
 // forces are made: recordings name it.
 //

@@ -13,6 +13,7 @@
 #include "engine/clip/readers.hpp"
 
 namespace touchable {
+
 namespace {
 
 constexpr std::size_t most_bytes = std::size_t{512} << 20;  // of all that is kept
@@ -82,7 +83,7 @@ private:
     bool has_colour_ = true;  // of all frames of the rest
 };
 
-/// Damaged frames tell nothing, nor what comes after them: who reads on learns of it.
+/// Damaged frames tell nothing, nor what comes after them: reading on tells of it.
 Result<void> learn(ClipReader& clip, Known& known) {
     Learning learning(clip.scene(), known);
     while (true) {
@@ -136,12 +137,12 @@ private:
 };
 
 Result<void> FilledReader::prepare() {
-    if (auto measured = measure(); !measured) return measured;
+    TRY(measure());
     if (filling_.is_misled_by_colour()) {
-        if (auto back = inner().rewind(); !back) return back;
+        TRY(inner().rewind());
         known_ = Known(scene().depth, false);
-        if (auto learned = learn(inner(), known_); !learned) return learned;
-        if (auto measured = measure(); !measured) return measured;
+        TRY(learn(inner(), known_));
+        TRY(measure());
     }
     notes_.push_back(in_words());
     return rewind();
@@ -162,7 +163,7 @@ Result<void> FilledReader::measure() {
     const std::int64_t count = std::min(measured_frames, at_rest);
     measured_ = holes_ = filled_ = 0;
     for (std::int64_t k = 0; k < count; ++k) {
-        if (auto there = seek(frame_at_rest(k * at_rest / count)); !there) return there;
+        TRY(seek(frame_at_rest(k * at_rest / count)));
         TRY(next());
         ++measured_;
         holes_ += filling_.holes();

@@ -14,7 +14,7 @@
 
 namespace touchable {
 
-/// What the codes of a clip's depth mean to whoever compares them, by tables.
+/// What the codes of a clip's depth mean where they are compared, by tables.
 class CodedDepth {
 public:
     explicit CodedDepth(const DepthCoding& coding);
@@ -39,7 +39,7 @@ private:
     DepthCoding coding_;
     bool deeper_is_higher_;
     std::vector<std::int32_t> tolerance_;              // of each code
-    std::vector<std::array<std::uint8_t, 3>> hue_of_;  // likewise, of hue: the first pixel that had it
+    std::vector<std::array<std::uint8_t, 3>> hue_of_;  // of each hue, the first pixel that had it
     std::vector<bool> is_known_;                       // whether a pixel had it
 };
 

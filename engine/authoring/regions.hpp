@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <tuple>
@@ -190,6 +191,12 @@ private:
         std::int64_t seen;  ///< number of the frame
         bool is_taken;
     };
+    struct Pair {
+        std::int64_t distance;  ///< what is closest is least
+        std::size_t region, known;
+        auto operator<=>(const Pair&) const = default;
+    };
+    void take(std::vector<Pair>& pairs, std::vector<std::uint16_t>& names);
     void take_by_overlap(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& regions,
                          const std::vector<std::uint16_t>& labels, bool follows,
                          std::vector<std::uint16_t>& names);

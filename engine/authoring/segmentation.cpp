@@ -83,6 +83,16 @@ bool LabelMemory::are_alike(const RegionLook& a, const RegionLook& b) const {
            away * squared(place_alike) <= squared(width_) + squared(height_);
 }
 
+/// Gives regions the labels that they are paired with, the closest pair first, as far as neither is taken.
+void LabelMemory::take(std::vector<Pair>& pairs, std::vector<std::uint16_t>& names) {
+    std::sort(pairs.begin(), pairs.end());
+    for (const Pair& pair : pairs) {
+        if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
+        names[pair.region] = known_[pair.known].label;
+        known_[pair.known].is_taken = true;
+    }
+}
+
 /// Pairs of a region and a label, those that share most pixels first. A pair has to share more than half of
 /// the smaller one.
 void LabelMemory::take_by_overlap(const std::vector<RegionLook>& looks,
@@ -98,33 +108,18 @@ void LabelMemory::take_by_overlap(const std::vector<RegionLook>& looks,
         ++label_pixels[place_of[labels[k]]];
         if (regions[k] < looks.size()) ++shared[regions[k] * known_.size() + place_of[labels[k]]];
     }
-    struct Pair {
-        std::int64_t shared;
-        std::size_t region, known;
-    };
     std::vector<Pair> pairs;
     for (std::size_t region = 0; region < looks.size(); ++region)
         for (std::size_t known = 0; known < known_.size(); ++known) {
             const std::int64_t both = shared[region * known_.size() + known];
             if (both * 2 > std::min(looks[region].pixels, label_pixels[known]) &&
                 (follows || are_alike(looks[region], known_[known].look)))
-                pairs.push_back({both, region, known});
+                pairs.push_back({-both, region, known});
         }
-    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-        return std::tie(b.shared, a.region, a.known) < std::tie(a.shared, b.region, b.known);
-    });
-    for (const Pair& pair : pairs) {
-        if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
-        names[pair.region] = known_[pair.known].label;
-        known_[pair.known].is_taken = true;
-    }
+    take(pairs, names);
 }
 
 void LabelMemory::take_by_look(const std::vector<RegionLook>& looks, std::vector<std::uint16_t>& names) {
-    struct Pair {
-        std::int64_t away;
-        std::size_t region, known;
-    };
     std::vector<Pair> pairs;
     for (std::size_t region = 0; region < looks.size(); ++region)
         for (std::size_t known = 0; known < known_.size(); ++known) {
@@ -134,14 +129,7 @@ void LabelMemory::take_by_look(const std::vector<RegionLook>& looks, std::vector
                     {squared(look.x - before.x) + squared(look.y - before.y) + colour_distance(look, before),
                      region, known});
         }
-    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-        return std::tie(a.away, a.region, a.known) < std::tie(b.away, b.region, b.known);
-    });
-    for (const Pair& pair : pairs) {
-        if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
-        names[pair.region] = known_[pair.known].label;
-        known_[pair.known].is_taken = true;
-    }
+    take(pairs, names);
 }
 
 void LabelMemory::remember(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& names) {
@@ -426,8 +414,6 @@ void Segmenter::State::label(bool follows) {
 
 Segmenter::Segmenter(const Scene& scene, int threads) : state_(std::make_unique<State>(scene, threads)) {}
 Segmenter::~Segmenter() = default;
-Segmenter::Segmenter(Segmenter&&) noexcept = default;
-Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
 const Segmentation& Segmenter::next(const RawFrame& frame, bool follows) {
     State& state = *state_;

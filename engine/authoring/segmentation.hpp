@@ -71,8 +71,6 @@ public:
     /// `threads`: 0: as many as pay; the result is the same with any number.
     explicit Segmenter(const Scene& scene, int threads = 0);
     ~Segmenter();
-    Segmenter(Segmenter&&) noexcept;
-    Segmenter& operator=(Segmenter&&) noexcept;
 
     /// The frame's segments, valid until the next call. `follows`: it is the one right after the last (else
     /// segments are matched by place and colour as far as they can be). Whole numbers throughout: the same

@@ -175,7 +175,7 @@ struct NamedSegment {
 ///  "segments": [{"name": "table", "material": "wood", "at": [120, 80, 0]}]}
 /// In place of a material, or to change it: stiffness (N/mm), static_friction, dynamic_friction, relief. `at`
 /// may be a list of several: segments that are one thing. In place of `at`: index. "by": "guess" says that
-/// nobody chose it. "cuts": [{"frame": 0, "stroke": [[10, 20], [30, 20]]}] part segments, one after the
+/// it was not chosen. "cuts": [{"frame": 0, "stroke": [[10, 20], [30, 20]]}] part segments, one after the
 /// other, before anything is named.
 struct SegmentNames {
     std::vector<NamedSegment> segments{};

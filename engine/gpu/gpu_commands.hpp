@@ -54,7 +54,7 @@ public:
     VkBuffer handle() const { return state_->buffer; }
     /// Null where the buffer has more texels than a view may (limits.max_texel_buffer_elements).
     VkBufferView texels() const { return state_->texels; }
-    /// Texels of one uint32 each, likewise.
+    /// The same with texels of one uint32 each.
     VkBufferView words() const { return state_->words; }
 
     /// The buffer as the CPU sees it; empty for GpuMemory::device. Writes before a submission are seen by it,

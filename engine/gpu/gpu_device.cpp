@@ -224,8 +224,7 @@ Result<void> create_device(VulkanDevice& gpu, bool shows_pictures) {
     info.pQueueCreateInfos = &queue;
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
-    const VkResult result = vkCreateDevice(gpu.physical, &info, nullptr, &gpu.device);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateDevice", result);
+    TRY(gpu.checked("vkCreateDevice", vkCreateDevice(gpu.physical, &info, nullptr, &gpu.device)));
 
     vkGetDeviceQueue(gpu.device, gpu.queue_family, 0, &gpu.queue);
     vkGetPhysicalDeviceMemoryProperties(gpu.physical, &gpu.memory);
@@ -245,8 +244,7 @@ Result<VkSemaphore> create_timeline(VulkanDevice& gpu) {
     info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
     info.pNext = &type;
     VkSemaphore timeline = VK_NULL_HANDLE;
-    const VkResult result = vkCreateSemaphore(gpu.device, &info, nullptr, &timeline);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateSemaphore", result);
+    TRY(gpu.checked("vkCreateSemaphore", vkCreateSemaphore(gpu.device, &info, nullptr, &timeline)));
     return timeline;
 }
 
@@ -422,7 +420,7 @@ Result<void> GpuDevice::wait(std::uint64_t value, std::chrono::nanoseconds at_mo
                                          std::to_string(patience.count() / 1'000'000) +
                                          " ms and is given up"};
     }
-    if (result != VK_SUCCESS) return vulkan_->failed("vkWaitSemaphores", result);
+    TRY(vulkan_->checked("vkWaitSemaphores", result));
     if (lost()) return lost_error(*vulkan_);
     collect();
     return {};
@@ -470,7 +468,7 @@ Result<std::uint64_t> GpuDevice::submit(std::unique_ptr<GpuRecording> recording)
         const std::lock_guard queue_lock(vulkan_->queue_mutex);
         result = vkQueueSubmit2(vulkan_->queue, 1, &info, VK_NULL_HANDLE);
     }
-    if (result != VK_SUCCESS) return vulkan_->failed("vkQueueSubmit2", result);
+    TRY(vulkan_->checked("vkQueueSubmit2", result));
     recording->value = ++submitted_;
     in_flight_.push_back(std::move(recording));
     return submitted_;

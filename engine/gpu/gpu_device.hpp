@@ -108,6 +108,8 @@ struct VulkanDevice {
     /// The error of a failed call ("vkQueueSubmit2: VK_ERROR_DEVICE_LOST on llvmpipe"); marks the device lost
     /// where the result says so.
     Error failed(std::string_view call, VkResult result);
+    /// That error, where the call failed.
+    Result<void> checked(std::string_view call, VkResult result);
 
     /// The instance, as window systems want it.
     VkInstance instance_handle() const;

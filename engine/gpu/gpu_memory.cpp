@@ -38,10 +38,11 @@ Error refusal(const VulkanDevice& gpu, const std::string& name, std::size_t byte
                                 " on " + gpu.facts.name};
 }
 
-Error refusal(VulkanDevice& gpu, const std::string& name, std::size_t bytes, const char* call,
-              VkResult result) {
-    return {ErrorKind::gpu, "GPU buffer '" + name + "' of " + std::to_string(bytes) +
-                                " bytes: " + gpu.failed(call, result).message};
+Result<void> checked(VulkanDevice& gpu, const std::string& name, std::size_t bytes, const char* call,
+                     VkResult result) {
+    if (result == VK_SUCCESS) return {};
+    return Error{ErrorKind::gpu, "GPU buffer '" + name + "' of " + std::to_string(bytes) +
+                                     " bytes: " + gpu.failed(call, result).message};
 }
 
 std::uint64_t heap_bytes(const VulkanDevice& gpu, std::uint32_t memory_type) {
@@ -82,8 +83,8 @@ Result<VkDescriptorSetLayout> make_set_layout(VulkanDevice& gpu, const GpuLayout
     info.bindingCount = static_cast<std::uint32_t>(bindings.size());
     info.pBindings = bindings.data();
     VkDescriptorSetLayout made = VK_NULL_HANDLE;
-    const VkResult result = vkCreateDescriptorSetLayout(gpu.device, &info, nullptr, &made);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateDescriptorSetLayout", result);
+    TRY(gpu.checked("vkCreateDescriptorSetLayout",
+                    vkCreateDescriptorSetLayout(gpu.device, &info, nullptr, &made)));
     return made;
 }
 
@@ -97,8 +98,7 @@ Result<VkPipelineLayout> make_pipeline_layout(VulkanDevice& gpu, VkDescriptorSet
     info.pushConstantRangeCount = push_bytes > 0;
     info.pPushConstantRanges = &range;
     VkPipelineLayout made = VK_NULL_HANDLE;
-    const VkResult result = vkCreatePipelineLayout(gpu.device, &info, nullptr, &made);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreatePipelineLayout", result);
+    TRY(gpu.checked("vkCreatePipelineLayout", vkCreatePipelineLayout(gpu.device, &info, nullptr, &made)));
     return made;
 }
 
@@ -110,8 +110,7 @@ Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
     code.codeSize = spirv.size_bytes();
     code.pCode = spirv.data();
     VkShaderModule shader = VK_NULL_HANDLE;
-    VkResult result = vkCreateShaderModule(gpu.device, &code, nullptr, &shader);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateShaderModule", result);
+    TRY(gpu.checked("vkCreateShaderModule", vkCreateShaderModule(gpu.device, &code, nullptr, &shader)));
 
     std::vector<VkSpecializationMapEntry> entries;
     for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
@@ -126,9 +125,10 @@ Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
     info.stage.pSpecializationInfo = &special;
     info.layout = layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    result = vkCreateComputePipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+    const VkResult result =
+        vkCreateComputePipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
     vkDestroyShaderModule(gpu.device, shader, nullptr);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateComputePipelines", result);
+    TRY(gpu.checked("vkCreateComputePipelines", result));
     return pipeline;
 }
 
@@ -187,8 +187,8 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
                  VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-    const VkResult result = vkCreateBuffer(gpu.device, &info, nullptr, &state->buffer);
-    if (result != VK_SUCCESS) return refusal(gpu, state->name, bytes, "vkCreateBuffer", result);
+    TRY(checked(gpu, state->name, bytes, "vkCreateBuffer",
+                vkCreateBuffer(gpu.device, &info, nullptr, &state->buffer)));
     gpu.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<std::uint64_t>(state->buffer), state->name);
     return state;
 }
@@ -204,10 +204,10 @@ Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
     memory.allocationSize = bytes;
     memory.memoryTypeIndex = memory_type;
-    VkResult result = vkAllocateMemory(gpu.device, &memory, nullptr, &state.memory);
-    if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkAllocateMemory", result);
-    result = vkBindBufferMemory(gpu.device, state.buffer, state.memory, 0);
-    if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkBindBufferMemory", result);
+    TRY(checked(gpu, state.name, state.bytes, "vkAllocateMemory",
+                vkAllocateMemory(gpu.device, &memory, nullptr, &state.memory)));
+    TRY(checked(gpu, state.name, state.bytes, "vkBindBufferMemory",
+                vkBindBufferMemory(gpu.device, state.buffer, state.memory, 0)));
 
     const struct {
         VkBufferView& view;
@@ -222,8 +222,8 @@ Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_
         view.buffer = state.buffer;
         view.format = each.format;
         view.range = state.size;
-        result = vkCreateBufferView(gpu.device, &view, nullptr, &each.view);
-        if (result != VK_SUCCESS) return refusal(gpu, state.name, state.bytes, "vkCreateBufferView", result);
+        TRY(checked(gpu, state.name, state.bytes, "vkCreateBufferView",
+                    vkCreateBufferView(gpu.device, &view, nullptr, &each.view)));
     }
     return {};
 }
@@ -239,8 +239,8 @@ Result<GpuBuffer> GpuBuffer::create(const GpuDevice& device, std::string name, s
     TRY(bind(*state, *type, needs.size));
 
     if (memory != GpuMemory::device) {
-        const VkResult result = vkMapMemory(gpu.device, state->memory, 0, VK_WHOLE_SIZE, 0, &state->mapped);
-        if (result != VK_SUCCESS) return refusal(gpu, state->name, bytes, "vkMapMemory", result);
+        TRY(checked(gpu, state->name, bytes, "vkMapMemory",
+                    vkMapMemory(gpu.device, state->memory, 0, VK_WHOLE_SIZE, 0, &state->mapped)));
     }
     GpuBuffer buffer;
     buffer.state_ = std::move(state);

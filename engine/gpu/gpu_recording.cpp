@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 
 void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,
@@ -33,24 +35,22 @@ Result<std::unique_ptr<GpuRecording>> GpuRecording::create(std::shared_ptr<Vulka
     VkCommandPoolCreateInfo pool{};
     pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
     pool.queueFamilyIndex = gpu.queue_family;
-    VkResult result = vkCreateCommandPool(gpu.device, &pool, nullptr, &made->pool);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateCommandPool", result);
+    TRY(gpu.checked("vkCreateCommandPool", vkCreateCommandPool(gpu.device, &pool, nullptr, &made->pool)));
 
     VkCommandBufferAllocateInfo buffer{};
     buffer.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
     buffer.commandPool = made->pool;
     buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     buffer.commandBufferCount = 1;
-    result = vkAllocateCommandBuffers(gpu.device, &buffer, &made->commands);
-    if (result != VK_SUCCESS) return gpu.failed("vkAllocateCommandBuffers", result);
+    TRY(gpu.checked("vkAllocateCommandBuffers",
+                    vkAllocateCommandBuffers(gpu.device, &buffer, &made->commands)));
 
     if (gpu.facts.limits.timestamp_period_ns > 0) {
         VkQueryPoolCreateInfo stamps{};
         stamps.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
         stamps.queryType = VK_QUERY_TYPE_TIMESTAMP;
         stamps.queryCount = max_marks + 1;
-        result = vkCreateQueryPool(gpu.device, &stamps, nullptr, &made->stamps);
-        if (result != VK_SUCCESS) return gpu.failed("vkCreateQueryPool", result);
+        TRY(gpu.checked("vkCreateQueryPool", vkCreateQueryPool(gpu.device, &stamps, nullptr, &made->stamps)));
     }
     return made;
 }
@@ -64,13 +64,11 @@ Result<void> GpuRecording::begin(GpuTiming timing) {
     release();
     is_timed = stamps && timing == GpuTiming::by_marks;
     times = std::make_shared<std::vector<GpuDevice::Time>>();
-    VkResult result = vkResetCommandPool(vulkan->device, pool, 0);
-    if (result != VK_SUCCESS) return vulkan->failed("vkResetCommandPool", result);
+    TRY(vulkan->checked("vkResetCommandPool", vkResetCommandPool(vulkan->device, pool, 0)));
     VkCommandBufferBeginInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    result = vkBeginCommandBuffer(commands, &info);
-    if (result != VK_SUCCESS) return vulkan->failed("vkBeginCommandBuffer", result);
+    TRY(vulkan->checked("vkBeginCommandBuffer", vkBeginCommandBuffer(commands, &info)));
     record_barrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                    VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                    VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
@@ -86,8 +84,7 @@ void GpuRecording::stamp() {
 Result<void> GpuRecording::end() {
     record_barrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                    VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT);
-    const VkResult result = vkEndCommandBuffer(commands);
-    if (result != VK_SUCCESS) return vulkan->failed("vkEndCommandBuffer", result);
+    TRY(vulkan->checked("vkEndCommandBuffer", vkEndCommandBuffer(commands)));
     return {};
 }
 

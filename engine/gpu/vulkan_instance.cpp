@@ -285,6 +285,11 @@ VkInstance VulkanDevice::instance_handle() const {
     return instance->handle();
 }
 
+Result<void> VulkanDevice::checked(std::string_view call, VkResult result) {
+    if (result == VK_SUCCESS) return {};
+    return failed(call, result);
+}
+
 void VulkanDevice::name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const {
     if (!set_name) return;
     VkDebugUtilsObjectNameInfoEXT info{};
