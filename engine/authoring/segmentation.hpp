@@ -40,13 +40,6 @@ inline std::int64_t squared(std::int64_t difference) {
     return difference * difference;
 }
 
-/// The pixel of colour that is nearest to one of depth, should colour have another size.
-inline const std::uint8_t* colour_at(const PlaneView& colour, int x, int y, int width, int height) {
-    if (colour.width != width) x = (2 * x + 1) * colour.width / (2 * width);
-    if (colour.height != height) y = (2 * y + 1) * colour.height / (2 * height);
-    return colour.row(y) + std::ptrdiff_t{3} * x;
-}
-
 class FeatureReader {
 public:
     explicit FeatureReader(const Scene& scene);

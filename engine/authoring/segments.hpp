@@ -26,6 +26,7 @@
 #include "engine/base/result.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/picture/image.hpp"
+#include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -46,6 +47,13 @@ struct Segmentation {
     std::vector<std::uint16_t> labels;  ///< row by row; 0: no surface (a hole), no segment
     std::vector<Segment> segments;      ///< by label, ascending; only those in this frame
 };
+
+/// The pixel of colour that is nearest to one of depth, should colour have another size.
+inline const std::uint8_t* colour_at(const PlaneView& colour, int x, int y, int width, int height) {
+    if (colour.width != width) x = (2 * x + 1) * colour.width / (2 * width);
+    if (colour.height != height) y = (2 * y + 1) * colour.height / (2 * height);
+    return colour.row(y) + std::ptrdiff_t{3} * x;
+}
 
 class CutFollower;
 
