@@ -153,7 +153,7 @@ public:
     void forget_first_frames();
 
     /// What was learned of the clip's relief: another amount or height needs no second look. Any thread.
-    using Bands = std::array<int, DifferenceOfGaussians::bands>;
+    using Bands = decltype(ReliefSettings::bands);
     std::optional<ReliefRange> relief_range(const Bands& bands) const;
     void keep_relief_range(const Bands& bands, const ReliefRange& range);
 

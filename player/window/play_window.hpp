@@ -1,6 +1,5 @@
 #pragma once
 
-#include "player/audio/window_sound.hpp"
 // The window: shows a clip, lets a person touch it, and ends when the person closes it.
 //
 // A program fills in PlayOptions and calls play_in_window, which returns what was counted (PlayFigures), or
@@ -33,7 +32,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"
-#include "player/audio/heard_sound.hpp"
+#include "player/audio/window_sound.hpp"
 #include "player/session/touch_setup.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/persistent_device.hpp"
