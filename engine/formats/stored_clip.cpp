@@ -127,9 +127,9 @@ private:
             if (with_colour_ || tracks_[n].role != PlaneRole::colour) outcomes[n] = read(tracks_[n], frame);
         };
         if (clip_.pictures->reads_side_by_side()) {
-            const auto whom = WorkAlongside::this_thread();
+            const StopScope::Rules rules = StopScope::current();
             side_by_side_.for_each_band(static_cast<int>(tracks_.size()), 1, [&](const RowBand& band) {
-                const WorkAlongside alongside(whom);
+                const StopScope alongside(rules);
                 for (int n = band.first; n < band.last; ++n) read_one(static_cast<std::size_t>(n));
             });
         } else {

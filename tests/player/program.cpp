@@ -60,7 +60,7 @@ public:
     /// Adds what is there; false at the end.
     bool read_into(std::string& text) const {
         std::array<char, 4096> some;
-        const auto count = read(ends_[0], some.data(), some.size());
+        const auto count = ::read(ends_[0], some.data(), some.size());
         if (count > 0) text.append(some.data(), static_cast<std::size_t>(count));
         return count > 0;
     }
