@@ -28,7 +28,7 @@ std::vector<BenchCase> live_cases(bool quick) {
     const auto add = [&](const std::string& name, const Measure& measure) {
         cases.push_back({name, [=](Figures& figures) -> Result<void> {
                              auto done = measure(*clips, figures);
-                             if (done.ok()) return done;
+                             if (done) return done;
                              return Error{done.error().kind, name + ": " + done.error().message};
                          }});
     };

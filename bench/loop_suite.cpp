@@ -98,7 +98,7 @@ private:
             {name_of(c), [shelf = shelf_, c, pressed](Figures& figures) -> Result<void> {
                  TRY_ASSIGN(const auto surface, shelf->take(c.touch));
                  auto measured = measure(*surface, c, pressed, figures);
-                 if (measured.ok()) return measured;
+                 if (measured) return measured;
                  return Error{measured.error().kind, name_of(c) + ": " + measured.error().message};
              }});
     }

@@ -89,7 +89,7 @@ Result<void> run(const Options& options) {
         return {};
     }
     if (options.json)
-        if (auto writable = check_writable(*options.json); !writable.ok()) return writable;
+        if (auto writable = check_writable(*options.json); !writable) return writable;
 
     const double load_at_start = load_average();
     std::vector<CaseFigures> done;
@@ -97,7 +97,7 @@ Result<void> run(const Options& options) {
         const BenchCase& c = cases[k];
         std::cerr << "[" << k + 1 << "/" << cases.size() << "] " << c.name << std::endl;
         done.push_back({c.name, {}});
-        if (auto measured = c.measure(done.back().figures); !measured.ok()) return measured;
+        if (auto measured = c.measure(done.back().figures); !measured) return measured;
     }
     const CaseFigures machine{"machine", machine_figures(load_at_start)};
     std::cout << "commit " << measured_commit << "\n\n"
@@ -105,7 +105,7 @@ Result<void> run(const Options& options) {
               << tables_of(done) << std::flush;
     done.insert(done.begin(), machine);
     if (options.json)
-        if (auto written = write_report(*options.json, options.suite, done); !written.ok()) return written;
+        if (auto written = write_report(*options.json, options.suite, done); !written) return written;
     return suite->conclude ? suite->conclude(done) : Result<void>();
 }
 
@@ -142,7 +142,7 @@ int run_program(int argc, char** argv) {
         return 0;
     }
     const Result<void> result = run(options);
-    return result.ok() ? 0 : fail(result.error());
+    return result ? 0 : fail(result.error());
 }
 
 int run_or_tell(int argc, char** argv) {

@@ -35,7 +35,7 @@ public:
         if (const auto known = entry.ffv1_bytes.find(role); known != entry.ffv1_bytes.end())
             return known->second;
         auto bytes = bytes_per_frame(codec_choices(role, planes.front()).front(), planes);
-        if (bytes.ok()) entry.ffv1_bytes[role] = *bytes;
+        if (bytes) entry.ffv1_bytes[role] = *bytes;
         return bytes;
     }
 
@@ -140,7 +140,7 @@ std::vector<BenchCase> media_cases(bool quick) {
                     source.name + "-" + std::string(role_name(role)) + "-" + choices[n].name;
                 cases.push_back({name, [=](Figures& figures) -> Result<void> {
                                      auto done = measure_plane(source, role, n, quick, *shelf, figures);
-                                     if (done.ok()) return done;
+                                     if (done) return done;
                                      return Error{done.error().kind, name + ": " + done.error().message};
                                  }});
             }

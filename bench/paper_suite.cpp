@@ -112,7 +112,7 @@ private:
     void add(const std::string& name, Measure measure) {
         cases_.push_back({name, [name, measure](Figures& figures) -> Result<void> {
                               auto measured = measure(figures);
-                              if (measured.ok()) return measured;
+                              if (measured) return measured;
                               return Error{measured.error().kind, name + ": " + measured.error().message};
                           }});
     }

@@ -21,11 +21,10 @@ std::vector<BenchCase> play_cases(bool quick) {
                                  LiveClip short_clip = clip;
                                  short_clip.frames = 15;
                                  Figures unused;
-                                 if (auto warm = measure_window(short_clip, turned, *clips, unused);
-                                     !warm.ok())
+                                 if (auto warm = measure_window(short_clip, turned, *clips, unused); !warm)
                                      return Error{warm.error().kind, name + ": " + warm.error().message};
                                  auto done = measure_window(clip, turned, *clips, figures);
-                                 if (done.ok()) return done;
+                                 if (done) return done;
                                  return Error{done.error().kind, name + ": " + done.error().message};
                              }});
         }

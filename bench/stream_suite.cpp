@@ -36,7 +36,7 @@ std::vector<BenchCase> stream_cases(bool quick) {
     const auto add = [&](const std::string& name, auto measure) {
         cases.push_back({name, [=](Figures& figures) -> Result<void> {
                              auto done = measure(figures);
-                             if (done.ok()) return done;
+                             if (done) return done;
                              return Error{done.error().kind, name + ": " + done.error().message};
                          }});
     };

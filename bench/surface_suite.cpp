@@ -34,9 +34,9 @@ Result<void> measure_changes(const SurfaceCase& c, const Picture& picture, int r
                    make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts())));
         return std::unique_ptr<SurfaceBuilder>(std::move(made));
     };
-    if (auto raced = race_changed(picture.raw, "", cpu, rounds, figures); !raced.ok())
+    if (auto raced = race_changed(picture.raw, "", cpu, rounds, figures); !raced)
         return wrong(c, raced.error().message);
-    if (auto raced = race_changed(picture.raw, "vulkan_", vulkan, rounds, figures); !raced.ok())
+    if (auto raced = race_changed(picture.raw, "vulkan_", vulkan, rounds, figures); !raced)
         return wrong(c, raced.error().message);
     return {};
 }
@@ -51,23 +51,21 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
     TRY_ASSIGN(auto vulkan, make_vulkan_builder(picture.scene, kernels, plan));
     SurfaceFrame frame;
     const std::int64_t begin = monotonic_ns();
-    if (auto built = vulkan->build(kept(picture.raw), frame); !built.ok()) return built;
+    if (auto built = vulkan->build(kept(picture.raw), frame); !built) return built;
     const double first_ms = static_cast<double>(monotonic_ns() - begin) * 1e-6;
     OpenCvPipeline opencv(picture.scene, picture.raw);
-    if (auto raced = race_for_codes(picture.scene, picture.raw, *vulkan, opencv, frames, figures);
-        !raced.ok())
+    if (auto raced = race_for_codes(picture.scene, picture.raw, *vulkan, opencv, frames, figures); !raced)
         return wrong(c, raced.error().message);
     figures.push_back({"codes" + what + "_first_ms", first_ms, "ms"});
     if (side == 0) return {};
     if (auto raced = race_for_the_eye(c, picture, *vulkan, kernels->device(), opencv, std::max(frames / 2, 3),
                                       figures);
-        !raced.ok())
+        !raced)
         return raced;
     if (c.width == 720)
-        if (auto done = measure_ffmpeg_median(c, picture, frames < 100 ? 2 : 10, figures); !done.ok())
-            return done;
+        if (auto done = measure_ffmpeg_median(c, picture, frames < 100 ? 2 : 10, figures); !done) return done;
     if (side == 5) return {};
-    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 1), kernels, figures); !raced.ok())
+    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 1), kernels, figures); !raced)
         return raced;
     return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
@@ -96,22 +94,22 @@ Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, F
     Picture picture(c);
     for (const int side : {3, 5, 0}) {
         picture.scene.filter.median = side;
-        if (auto done = measure_median(c, picture, frames, kernels, figures); !done.ok()) return done;
+        if (auto done = measure_median(c, picture, frames, kernels, figures); !done) return done;
     }
     picture.scene.filter = {};
     if (has_working_codes(picture.scene))
-        if (auto done = measure_terraces(c, picture, frames, kernels, figures); !done.ok()) return done;
+        if (auto done = measure_terraces(c, picture, frames, kernels, figures); !done) return done;
     if (c.bits == 8 && c.width == 1920)
-        if (auto done = measure_lazy_terraces(c.width, c.height, quick, figures); !done.ok())
+        if (auto done = measure_lazy_terraces(c.width, c.height, quick, figures); !done)
             return wrong(c, done.error().message);
     if (c.holes_pct > 0)
-        if (auto done = measure_filling(c, picture, frames, kernels, figures); !done.ok()) return done;
-    if (auto raced = race_with_temporal(c, picture, std::max(frames / 5, 3), kernels, figures); !raced.ok())
+        if (auto done = measure_filling(c, picture, frames, kernels, figures); !done) return done;
+    if (auto raced = race_with_temporal(c, picture, std::max(frames / 5, 3), kernels, figures); !raced)
         return raced;
     if (c.bits == 16 && c.holes_pct == 0)
-        if (auto done = measure_lazy(c.width, c.height, quick, figures); !done.ok())
+        if (auto done = measure_lazy(c.width, c.height, quick, figures); !done)
             return wrong(c, done.error().message);
-    if (auto done = measure_bandwidth(c, kernels->device(), figures); !done.ok()) return done;
+    if (auto done = measure_bandwidth(c, kernels->device(), figures); !done) return done;
     const bool on_gpu = kernels->device()->facts().kind != GpuKind::software;
     figures.push_back({"on_gpu", on_gpu ? 1.0 : 0.0, ""});
     figures.push_back({"mismatched_codes", 0, ""});  // a difference would have been an error

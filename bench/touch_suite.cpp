@@ -62,7 +62,7 @@ private:
             {name_of(run.setup), [shelf = shelf_, run, measure](Figures& figures) -> Result<void> {
                  TRY_ASSIGN(const auto surface, shelf->take(run.setup));
                  auto measured = measure(*surface, run, figures);
-                 if (measured.ok()) return measured;
+                 if (measured) return measured;
                  return Error{measured.error().kind, name_of(run.setup) + ": " + measured.error().message};
              }});
     }

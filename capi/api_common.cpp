@@ -1,15 +1,7 @@
 #include "capi/api_common.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <optional>
-#include <string>
-#include <utility>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable::capi {

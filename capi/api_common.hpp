@@ -31,12 +31,8 @@
 #include <memory>
 #include <mutex>
 #include <new>
-#include <optional>
 #include <stdexcept>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "capi/touchable.h"
 #include "engine/base/result.hpp"

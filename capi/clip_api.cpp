@@ -3,20 +3,10 @@
 // alone.
 #include "capi/api_common.hpp"
 
-#include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <memory>
-#include <optional>
-#include <stop_token>
-#include <string>
 #include <string_view>
-#include <system_error>
-#include <utility>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -1,11 +1,8 @@
 #include "device/hand.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"

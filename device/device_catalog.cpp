@@ -1,9 +1,6 @@
 #include "device/device_catalog.hpp"
 
-#include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "device/falcon_device.hpp"
 #include "device/inverse3_device.hpp"

@@ -10,10 +10,7 @@
 #include <functional>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "device/haptic_device.hpp"
 #include "engine/base/result.hpp"

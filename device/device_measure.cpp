@@ -1,12 +1,8 @@
 #include "device/device_measure.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdlib>
 #include <glm/geometric.hpp>
-#include <utility>
 
 #include "engine/base/try.hpp"
 
@@ -191,8 +187,7 @@ std::vector<std::int64_t> DriveTimes::sent_within(std::int64_t from_ns, std::int
 
 Error failure_of(const HapticDevice& device) {
     const auto health = device.health();
-    return health.ok() ? Error{ErrorKind::device, device.name() + ": does not answer any more"}
-                       : health.error();
+    return health ? Error{ErrorKind::device, device.name() + ": does not answer any more"} : health.error();
 }
 
 Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times, const TickPace& pace,

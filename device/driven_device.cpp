@@ -4,15 +4,9 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <exception>
 #include <glm/geometric.hpp>
-#include <limits>
-#include <utility>
 
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {

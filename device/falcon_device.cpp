@@ -1,10 +1,8 @@
 #include "device/falcon_device.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/same_bits.hpp"

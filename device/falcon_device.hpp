@@ -11,11 +11,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "device/device_driver.hpp"
 #include "engine/base/result.hpp"

@@ -1,13 +1,8 @@
 #include "device/hand.hpp"
 
-#include <algorithm>
-#include <cassert>
-#include <charconv>
-#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "device/hand_parts.hpp"
-#include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 

@@ -24,12 +24,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "haptics_cpu/touch_step.hpp"

@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstring>
 #include <deque>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

@@ -1,12 +1,9 @@
 #include "device/haptic_device.hpp"
 
-#include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <string_view>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "device/newest_value.hpp"

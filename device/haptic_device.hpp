@@ -15,15 +15,8 @@
 // `fingers`, `capabilities`, `is_over`, `prompt`, `why_no_position` and `health` are any thread's, but may
 // allocate. A simulated device is all of one thread; what other threads may ask of a pointer stands there.
 
-#include <array>
-#include <atomic>
-#include <cstdint>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"

@@ -6,15 +6,11 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <mutex>
-#include <system_error>
-#include <utility>
 
 #include "engine/base/try.hpp"
 

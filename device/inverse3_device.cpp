@@ -1,12 +1,7 @@
 #include "device/inverse3_device.hpp"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <thread>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/try.hpp"
@@ -170,7 +165,7 @@ Result<Inverse3Version> decode_inverse3_version(std::string_view answer) {
     for (const char* name : {"project_version", "git_tag"}) {
         const json& words = inverse3_member(said, name);
         if (!words.is_string()) continue;
-        if (auto version = parse_inverse3_version(words.get_ref<const std::string&>()); version.ok())
+        if (auto version = parse_inverse3_version(words.get_ref<const std::string&>()); version)
             return version;
     }
     return Error{ErrorKind::device, "the Haply service answered GET /version with " +
@@ -381,7 +376,7 @@ void Inverse3Driver::disconnect() noexcept {
             // A connection that is closed with something unread may lose what was written last.
             const std::int64_t since = clock_();
             while (unanswered_ > 0 && nanoseconds(ns_since(since)) < last_answer)
-                if (!receive_message(milliseconds(5)).ok()) break;
+                if (!receive_message(milliseconds(5))) break;
         }
         transport_.reset();
     } catch (...) {

@@ -6,13 +6,10 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include <algorithm>
 #include <bit>
-#include <cassert>
 #include <cerrno>
 #include <cstring>
 #include <iterator>
-#include <type_traits>
 
 #include "device/hand.hpp"
 #include "engine/base/try.hpp"
@@ -422,7 +419,7 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
         // then.
         if (parted_ns_ != 0 && static_cast<double>(clock_() - parted_ns_) * 1e-9 < between_peers_s)
             return false;
-        if (!socket_->settle(from).ok()) return false;
+        if (!socket_->settle(from)) return false;
         peer_ = Peer{from, 0, 0, 0};
         trouble_.clear();
         const std::lock_guard lock(words_mutex_);

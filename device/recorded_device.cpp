@@ -1,11 +1,6 @@
 #include "device/recorded_device.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-#include <thread>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/try.hpp"

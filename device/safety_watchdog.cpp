@@ -9,18 +9,13 @@
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstddef>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <new>
-#include <span>
 #include <sstream>
-#include <string>
-#include <utility>
 
 #include "engine/base/try.hpp"
 

@@ -2,12 +2,7 @@
 
 #include <sys/types.h>
 
-#include <algorithm>
-#include <atomic>
-#include <cstdint>
 #include <limits>
-#include <memory>
-#include <mutex>
 
 #include "device/device_driver.hpp"
 #include "engine/base/result.hpp"

@@ -1,11 +1,8 @@
 #include "device/spacemouse_device.hpp"
 
-#include <algorithm>
-#include <array>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <iterator>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/try.hpp"

@@ -1,11 +1,8 @@
 #include "device/woodenhaptics_device.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <glm/matrix.hpp>
-#include <limits>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/files.hpp"

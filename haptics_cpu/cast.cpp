@@ -1,9 +1,5 @@
 #include "haptics_cpu/cast.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace touchable {
 
 namespace {

@@ -1,9 +1,6 @@
 #include "haptics_cpu/force_guard.hpp"
 
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <string>
-#include <utility>
 
 namespace touchable {
 

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <optional>
 
 #include "engine/base/result.hpp"
 #include "haptics_cpu/touch_solver.hpp"

@@ -1,16 +1,12 @@
 #include "haptics_cpu/haptic_loop.hpp"
 
 #include <link.h>
-#include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <time.h>
 #include <unistd.h>
-#include <algorithm>
 #include <cerrno>
-#include <string_view>
 
 namespace touchable {
 
@@ -192,7 +188,7 @@ Result<void> HapticLoop::start() {
     if (started_) return Error{ErrorKind::internal, "a haptic loop runs once; make another"};
     ended_.store(false, std::memory_order_release);
     auto begun = start_thread(thread_, "haptic-loop", "of the hand", [this] { run(); });
-    started_ = begun.ok();
+    started_ = bool(begun);
     if (!started_) ended_.store(true, std::memory_order_release);
     return begun;
 }

@@ -10,18 +10,9 @@
 // The haptic thread waits for no other thread: a goal or a force that is late is missing, never waited for. A
 // tick whose time has passed is skipped and counted.
 
-#include <atomic>
-#include <chrono>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
-#include <optional>
 #include <span>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"

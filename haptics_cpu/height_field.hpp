@@ -10,7 +10,6 @@
 //
 // A HeightField is one thread's; it neither waits nor allocates, and is gone before its frames are.
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -1,11 +1,6 @@
 #include "haptics_cpu/slide.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
-#include <span>
-#include <utility>
 
 #include "haptics_cpu/cast.hpp"
 

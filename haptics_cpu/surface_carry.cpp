@@ -1,12 +1,8 @@
 #include "haptics_cpu/surface_carry.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bitset>
-#include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
-#include <type_traits>
 
 #include "haptics_cpu/cast.hpp"
 

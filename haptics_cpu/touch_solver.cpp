@@ -1,11 +1,6 @@
 #include "haptics_cpu/touch_solver.hpp"
 
-#include <algorithm>
-#include <cassert>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
-#include <memory>
 
 #include "haptics_cpu/cast.hpp"
 #include "haptics_cpu/force_guard.hpp"

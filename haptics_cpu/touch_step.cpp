@@ -1,10 +1,7 @@
 #include "haptics_cpu/touch_step.hpp"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <chrono>
-#include <utility>
 
 namespace touchable {
 

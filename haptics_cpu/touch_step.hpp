@@ -12,12 +12,9 @@
 // A force is a pure function of configuration, frames with timestamps, goals and the state before. One thread
 // at a time; a step neither waits nor allocates.
 
-#include <cstddef>
-#include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "engine/base/same_bits.hpp"

@@ -1,6 +1,5 @@
 #include "haptics_cpu/world_space.hpp"
 
-#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace touchable {

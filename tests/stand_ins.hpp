@@ -101,8 +101,8 @@ inline std::filesystem::path write_stand_in(const std::filesystem::path& folder,
             std::snprintf(name, sizeof name, pattern.c_str(), first + n);
             return folder / name;
         };
-        EXPECT_TRUE(write_png(named(depth_files), depth.view()).ok());
-        EXPECT_TRUE(write_png(named(colour_files), colour.view()).ok());
+        EXPECT_TRUE(write_png(named(depth_files), depth.view()));
+        EXPECT_TRUE(write_png(named(colour_files), colour.view()));
     }
     return folder / "scene.json";
 }

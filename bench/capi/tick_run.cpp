@@ -65,8 +65,8 @@ public:
         const Scene& scene = path.scene->scene();
         const auto builder = make_cpu_builder(scene, CpuPlan{1});
         for (const RawFrame* frame : {&path.first, &path.second}) {
-            builder->build(*frame, *timeline_.acquire()).ok();
-            timeline_.publish(frame->number, frame->time_ns).ok();
+            (void)builder->build(*frame, *timeline_.acquire());
+            (void)timeline_.publish(frame->number, frame->time_ns);
         }
         settings_.metres_per_scene_unit = scale;
     }

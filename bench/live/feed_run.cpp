@@ -22,7 +22,7 @@ using Reader = std::unique_ptr<ClipReader>;
 
 Result<Reader> open_reader(const std::filesystem::path& file, bool colour) {
     auto reader = open_clip(file);
-    if (reader.ok() && !colour) (*reader)->leave_out_colour();
+    if (reader && !colour) (*reader)->leave_out_colour();
     return reader;
 }
 
@@ -30,10 +30,10 @@ Result<Reader> open_reader(const std::filesystem::path& file, bool colour) {
 Result<void> check_frames(const LiveClip& clip, const std::filesystem::path& file,
                           const ScenePictures& source) {
     const auto reader = open_reader(file, false);
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     for (std::int64_t n = 0;; ++n) {
         const auto raw = (*reader)->next();
-        if (!raw.ok()) return raw.error();
+        if (!raw) return raw.error();
         if (!*raw && n == clip.frames) return {};
         if (!*raw || n == clip.frames || (*raw)->number != n || !same_touch_planes(**raw, source.of(n)))
             return Error{ErrorKind::check,
@@ -61,12 +61,12 @@ void keep_least(FrameTimes& least, const FrameTimes& times) {
 /// From an open reader to its last frame.
 Result<FrameTimes> read_all(const std::filesystem::path& file, bool colour) {
     const auto reader = open_reader(file, colour);
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     const Stopwatch watch;
     for (std::int64_t frames = 0;; ++frames) {
         if (interrupted()) return interrupted_error();
         const auto raw = (*reader)->next();
-        if (!raw.ok()) return raw.error();
+        if (!raw) return raw.error();
         if (!*raw) return watch.per(frames);
     }
 }
@@ -74,11 +74,11 @@ Result<FrameTimes> read_all(const std::filesystem::path& file, bool colour) {
 /// Reading and building on the threads of a live run; a hand that never waits lets go of each frame at once.
 Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scene, bool colour) {
     auto reader = open_reader(file, colour);
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     SurfaceFeed feed(std::move(*reader), make_cpu_builder(scene), scene);
     FeedThreads threads(feed, [](const RawFrame&) { return false; });
     const Stopwatch watch;
-    if (auto begun = threads.start(); !begun.ok()) return begun.error();
+    if (auto begun = threads.start(); !begun) return begun.error();
     FramePair pair;
     while (!threads.end() && !threads.error()) {
         if (interrupted()) return interrupted_error();
@@ -100,7 +100,7 @@ Result<double> ffv1_bytes_of(const LiveClip& clip, const ScenePictures& source) 
             if (!plane_of(frame, role).empty()) planes.push_back(plane_of(frame, role));
         if (planes.empty()) continue;
         const auto stored = bytes_per_frame(codec_choices(role, planes.front()).front(), planes);
-        if (!stored.ok()) return stored;
+        if (!stored) return stored;
         bytes += *stored;
     }
     return bytes;
@@ -112,7 +112,7 @@ Result<void> add_sizes(const LiveClip& clip, const std::filesystem::path& file, 
     const auto size = std::filesystem::file_size(file, unknown);
     if (unknown) return input_error(file.string() + ": " + unknown.message());
     const auto ffv1 = ffv1_bytes_of(clip, source);
-    if (!ffv1.ok()) return ffv1.error();
+    if (!ffv1) return ffv1.error();
     const double bytes = static_cast<double>(size) / clip.frames;
     figures.push_back({"bytes", bytes, ""});
     figures.push_back({"vs_ffv1", bytes / *ffv1, ""});
@@ -123,30 +123,30 @@ Result<void> add_sizes(const LiveClip& clip, const std::filesystem::path& file, 
 
 Result<void> measure_feed(const LiveClip& clip, bool colour, int rounds, LiveClips& clips, Figures& figures) {
     const auto file = clips.file(clip);
-    if (!file.ok()) return file.error();
+    if (!file) return file.error();
     const auto source = clips.pictures(clip);
-    if (!source.ok()) return source.error();
-    if (auto same = check_frames(clip, *file, **source); !same.ok()) return same;
+    if (!source) return source.error();
+    if (auto same = check_frames(clip, *file, **source); !same) return same;
     ClipChoice choice;
     choice.file = *file;
     const auto chosen = open_chosen(choice, Colour::left_out);  // with the filters of a run
-    if (!chosen.ok()) return chosen.error();
+    if (!chosen) return chosen.error();
 
     FrameTimes reading, feeding;
     for (int round = 0; round < rounds; ++round) {
         const auto read = read_all(*file, colour);
-        if (!read.ok()) return read.error();
+        if (!read) return read.error();
         keep_least(reading, *read);
         const auto fed = feed_all(*file, chosen->scene, colour);
-        if (!fed.ok()) return fed.error();
+        if (!fed) return fed.error();
         keep_least(feeding, *fed);
     }
     std::vector<PlaneRole> wanted = clip.planes;
     if (!colour) std::erase(wanted, PlaneRole::colour);
     const auto plain = decode_plainly(*file, wanted, rounds);
-    if (!plain.ok()) return plain.error();
+    if (!plain) return plain.error();
 
-    if (auto added = add_sizes(clip, *file, **source, figures); !added.ok()) return added;
+    if (auto added = add_sizes(clip, *file, **source, figures); !added) return added;
     add_times(figures, "read", reading);
     add_times(figures, "feed", feeding);
     figures.push_back({"frames_per_s", 1000 / feeding.wall_ms, ""});

@@ -32,13 +32,13 @@ Result<void> write_clip(const ScenePictures& pictures, const LiveClip& clip,
     SceneDescription described(pictures.scene);
     described.unstated.filters = all_unstated;  // as `touchable make` writes it
     auto writer = create_clip(file, described, {.archive = clip.archive});
-    if (!writer.ok()) return writer.error();
+    if (!writer) return writer.error();
     for (std::int64_t n = 0; n < clip.frames; ++n) {
         if (interrupted()) return interrupted_error();
         RawFrame frame = pictures.of(n);
         frame.number = n;
         frame.time_ns = pictures.scene.rate.time_ns(n);
-        if (auto written = (*writer)->write(frame); !written.ok()) return written;
+        if (auto written = (*writer)->write(frame); !written) return written;
     }
     return (*writer)->finish();
 }
@@ -68,7 +68,7 @@ Result<std::shared_ptr<const ScenePictures>> LiveClips::pictures(const LiveClip&
         scene_.reset();
         auto made = make_scene(
             clip.scene, {.width = clip.width, .height = clip.height, .properties = clip.scene == "globe"});
-        if (!made.ok()) return made.error();
+        if (!made) return made.error();
         auto pictures = std::make_shared<ScenePictures>();
         pictures->scene = (*made)->scene();
         for (int n = 0; n < different_frames_ && !interrupted(); ++n)
@@ -86,10 +86,10 @@ Result<std::filesystem::path> LiveClips::file(const LiveClip& clip) {
     const std::string key = file_key(clip);
     if (const auto known = files_.find(key); known != files_.end()) return known->second;
     auto file = place(key + ".mkv");
-    if (!file.ok()) return file;
+    if (!file) return file;
     const auto source = pictures(clip);
-    if (!source.ok()) return source.error();
-    if (auto written = write_clip(**source, clip, *file); !written.ok()) return written.error();
+    if (!source) return source.error();
+    if (auto written = write_clip(**source, clip, *file); !written) return written.error();
     files_[key] = *file;
     return *file;
 }

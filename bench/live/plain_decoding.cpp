@@ -107,7 +107,7 @@ Result<PlainDecoding> decode_plainly(const std::filesystem::path& clip, const st
     if (status < 0) return cannot_decode(clip, status);
     const InputFile container(opened);
     const auto tracks = read_tracks(*container, clip, planes);
-    if (!tracks.ok()) return tracks.error();
+    if (!tracks) return tracks.error();
     PlainDecoding least{HUGE_VAL, HUGE_VAL};
     for (int round = 0; round < rounds; ++round) {
         const std::int64_t cpu = thread_cpu_ns();

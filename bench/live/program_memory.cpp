@@ -47,16 +47,16 @@ Result<std::int64_t> peak_of_program(const std::vector<std::string>& arguments) 
 
 Result<void> measure_program_memory(const LiveClip& clip, LiveClips& clips, Figures& figures) {
     const auto made = clips.place("made.mkv");
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     const std::string size = std::to_string(clip.width) + "x" + std::to_string(clip.height);
     const auto make = peak_of_program(
         {"make", clip.scene, made->string(), "--size", size, "--frames", "20", "--overwrite"});
-    if (!make.ok()) return make.error();
+    if (!make) return make.error();
     const auto file = clips.file(clip);
-    if (!file.ok()) return file.error();
+    if (!file) return file.error();
     const auto live =
         peak_of_program({"touch", file->string(), "--live", "--fingers", "5", "--seconds", "3"});
-    if (!live.ok()) return live.error();
+    if (!live) return live.error();
     figures.push_back({"make_mb", static_cast<double>(*make) * 1e-6, "MB"});
     figures.push_back({"live_mb", static_cast<double>(*live) * 1e-6, "MB"});
     return {};

@@ -10,11 +10,11 @@ namespace touchable {
 Result<void> measure_seek(const LiveClip& clip, int seeks, LiveClips& clips, Figures& figures) {
     constexpr std::int64_t patience_ns = 30'000'000'000;
     const auto file = clips.file(clip);
-    if (!file.ok()) return file.error();
+    if (!file) return file.error();
     const auto source = clips.pictures(clip);
-    if (!source.ok()) return source.error();
+    if (!source) return source.error();
     const auto reader = open_clip(*file);
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     (*reader)->leave_out_colour();
     std::vector<double> ms;
     SplitMix64 random(1);
@@ -24,10 +24,10 @@ Result<void> measure_seek(const LiveClip& clip, int seeks, LiveClips& clips, Fig
         if (interrupted()) return interrupted_error();
         const auto frame = static_cast<std::int64_t>(random.unit() * clip.frames);
         const std::int64_t begin = monotonic_ns();
-        if (auto found = (*reader)->seek(frame); !found.ok()) return found;
+        if (auto found = (*reader)->seek(frame); !found) return found;
         const auto raw = (*reader)->next();
         ms.push_back(static_cast<double>(monotonic_ns() - begin) * 1e-6);
-        if (!raw.ok()) return raw.error();
+        if (!raw) return raw.error();
         if (!*raw || (*raw)->number != frame || !same_touch_planes(**raw, (*source)->of(frame)))
             return Error{ErrorKind::check, "after a seek to frame " + std::to_string(frame) +
                                                " another frame comes, or one with other planes"};

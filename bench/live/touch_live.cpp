@@ -33,13 +33,13 @@ double percent(double part, double whole) {
 
 Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figures) {
     const auto file = clips.file(clip);
-    if (!file.ok()) return file.error();
+    if (!file) return file.error();
     SessionOptions options;
     options.clip.file = *file;
     options.fingers = 5;
     options.live = true;
     const auto setup = setup_from_options(options);
-    if (!setup.ok()) return setup.error();
+    if (!setup) return setup.error();
     TouchSetup& s = **setup;
 
     TouchFigures touched;
@@ -50,7 +50,7 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
     settings.ticks = s.ticks();
     LiveSession session(s.scene, *s.feed, *hand, *s.solver, settings);
     const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
-    if (auto ran = session.run(sinks); !ran.ok()) return ran;
+    if (auto ran = session.run(sinks); !ran) return ran;
     const auto wall_ns = static_cast<double>(monotonic_ns() - wall);
     const auto cpu_ns = static_cast<double>(process_cpu_ns() - cpu);
     const LiveFacts& facts = session.facts();

@@ -44,7 +44,7 @@ Result<ClosedLoop> ClosedLoop::create(const TouchSurface& surface, const LoopCas
     settings.metric = c.touch.metric;
     settings.metres_per_scene_unit = surface.scene().device_metres_per_unit.value();
     const auto solver = TouchSolver::create(surface.scene(), settings);
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     ClosedLoop loop(surface, c, place, stiffness, *solver);
     loop.handle_.put(loop.surface_now() - place.normal * loop.depth_, -nudge * place.normal);
     // The person pressed before: what is on its way holds the handle where it is.

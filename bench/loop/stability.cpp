@@ -54,11 +54,11 @@ double abbott_okamura_bound(const HandleDynamics& handle) {
 Result<LoopFate> fate_of(const TouchSurface& surface, const LoopCase& c, const PressedPlace& place,
                          double stiffness) {
     auto nudged = ClosedLoop::create(surface, c, place, stiffness, nudge);
-    if (!nudged.ok()) return nudged.error();
+    if (!nudged) return nudged.error();
     std::optional<ClosedLoop> calm;
     if (surface.moves()) {
         auto made = ClosedLoop::create(surface, c, place, stiffness, 0);
-        if (!made.ok()) return made.error();
+        if (!made) return made.error();
         calm.emplace(std::move(*made));
     }
     const int quarter = quarter_ticks(c.handle);
@@ -90,7 +90,7 @@ Result<double> stability_boundary(const TouchSurface& surface, const LoopCase& c
     double stable = 0, shaking = lowest_stiffness;
     while (shaking < highest) {
         const auto fate = fate_of(surface, c, place, shaking);
-        if (!fate.ok()) return fate.error();
+        if (!fate) return fate.error();
         if (*fate == LoopFate::shakes) break;
         if (*fate == LoopFate::leaves && stable == 0)
             return Error{ErrorKind::check, "the finger slides off the surface: there is nothing to measure"};
@@ -102,7 +102,7 @@ Result<double> stability_boundary(const TouchSurface& surface, const LoopCase& c
     while (shaking > stable * precision && shaking > 1) {
         const double between = stable > 0 ? std::sqrt(stable * shaking) : 0.5 * shaking;
         const auto fate = fate_of(surface, c, place, between);
-        if (!fate.ok()) return fate.error();
+        if (!fate) return fate.error();
         (*fate == LoopFate::shakes ? shaking : stable) = between;
     }
     return stable;

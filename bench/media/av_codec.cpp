@@ -45,7 +45,7 @@ public:
     Result<void> encode(const PlaneView& plane, Packet& packet) override {
         // Encoders that predict over time hold on to what they were given.
         if (av_frame_make_writable(picture_.get()) < 0) return failed_at("out of memory");
-        if (auto packed = pack(plane, settings_.packing, scaler_, *picture_); !packed.ok()) return packed;
+        if (auto packed = pack(plane, settings_.packing, scaler_, *picture_); !packed) return packed;
         picture_->pts = next_++;
         int status = avcodec_send_frame(encoder_.get(), picture_.get());
         if (status >= 0) status = avcodec_receive_packet(encoder_.get(), out_.get());
@@ -57,7 +57,7 @@ public:
 
     Result<void> decode(const Packet& packet) override {
         if (!decoder_)
-            if (auto opened = open_decoder(); !opened.ok()) return opened;
+            if (auto opened = open_decoder(); !opened) return opened;
         // Without an owner FFmpeg copies the bytes, as it would read them from a file.
         in_->data = const_cast<std::uint8_t*>(packet.data());
         in_->size = static_cast<int>(packet.size());
@@ -105,7 +105,7 @@ private:
 Result<std::unique_ptr<PlaneCodec>> open_av_codec(const AvSettings& settings, const PlaneView& first) {
     silence_ffmpeg();
     auto codec = std::make_unique<AvCodec>(settings, first);
-    if (auto opened = codec->open(first); !opened.ok()) return opened.error();
+    if (auto opened = codec->open(first); !opened) return opened.error();
     return std::unique_ptr<PlaneCodec>(std::move(codec));
 }
 

@@ -58,15 +58,15 @@ Result<void> add_memory(const CodecChoice& choice, const std::vector<PlaneView>&
         packets[n].reserve(static_cast<std::size_t>(2 * raw_bytes(planes[n])));
     const PeakMemory encoder;
     auto codec = choice.open(planes.front());
-    if (!codec.ok()) return codec.error();
+    if (!codec) return codec.error();
     for (std::size_t n = 0; n < packets.size(); ++n)
-        if (auto done = (*codec)->encode(planes[n], packets[n]); !done.ok()) return done;
+        if (auto done = (*codec)->encode(planes[n], packets[n]); !done) return done;
     if (const auto bytes = encoder.extra())
         figures.push_back({"encoder_mb", static_cast<double>(*bytes) * 1e-6, "MB"});
     const PeakMemory decoder;
     for (const Packet& packet : packets) {
-        if (auto done = (*codec)->decode(packet); !done.ok()) return done;
-        if (auto plane = (*codec)->plane(); !plane.ok()) return plane.error();
+        if (auto done = (*codec)->decode(packet); !done) return done;
+        if (auto plane = (*codec)->plane(); !plane) return plane.error();
     }
     if (const auto bytes = decoder.extra())
         figures.push_back({"decoder_mb", static_cast<double>(*bytes) * 1e-6, "MB"});
@@ -82,20 +82,20 @@ struct CodecTimes {
 Result<double> run_once(PlaneCodec& codec, const CodecChoice& choice, const std::vector<PlaneView>& planes,
                         std::vector<Packet>& packets, CodecTimes& times) {
     for (std::size_t n = 0; n < planes.size(); ++n)
-        if (auto done = times.encode.time(n, [&] { return codec.encode(planes[n], packets[n]); }); !done.ok())
+        if (auto done = times.encode.time(n, [&] { return codec.encode(planes[n], packets[n]); }); !done)
             return done.error();
     double error = 0;
     for (std::size_t n = 0; n < planes.size(); ++n) {
-        if (auto done = times.decode.time(n, [&] { return codec.decode(packets[n]); }); !done.ok())
+        if (auto done = times.decode.time(n, [&] { return codec.decode(packets[n]); }); !done)
             return done.error();
         PlaneView plane;
         const auto taken = times.plane.time(n, [&]() -> Result<void> {
             auto decoded = codec.plane();
-            if (!decoded.ok()) return decoded.error();
+            if (!decoded) return decoded.error();
             plane = *decoded;
             return {};
         });
-        if (!taken.ok()) return taken.error();
+        if (!taken) return taken.error();
         if (choice.lossless && !same_samples(plane, planes[n]))
             return Error{ErrorKind::check, "frame " + std::to_string(n) + " is not what went in"};
         if (!choice.lossless) error += squared_error(plane, planes[n]);
@@ -107,23 +107,23 @@ Result<double> run_once(PlaneCodec& codec, const CodecChoice& choice, const std:
 
 Result<double> bytes_per_frame(const CodecChoice& choice, const std::vector<PlaneView>& planes) {
     auto codec = choice.open(planes.front());
-    if (!codec.ok()) return codec.error();
+    if (!codec) return codec.error();
     std::vector<Packet> packets(planes.size());
     for (std::size_t n = 0; n < planes.size(); ++n)
-        if (auto done = (*codec)->encode(planes[n], packets[n]); !done.ok()) return done.error();
+        if (auto done = (*codec)->encode(planes[n], packets[n]); !done) return done.error();
     return mean_size(packets);
 }
 
 Result<void> measure_codec(const CodecChoice& choice, const std::vector<PlaneView>& planes, double ffv1_bytes,
                            int rounds, Figures& figures) {
     auto codec = choice.open(planes.front());
-    if (!codec.ok()) return codec.error();
+    if (!codec) return codec.error();
     std::vector<Packet> packets(planes.size());
     CodecTimes times(planes.size());
     double error = 0, bytes = 0;
     for (int round = 0; round < rounds; ++round) {
         const auto ran = run_once(**codec, choice, planes, packets, times);
-        if (!ran.ok()) return ran.error();
+        if (!ran) return ran.error();
         if (round > 0) continue;
         error = *ran;
         bytes = mean_size(packets);
@@ -134,7 +134,7 @@ Result<void> measure_codec(const CodecChoice& choice, const std::vector<PlaneVie
     figures.push_back({"encode_ms", times.encode.mean(), "ms"});
     figures.push_back({"decode_ms", times.decode.mean(), "ms"});
     figures.push_back({"plane_ms", times.plane.mean(), "ms"});
-    if (auto done = add_memory(choice, planes, figures); !done.ok()) return done;
+    if (auto done = add_memory(choice, planes, figures); !done) return done;
     if (!choice.lossless) figures.push_back({"psnr_db", 10 * std::log10(255.0 * 255 / error), "dB"});
     return {};
 }

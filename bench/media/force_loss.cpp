@@ -42,7 +42,7 @@ private:
 Result<FeltClip> felt(Scene scene, std::vector<RawFrame> frames) {
     FeltClip clip{std::move(scene), std::move(frames), {}};
     auto stroke = standard_stroke(std::make_unique<ClipInMemory>(clip.scene, clip.frames));
-    if (!stroke.ok()) return stroke.error();
+    if (!stroke) return stroke.error();
     clip.stroke = std::move(*stroke);
     return clip;
 }
@@ -81,7 +81,7 @@ void flatten(RawFrame& frame) {
 
 Result<FeltClip> felt_globe(bool is_flat) {
     const auto made = make_scene("globe", {.width = 720, .height = 480, .bits = 8, .properties = true});
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     std::vector<RawFrame> frames;
     for (int n = 0; n < frames_sent; ++n) {
         frames.push_back((*made)->frame(n));
@@ -111,7 +111,7 @@ RawFrame in_8_bits(const RawFrame& frame, const DepthCoding& from, const DepthCo
 Result<FeltClip> felt_castel(const std::filesystem::path& folder) {
     auto reader =
         open_clip(folder, std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/castel_sr300.json");
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     (*reader)->leave_out_colour();
     Scene scene = (*reader)->scene();
     const DepthCoding stored = scene.depth;
@@ -127,11 +127,11 @@ Result<FeltClip> felt_castel(const std::filesystem::path& folder) {
     derive_valid_range(depth);
     scene.depth_bits = 8;
     scene.folder.reset();
-    if (auto valid = validate(scene); !valid.ok()) return valid.error();
+    if (auto valid = validate(scene); !valid) return valid.error();
     std::vector<RawFrame> frames;
     while (std::ssize(frames) < frames_sent) {
         const auto frame = (*reader)->next();
-        if (!frame.ok()) return frame.error();
+        if (!frame) return frame.error();
         if (!*frame) break;
         frames.push_back(in_8_bits(**frame, stored, depth));
     }
@@ -175,20 +175,20 @@ struct SentPlane {
 Result<SentPlane> send(const FeltClip& clip, PlaneRole role, const CodecChoice& choice) {
     const auto count = static_cast<double>(clip.frames.size());
     auto codec = choice.open(plane_of(clip.frames.front(), role));
-    if (!codec.ok()) return codec.error();
+    if (!codec) return codec.error();
     SentPlane sent;
     std::vector<Packet> packets(clip.frames.size());
     std::int64_t begin = thread_cpu_ns();
     for (std::size_t n = 0; n < packets.size(); ++n)
-        if (auto done = (*codec)->encode(plane_of(clip.frames[n], role), packets[n]); !done.ok())
+        if (auto done = (*codec)->encode(plane_of(clip.frames[n], role), packets[n]); !done)
             return done.error();
     sent.encode_ms = static_cast<double>(thread_cpu_ns() - begin) * 1e-6 / count;
     for (std::size_t n = 0; n < packets.size(); ++n) {
         sent.bytes += static_cast<double>(packets[n].size()) / count;
         begin = thread_cpu_ns();
-        if (auto done = (*codec)->decode(packets[n]); !done.ok()) return done.error();
+        if (auto done = (*codec)->decode(packets[n]); !done) return done.error();
         const auto plane = (*codec)->plane();
-        if (!plane.ok()) return plane.error();
+        if (!plane) return plane.error();
         sent.decode_ms += static_cast<double>(thread_cpu_ns() - begin) * 1e-6 / count;
         auto copy = std::make_shared<Kept>(kept(*plane));
         RawFrame frame = clip.frames[n];
@@ -237,12 +237,12 @@ std::vector<CodecChoice> sent_choices(PlaneRole role, bool has_few_colours) {
 Result<void> measure_force_loss(const FeltClip& clip, PlaneRole role, const CodecChoice& choice,
                                 Figures& figures) {
     const auto sent = send(clip, role, choice);
-    if (!sent.ok()) return sent.error();
+    if (!sent) return sent.error();
     if (choice.lossless && sent->largest_change > 0)
         return Error{ErrorKind::check, "what comes back is not what was sent"};
     const auto felt =
         compare_by_stroke(clip.stroke, std::make_unique<ClipInMemory>(clip.scene, sent->frames));
-    if (!felt.ok()) return felt.error();
+    if (!felt) return felt.error();
     figures.push_back({"bytes", sent->bytes, ""});
     figures.push_back({"encode_ms", sent->encode_ms, "ms"});
     figures.push_back({"decode_ms", sent->decode_ms, "ms"});

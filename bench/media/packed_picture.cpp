@@ -167,7 +167,7 @@ Result<PlaneView> Unpacker::plane(const AVFrame& picture) {
         const int stride = static_cast<int>(plane.stride);
         if (auto done = convert(picture.data, picture.linesize, format, &to, &stride, AV_PIX_FMT_RGB24,
                                 form_.width, form_.height, scaler_);
-            !done.ok())
+            !done)
             return done.error();
         return plane;
     }

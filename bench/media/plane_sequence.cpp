@@ -17,7 +17,7 @@ using Frames = Result<std::vector<RawFrame>>;
 
 Frames frames_of_scene(const char* scene, const SceneOptions& options) {
     const auto made = make_scene(scene, options);
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     std::vector<RawFrame> frames;
     for (int n = 0; n < frames_of_source; ++n) frames.push_back((*made)->frame(n));
     return frames;
@@ -59,12 +59,12 @@ Frames noisy_slopes(int width, int height, int bits) {
 
 Frames frames_of_recording(const std::filesystem::path& folder, const std::filesystem::path& scene_file) {
     const auto reader = open_clip(folder, scene_file);
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     (*reader)->leave_out_colour();
     std::vector<RawFrame> frames;
     while (std::ssize(frames) < frames_of_source) {
         auto raw = (*reader)->next();
-        if (!raw.ok()) return raw.error();
+        if (!raw) return raw.error();
         if (!*raw) break;
         frames.push_back(std::move(**raw));
     }

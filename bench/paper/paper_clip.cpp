@@ -34,7 +34,7 @@ Result<std::shared_ptr<const PaperClip>> make_globe_clip() {
     options.bits = 8;
     options.properties = true;
     auto made = make_scene("globe", options);
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     const std::shared_ptr<const AnalyticScene> content = std::move(made).value();
     auto clip = std::make_shared<PaperClip>();
     clip->scene = content->scene();
@@ -70,14 +70,13 @@ PlayedClip::PlayedClip(std::shared_ptr<const PaperClip> clip, const PaperFilter&
 Result<std::unique_ptr<PlayedClip>> PlayedClip::make(std::shared_ptr<const PaperClip> clip,
                                                      const PaperFilter& filter) {
     std::unique_ptr<PlayedClip> played(new PlayedClip(std::move(clip), filter));
-    if (auto built = played->build(); !built.ok()) return built.error();
+    if (auto built = played->build(); !built) return built.error();
     return played;
 }
 
 Result<void> PlayedClip::build() {
     for (std::size_t n = 0; n < slots_.size(); ++n)
-        if (auto built = builder_->build(raw(static_cast<std::int64_t>(n)), slots_[n]); !built.ok())
-            return built;
+        if (auto built = builder_->build(raw(static_cast<std::int64_t>(n)), slots_[n]); !built) return built;
     return {};
 }
 

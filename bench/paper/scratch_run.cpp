@@ -82,7 +82,7 @@ Result<Scratched> scratched(Scratching& hand) {
     Scratched recorded;
     for (int k = 0; k < settling_ticks + segments * segment_ticks; ++k) {
         const auto contact = hand.tick(k);
-        if (!contact.ok()) return contact.error();
+        if (!contact) return contact.error();
         if (k < settling_ticks) continue;
         recorded.newtons.push_back(glm::length(contact->force));
         recorded.touching += contact->touching;
@@ -124,15 +124,15 @@ void add_curve(const Spectrum& spectrum, Figures& figures) {
 
 Result<void> measure_scratch(std::shared_ptr<const PaperClip> clip, const ScratchRun& run, Figures& figures) {
     const auto played = PlayedClip::make(std::move(clip), run.filter);
-    if (!played.ok()) return played.error();
+    if (!played) return played.error();
     TouchSettings settings;
     settings.metric = run.setup.metric;
     settings.metres_per_scene_unit = (*played)->scene().device_metres_per_unit.value();
     const auto solver = TouchSolver::create((*played)->scene(), settings);
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     Scratching hand(**played, *solver, run.hand);
     const auto recorded = scratched(hand);
-    if (!recorded.ok()) return recorded.error();
+    if (!recorded) return recorded.error();
 
     const Spectrum spectrum = welch_spectrum(recorded->newtons, rate_hz, segments);
     add_bands(spectrum, figures);

@@ -122,15 +122,15 @@ void add_maxima(const TickTimes& times, const SweepRun& run, Figures& figures) {
 Result<void> measure_sweep(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures) {
     std::vector<glm::dvec3> goals = goals_of(*clip, run);
     const auto played = PlayedClip::make(std::move(clip), run.filter);
-    if (!played.ok()) return played.error();
+    if (!played) return played.error();
     TouchSettings settings;
     settings.metric = run.setup.metric;
     settings.metres_per_scene_unit = (*played)->scene().device_metres_per_unit.value();
     const auto solver = TouchSolver::create((*played)->scene(), settings);
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     SweepTicks ticks(**played, *solver, std::move(goals));
     Figures primitives;
-    if (auto counted = add_primitives(ticks, run, primitives); !counted.ok()) return counted;
+    if (auto counted = add_primitives(ticks, run, primitives); !counted) return counted;
     const TickTimes times = time_hot(ticks, run.repeats);
     add_maxima(times, run, figures);
     figures.insert(figures.end(), primitives.begin(), primitives.end());

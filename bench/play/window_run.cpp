@@ -44,7 +44,7 @@ void add_spread(Figures& figures, const std::string& what, const PlayFigures::Ne
 
 Result<void> measure_window(const LiveClip& clip, double turned, LiveClips& clips, Figures& figures) {
     const auto file = clips.file(clip);
-    if (!file.ok()) return file.error();
+    if (!file) return file.error();
     PlayOptions options;
     options.session.clip.file = *file;
     options.headless = true;
@@ -55,7 +55,7 @@ Result<void> measure_window(const LiveClip& clip, double turned, LiveClips& clip
     options.script = hand(*options.seconds, turned);
     const std::int64_t cpu = process_cpu_ns();
     const auto played = play_in_window(options);
-    if (!played.ok()) return played.error();
+    if (!played) return played.error();
     const auto cpu_ms = static_cast<double>(process_cpu_ns() - cpu) * 1e-6;
     const PlayFigures& p = *played;
     if (p.pictures < 2 || p.frames_due < 1) return Error{ErrorKind::check, "the window showed no pictures"};

@@ -12,7 +12,7 @@ Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<Ra
     std::vector<SurfaceFrame> frames(raws.size());
     const auto builder = make_cpu_builder(scene);
     for (std::size_t n = 0; n < raws.size(); ++n)
-        if (auto done = builder->build(raws[n], frames[n]); !done.ok()) return done.error();
+        if (auto done = builder->build(raws[n], frames[n]); !done) return done.error();
     return frames;
 }
 
@@ -25,7 +25,7 @@ Result<void> measure_cost(const Scene& scene, const std::vector<RawFrame>& raws,
         RawFrame raw = raws[static_cast<std::size_t>(n) % raws.size()];
         raw.number = n;  // one after the other, as the temporal filter wants them
         const std::int64_t cpu_begin = process_cpu_ns(), begin = monotonic_ns();
-        if (auto done = builder->build(raw, slot); !done.ok()) return done;
+        if (auto done = builder->build(raw, slot); !done) return done;
         wall_ms = std::min(wall_ms, static_cast<double>(monotonic_ns() - begin) * 1e-6);
         cpu_ms = std::min(cpu_ms, static_cast<double>(process_cpu_ns() - cpu_begin) * 1e-6);
     }

@@ -44,7 +44,7 @@ Result<fs::path> write_pngs(const fs::path& folder, const Scene& scene, const st
                              scene.height,
                              2,
                              1};
-        if (auto done = write_png(numbered(folder, n, "png"), view); !done.ok()) return done.error();
+        if (auto done = write_png(numbered(folder, n, "png"), view); !done) return done.error();
     }
     return folder;
 }
@@ -138,15 +138,15 @@ Result<OpenedForm> opened(const DepthForm& form, const Scene& scene, const std::
     const TemporaryFolder folder("touchable-bench-" + std::string(form.name) + "-" +
                                  std::to_string(getpid()));
     const auto written = form.write(folder.path, scene, frames);
-    if (!written.ok()) return written.error();
+    if (!written) return written.error();
     SourceDescription known;
     known.intrinsics = Intrinsics{scene.camera.fx, scene.camera.fy, scene.camera.cx, scene.camera.cy};
     auto reader = open_clip(*written, {}, known);
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     OpenedForm found{in_millimetres((*reader)->scene()), {}};
     for (;;) {
         auto raw = (*reader)->next();
-        if (!raw.ok()) return raw.error();
+        if (!raw) return raw.error();
         if (!*raw) return found;
         found.frames.push_back(std::move(**raw));
     }

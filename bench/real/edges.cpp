@@ -145,7 +145,7 @@ std::vector<RawFrame> stored_frames(const SensorModel& model, const EdgesScene& 
 Result<void> add_figures(const SensorModel& model, const EdgesScene& edges, const Scene& scene,
                          const std::string& suffix, Figures& figures) {
     const auto frames = built(scene, stored_frames(model, edges, scene));
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     const SurfaceFrame& last = frames->back();
     figures.push_back({"pen_pct" + suffix, pen_pct(edges, last, pen_left, pen_steps), "%"});
     figures.push_back({"low_pen_pct" + suffix, pen_pct(edges, last, low_pen_left, low_pen_steps), "%"});
@@ -162,7 +162,7 @@ Result<void> measure_edges(const SensorModel& model, const FilterChoice& choice,
     for (const bool noisy : {false, true}) {
         const SensorModel seen_by = noisy ? model : without_noise(model);
         const Scene scene = choice.of(stored_frames(seen_by, edges, unfiltered), unfiltered);
-        if (auto done = add_figures(seen_by, edges, scene, noisy ? "_noisy" : "", figures); !done.ok())
+        if (auto done = add_figures(seen_by, edges, scene, noisy ? "_noisy" : "", figures); !done)
             return done;
     }
     return {};
@@ -172,7 +172,7 @@ Result<void> measure_least_steps(const SensorModel& model, Figures& figures) {
     const EdgesScene edges = edges_scene(model.least_step(1000) / 1e6);
     const Scene unfiltered = scene_of(model, edges_width, edges_height, edges.truth.camera);
     const Scene scene = chosen_filters(stored_frames(model, edges, unfiltered), unfiltered);
-    if (auto done = add_figures(without_noise(model), edges, scene, "", figures); !done.ok()) return done;
+    if (auto done = add_figures(without_noise(model), edges, scene, "", figures); !done) return done;
     return add_figures(model, edges, scene, "_noisy", figures);
 }
 
@@ -182,7 +182,7 @@ Result<void> measure_low_relief(const SensorModel& model, double middle, double 
     const std::vector<RawFrame> raws = stored_frames(model, edges, unfiltered);
     const Scene scene = chosen_filters(raws, unfiltered);
     const auto frames = built(scene, raws);
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     const SurfaceFrame& last = frames->back();
     figures.push_back({"low_pen_pct", pen_pct(edges, last, low_pen_left, low_pen_steps), "%"});
     figures.push_back({"step_px", step_px(edges, last), "px"});
@@ -199,7 +199,7 @@ Result<bool> keeps_edges(const SensorModel& model, const FilterSettings& filter)
     Scene scene = scene_of(model, edges_width, edges_height, edges.truth.camera);
     scene.filter = filter;
     const auto frames = built(scene, stored_frames(without_noise(model), edges, scene));
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     const SurfaceFrame& last = frames->back();
     return pen_pct(edges, last, low_pen_left, low_pen_steps) >= least_low_pen_pct &&
            step_px(edges, last) <= most_step_px;

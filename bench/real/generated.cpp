@@ -23,12 +23,12 @@ Result<void> measure_generated(const FilterChoice& choice, Figures& figures) {
     std::int64_t changed = 0, pixels = 0;
     for (const char* name : {"globe", "bumps", "rough", "moving", "spheres", "step"}) {
         const auto made = make_scene(name, {.width = 320, .height = 240});
-        if (!made.ok()) return made.error();
+        if (!made) return made.error();
         std::vector<RawFrame> raws;
         for (int n = 0; n < DepthEstimator::frames; ++n) raws.push_back((*made)->frame(n));
         const Scene scene = choice.of(raws, (*made)->scene());
         const auto frames = built(scene, raws);
-        if (!frames.ok()) return frames.error();
+        if (!frames) return frames.error();
         for (std::size_t n = 0; n < raws.size(); ++n)
             for (int y = 0; y < scene.height; ++y)
                 for (int x = 0; x < scene.width; ++x) {

@@ -32,10 +32,10 @@ DepthMap without_steps(const DepthMap& stored) {
 Result<DepthMap> truth_of(const std::filesystem::path& data, int still) {
     auto reader = open_clip(data / "stills/icl_nuim5",
                             std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/icl_nuim5.json");
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     for (int n = 1;; ++n) {
         const auto raw = (*reader)->next();
-        if (!raw.ok()) return raw.error();
+        if (!raw) return raw.error();
         if (!*raw) return input_error("icl_nuim5: no still " + std::to_string(still));
         if (n == still) return without_steps(depths_of(**raw, (*reader)->scene()));
     }
@@ -73,7 +73,7 @@ Result<void> KnownRoom::make(bool quick) {
     Scene scene;
     for (const int still : quick ? std::vector{2, 4} : std::vector{2, 1, 3, 4, 5}) {
         auto truth = truth_of(data_, still);
-        if (!truth.ok()) return truth.error();
+        if (!truth) return truth.error();
         Room room{scaled(std::move(truth).value(), factor_), {}, {}};
         scene = scene_of(model_, room.truth.width, room.truth.height, room.truth.camera);
         room.smooth = smooth_places(room.truth, quick ? 16 : 8);
@@ -93,7 +93,7 @@ Result<void> KnownRoom::make_approach() {
     for (int n = 0; n < approach_frames; ++n) {
         const double seconds = static_cast<double>(scene_->rate.time_ns(n)) * 1e-9;
         auto truth = seen_from(rooms_[0].truth, 1000 * approach_m_per_s * seconds);
-        if (!truth.ok()) return truth.error();
+        if (!truth) return truth.error();
         approach_stored_.push_back(stored_frame(model_, *scene_, *truth, n));
         std::vector<DepthPlane> smooth = smooth_places(*truth, 8);
         approach_.push_back({std::move(truth).value(), std::move(smooth)});
@@ -103,7 +103,7 @@ Result<void> KnownRoom::make_approach() {
 
 Result<double> KnownRoom::lag(const Scene& scene, const std::vector<SurfaceFrame>& at_rest) const {
     const auto frames = built(scene, approach_stored_);
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     MeanOff moving, still;
     for (std::size_t n = settled_frames; n < frames->size(); ++n)
         moving.add((*frames)[n], approach_[n].smooth);
@@ -115,17 +115,17 @@ Result<PressErrors> KnownRoom::pressed(const Scene& scene) const {
     PressErrors errors;
     for (const Room& room : rooms_) {
         const auto frames = built(scene, room.stored);
-        if (!frames.ok()) return frames.error();
-        if (auto done = errors.press(scene, frames->back(), room.smooth); !done.ok()) return done.error();
+        if (!frames) return frames.error();
+        if (auto done = errors.press(scene, frames->back(), room.smooth); !done) return done.error();
     }
     return errors;
 }
 
 Result<void> KnownRoom::search(bool quick, Figures& figures) {
     if (!scene_)
-        if (auto done = make(quick); !done.ok()) return done;
+        if (auto done = make(quick); !done) return done;
     const auto chosen = pressed(chosen_filters(rooms_[0].stored, *scene_));
-    if (!chosen.ok()) return chosen.error();
+    if (!chosen) return chosen.error();
     const double depth = median_depth(rooms_[0].truth);
     const DepthLength least{0, model_.least_step(depth) / (depth * depth)};
     double best = 180, best_of_all = 180;
@@ -139,12 +139,12 @@ Result<void> KnownRoom::search(bool quick, Figures& figures) {
                                 .temporal = averaged > 0,
                                 .temporal_noise = model_.stated_noise.times(averaged)};
                 const auto errors = pressed(scene);
-                if (!errors.ok()) return errors.error();
+                if (!errors) return errors.error();
                 const double left = errors->angle_deg_rms();
                 best_of_all = std::min(best_of_all, left);
                 if (left >= best) continue;
                 const auto keeps = keeps_edges(model_, scene.filter);
-                if (!keeps.ok()) return keeps.error();
+                if (!keeps) return keeps.error();
                 if (*keeps) best = left;
             }
     figures.push_back({"force_angle_deg_chosen", chosen->angle_deg_rms(), "deg"});
@@ -156,19 +156,19 @@ Result<void> KnownRoom::search(bool quick, Figures& figures) {
 
 Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures& figures) {
     if (!scene_)
-        if (auto done = make(quick); !done.ok()) return done;
+        if (auto done = make(quick); !done) return done;
     const Scene scene = choice.of(rooms_[0].stored, *scene_);
     const auto errors = pressed(scene);
-    if (!errors.ok()) return errors.error();
+    if (!errors) return errors.error();
     errors->report(figures);
     const auto at_rest = built(scene, rooms_[0].stored);
-    if (!at_rest.ok()) return at_rest.error();
-    if (auto done = measure_rest(scene, *at_rest, resting_places_, settled_frames, figures); !done.ok())
+    if (!at_rest) return at_rest.error();
+    if (auto done = measure_rest(scene, *at_rest, resting_places_, settled_frames, figures); !done)
         return done;
     const auto behind = lag(scene, *at_rest);
-    if (!behind.ok()) return behind.error();
+    if (!behind) return behind.error();
     figures.push_back({"lag_mm", *behind, "mm"});
-    if (auto done = measure_cost(scene, rooms_[0].stored, quick ? 10 : 40, figures); !done.ok()) return done;
+    if (auto done = measure_cost(scene, rooms_[0].stored, quick ? 10 : 40, figures); !done) return done;
     const double depth = median_depth(rooms_[0].truth);
     const DepthLength& levels = scene.filter.levels;
     figures.push_back({"level_mm", levels.at(depth), "mm"});

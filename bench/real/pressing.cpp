@@ -36,7 +36,7 @@ double root_mean_square(const std::vector<double>& values) {
 Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
                                 const std::vector<DepthPlane>& planes) {
     const auto solver = TouchSolver::create(scene, {});
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     std::vector<glm::dvec3> goals(planes.size());
     std::vector<FingerState> fingers(planes.size());
     std::vector<Contact> contacts(planes.size());

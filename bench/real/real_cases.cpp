@@ -28,7 +28,7 @@ void add(std::vector<BenchCase>& cases, const std::string& what, const std::shar
         const std::string name = "real-" + what + "-" + std::string(choice.name);
         cases.push_back({name, [made, choice, quick, name](Figures& figures) -> Result<void> {
                              auto measured = made->measure(choice, quick, figures);
-                             if (measured.ok()) return measured;
+                             if (measured) return measured;
                              return Error{measured.error().kind, name + ": " + measured.error().message};
                          }});
     }

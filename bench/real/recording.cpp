@@ -36,7 +36,7 @@ CameraRecording redwood_recording(const std::filesystem::path& data) {
 
 Result<void> RecordingPatches::read(bool quick) {
     auto reader = open_clip(recording_.clip, recording_.scene_file);
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     Scene scene = (*reader)->scene();
     scene.default_properties = {600, 0, 0};
     scene.filter = {};
@@ -44,7 +44,7 @@ Result<void> RecordingPatches::read(bool quick) {
     double squares = 0, depth_sum = 0, count = 0;
     for (;;) {
         auto raw = (*reader)->next();
-        if (!raw.ok()) return raw.error();
+        if (!raw) return raw.error();
         if (!*raw) break;
         const DepthMap map = depths_of(**raw, scene);
         planes_.push_back(flat_places(map, quick ? 16 : 8, patch_reach, recording_.flat));
@@ -67,16 +67,16 @@ Result<void> RecordingPatches::read(bool quick) {
 
 Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, Figures& figures) {
     if (!scene_)
-        if (auto done = read(quick); !done.ok()) return done;
+        if (auto done = read(quick); !done) return done;
     const Scene scene = choice.of(raws_, *scene_);
     const auto frames = built(scene, raws_);
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     PressErrors errors;
     for (std::size_t n = 0; n < frames->size(); ++n)
-        if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done.ok()) return done;
+        if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done) return done;
     errors.report(figures);
     figures.push_back({"plane_error_deg", plane_error_deg_, "deg"});
-    if (auto done = measure_cost(scene, raws_, quick ? 10 : 50, figures); !done.ok()) return done;
+    if (auto done = measure_cost(scene, raws_, quick ? 10 : 50, figures); !done) return done;
     figures.push_back({"depth_mm", depth_, "mm"});
     figures.push_back({"level_mm", scene.filter.levels.at(depth_), "mm"});
     return {};
@@ -84,20 +84,20 @@ Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, F
 
 Result<void> RecordingPatches::measure_forms(bool quick, Figures& figures) {
     if (!scene_)
-        if (auto done = read(quick); !done.ok()) return done;
+        if (auto done = read(quick); !done) return done;
     double best = 180, worst = 0;
     for (const DepthForm& form : depth_forms()) {
         auto found = opened(form, *scene_, raws_);
-        if (!found.ok()) return found.error();
+        if (!found) return found.error();
         if (found->frames.size() != raws_.size())
             return Error{ErrorKind::check, recording_.name + ": frames are missing as " + form.name};
         found->scene.default_properties = scene_->default_properties;
         const Scene scene = chosen_filters(found->frames, found->scene);
         const auto frames = built(scene, found->frames);
-        if (!frames.ok()) return frames.error();
+        if (!frames) return frames.error();
         PressErrors errors;
         for (std::size_t n = 0; n < frames->size(); ++n)
-            if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done.ok()) return done;
+            if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done) return done;
         const double angle = errors.angle_deg_rms();
         figures.push_back({std::string("force_angle_deg_") + form.name, angle, "deg"});
         best = std::min(best, angle);
@@ -111,24 +111,23 @@ Result<double> RecordingPatches::force_angle_deg(const Scene& scene, std::size_t
     std::vector<RawFrame> raws;
     for (std::size_t n = first; n < raws_.size(); n += 2) raws.push_back(raws_[n]);
     const auto frames = built(scene, raws);
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     PressErrors errors;
     for (std::size_t n = 0; n < frames->size(); ++n)
-        if (auto done = errors.press(scene, (*frames)[n], planes_[first + 2 * n]); !done.ok())
-            return done.error();
+        if (auto done = errors.press(scene, (*frames)[n], planes_[first + 2 * n]); !done) return done.error();
     return errors.angle_deg_rms();
 }
 
 Result<void> RecordingPatches::measure_left_out(bool quick, Figures& figures) {
     if (!scene_)
-        if (auto done = read(quick); !done.ok()) return done;
+        if (auto done = read(quick); !done) return done;
     double chosen_squares = 0, best_squares = 0;
     for (const std::size_t left_out : {0U, 1U}) {
         std::vector<RawFrame> seen;
         for (std::size_t n = 1 - left_out; n < raws_.size(); n += 2) seen.push_back(raws_[n]);
         const Scene chosen = chosen_filters(seen, *scene_);
         const auto angle = force_angle_deg(chosen, left_out);
-        if (!angle.ok()) return angle.error();
+        if (!angle) return angle.error();
         double best = *angle;
         const auto measured = measured_depth(seen, *scene_);
         if (!measured) return Error{ErrorKind::check, recording_.name + ": no depth"};
@@ -140,7 +139,7 @@ Result<void> RecordingPatches::measure_left_out(bool quick, Figures& figures) {
             scene.filter.levels = tried.levels;
             if (tried.temporal) scene.filter.temporal_noise = stated_noise(measured->noise, tried.median);
             const auto with = force_angle_deg(scene, left_out);
-            if (!with.ok()) return with.error();
+            if (!with) return with.error();
             best = std::min(best, *with);
         }
         chosen_squares += *angle * *angle;

@@ -54,7 +54,7 @@ struct RestingForce {
 Result<void> measure_rest(const Scene& scene, const std::vector<SurfaceFrame>& frames,
                           const std::vector<DepthPlane>& planes, int settled, Figures& figures) {
     const auto solver = TouchSolver::create(scene, {});
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     std::vector<glm::dvec3> goals;
     for (const DepthPlane& plane : planes)
         goals.push_back(unproject(scene.camera, plane.x, plane.y, 1 / plane.at) -

@@ -39,9 +39,9 @@ std::string address(const StreamCase& stream, int port) {
 
 Result<std::unique_ptr<test::ServedClip>> serve(const StreamCase& stream, int port, LiveClips& clips) {
     const auto file = clips.file(stream.clip);
-    if (!file.ok()) return file.error();
+    if (!file) return file.error();
     const auto report = clips.place("served.json");
-    if (!report.ok()) return report.error();
+    if (!report) return report.error();
     std::vector<std::string> options{address(stream, port), "--loop"};
     if (stream.transport == "ts") options.emplace_back("--mpegts");
     return test::ServedClip::start(*file, std::move(options), *report);
@@ -55,7 +55,7 @@ Result<std::unique_ptr<TouchSetup>> touch_live(const std::string& camera, std::i
     options.ticks = ticks;
     options.camera = camera;
     const auto source = read_live_camera(camera);
-    if (!source.ok()) return source.error();
+    if (!source) return source.error();
     options.clip.take(*source);
     return setup_from_options(options);
 }
@@ -85,7 +85,7 @@ Result<void> measure_touch(TouchSetup& setup, DelayedTouch* delayed, Figures& fi
     settings.ticks = setup.ticks();
     LiveSession session(setup.scene, *setup.feed, *hand, *setup.solver, settings);
     const std::int64_t cpu = process_cpu_ns();
-    if (auto ran = session.run(sinks); !ran.ok()) return ran;
+    if (auto ran = session.run(sinks); !ran) return ran;
     const auto cpu_ns = static_cast<double>(process_cpu_ns() - cpu);
     const LiveFacts& facts = session.facts();
     if (facts.failure) return *facts.failure;
@@ -116,9 +116,9 @@ std::int64_t ticks_of(const LiveClip& clip) {
 
 Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Figures& figures) {
     const auto file = clips.file(clip);
-    if (!file.ok()) return file.error();
+    if (!file) return file.error();
     const auto setup = touch_live("replay:" + file->string(), ticks_of(clip));
-    return setup.ok() ? measure_touch(**setup, nullptr, figures) : setup.error();
+    return setup ? measure_touch(**setup, nullptr, figures) : setup.error();
 }
 
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures) {
@@ -127,31 +127,31 @@ Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures&
     const bool has_datagrams = scheme_of(stream) == "srt";
     const auto relay = test::Relay::open(has_datagrams ? test::Relay::Kind::udp : test::Relay::Kind::tcp,
                                          port, stream.faults);
-    if (!relay.ok()) return relay.error();
+    if (!relay) return relay.error();
     auto served = serve(stream, port, clips);
-    if (!served.ok()) return served.error();
+    if (!served) return served.error();
     const auto setup = touch_live("stream:" + address(stream, (*relay)->port()), ticks_of(stream.clip));
-    if (!setup.ok() && stream.is_far && setup.error().kind != ErrorKind::interrupted) {
+    if (!setup && stream.is_far && setup.error().kind != ErrorKind::interrupted) {
         figures.push_back({"whole", 0, ""});
         figures.push_back({"without_touch_pct", 100, "%"});  // no frameset came whole in time
         return {};
     }
-    if (!setup.ok()) return setup.error();
+    if (!setup) return setup.error();
     DelayedTouch delayed((*setup)->feed->reader());
-    if (auto touched = measure_touch(**setup, stream.is_far ? &delayed : nullptr, figures); !touched.ok())
+    if (auto touched = measure_touch(**setup, stream.is_far ? &delayed : nullptr, figures); !touched)
         return touched;
     const auto came = (*setup)->feed->reader().stream_figures();
     const auto report = (*served)->end();
-    if (!report.ok()) return report.error();
+    if (!report) return report.error();
     if (!came || came->whole == 0) return Error{ErrorKind::check, "no whole frameset came"};
     add_network_figures(*came, figures);
     if (stream.is_far) {
         const auto pictures = clips.pictures(stream.clip);
-        if (!pictures.ok()) return pictures.error();
+        if (!pictures) return pictures.error();
         const auto frames = built((*setup)->scene, (*pictures)->frames);
-        if (!frames.ok()) return frames.error();
+        if (!frames) return frames.error();
         auto compared = delayed.add_figures(**setup, *frames, stream.clip.frames, stream.faults, figures);
-        if (!compared.ok()) return compared;
+        if (!compared) return compared;
     }
     figures.push_back({"sender_cpu_ms", report->at("cpu_ms_per_frameset").get<double>(), "ms"});
     figures.push_back({"kb_per_frameset", report->at("bytes_per_frameset").get<double>() * 1e-3, "KB"});
@@ -206,7 +206,7 @@ Result<void> measure_listeners(int listeners, const LiveClip& clip, LiveClips& c
     const int port = test::unused_port();
     if (port == 0) return Error{ErrorKind::check, "no port of this machine is free"};
     auto served = serve({"tcp", clip}, port, clips);
-    if (!served.ok()) return served.error();
+    if (!served) return served.error();
     Drains drains(listeners, port);
     if (drains.count() != listeners) return Error{ErrorKind::check, "not all listeners were let in"};
     const std::int64_t second = 1'000'000'000, length = second * clip.frames / 30;
@@ -215,7 +215,7 @@ Result<void> measure_listeners(int listeners, const LiveClip& clip, LiveClips& c
     const double taken = drains.drain_for(length);
     const auto cpu_ms = static_cast<double>((*served)->cpu_ns() - cpu) * 1e-6;
     const auto report = (*served)->end();
-    if (!report.ok()) return report.error();
+    if (!report) return report.error();
     std::int64_t dropped = 0;
     for (const auto& one : report->at("listeners")) dropped += one.at("dropped").get<std::int64_t>();
     figures.push_back({"sender_cpu_ms", cpu_ms / clip.frames, "ms"});

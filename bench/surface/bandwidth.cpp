@@ -15,11 +15,11 @@ constexpr int copies = 6;
 
 Result<double> copy_bandwidth(const std::shared_ptr<GpuDevice>& device) {
     const auto from = GpuBuffer::create(*device, "copied from", copied_bytes, GpuMemory::device);
-    if (!from.ok()) return from.error();
+    if (!from) return from.error();
     const auto to = GpuBuffer::create(*device, "copied to", copied_bytes, GpuMemory::device);
-    if (!to.ok()) return to.error();
+    if (!to) return to.error();
     auto commands = GpuCommands::begin(device, "copy bandwidth");
-    if (!commands.ok()) return commands.error();
+    if (!commands) return commands.error();
     commands->fill(*from, 1);  // memory that nobody has touched may not be there yet
     commands->fill(*to, 2);
     for (int n = 0; n < copies; ++n) {
@@ -29,8 +29,8 @@ Result<double> copy_bandwidth(const std::shared_ptr<GpuDevice>& device) {
         commands->mark("copy");
     }
     const auto submission = std::move(*commands).submit();
-    if (!submission.ok()) return submission.error();
-    if (auto done = submission->wait(); !done.ok()) return done.error();
+    if (!submission) return submission.error();
+    if (auto done = submission->wait(); !done) return done.error();
     double least_ms = HUGE_VAL;
     for (const GpuDevice::Time& time : submission->times())
         if (time.label == "copy") least_ms = std::min(least_ms, time.ms);

@@ -80,7 +80,7 @@ struct Turns {
     Result<void> build() {
         for (int n = 0; n < frames_per_turn; ++n) {
             next = 1 - next;
-            if (auto built = builder->build(frames[1 - next], slot); !built.ok()) return built;
+            if (auto built = builder->build(frames[1 - next], slot); !built) return built;
         }
         return {};
     }
@@ -88,9 +88,9 @@ struct Turns {
 
 Result<void> check(const std::string& name, const Turns& turns, const MakeBuilder& make_builder) {
     auto builder = make_builder();
-    if (!builder.ok()) return builder.error();
+    if (!builder) return builder.error();
     SurfaceFrame whole;
-    if (auto built = (*builder)->build(turns.frames[1 - turns.next], whole); !built.ok()) return built;
+    if (auto built = (*builder)->build(turns.frames[1 - turns.next], whole); !built) return built;
     const SurfaceFrame& slot = turns.slot;
     if (whole.codes == slot.codes && whole.validity == slot.validity && whole.tiles == slot.tiles) return {};
     return Error{ErrorKind::check, name + " differs from the whole frame"};
@@ -100,16 +100,16 @@ Result<void> check(const std::string& name, const Turns& turns, const MakeBuilde
 Result<void> race_with_whole(const std::string& name, const RawFrame& before, const RawFrame& after,
                              const MakeBuilder& make_builder, int rounds, Figures& figures) {
     auto in_part = make_builder(), as_whole = make_builder();
-    if (!in_part.ok() || !as_whole.ok()) return in_part.ok() ? as_whole.error() : in_part.error();
+    if (!in_part || !as_whole) return in_part ? as_whole.error() : in_part.error();
     Turns turns[] = {{std::move(*in_part), {before, after}}, {std::move(*as_whole), {before, after}}};
     for (RawFrame& frame : turns[1].frames) frame.storage = nullptr;  // nothing is known of the frame before
     std::vector<Racer> racers{{name, [&] { return turns[0].build(); }},
                               {"full", [&] { return turns[1].build(); }}};
     for (const int count : {1, rounds}) {
         for (Racer& racer : racers) racer.times = {};
-        if (auto raced = race(racers, count); !raced.ok()) return raced;
+        if (auto raced = race(racers, count); !raced) return raced;
         for (const Turns& some : turns)
-            if (auto checked = check(name, some, make_builder); !checked.ok()) return checked;
+            if (auto checked = check(name, some, make_builder); !checked) return checked;
     }
     add_times(figures, name, per_frame(racers[0].times));
     figures.push_back({name + "_vs_full", racers[0].times.wall_ms / racers[1].times.wall_ms, ""});
@@ -137,7 +137,7 @@ Result<void> race_changed(const RawFrame& raw, const std::string& prefix, const 
     for (const Kind& kind : kinds)
         if (auto raced = race_with_whole(prefix + kind.name, copy_of(raw), changed(raw, kind.pct, kind.where),
                                          make_builder, rounds, figures);
-            !raced.ok())
+            !raced)
             return raced;
     return {};
 }

@@ -67,7 +67,7 @@ Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfa
     add("codes" + side, vulkan);
     double least_kernels_ms = HUGE_VAL;  // of all frames
     racers.front().frame = [&, &built = frames.front()]() -> Result<void> {
-        if (auto done = vulkan.build(kept(raw), built.slot); !done.ok()) return done;
+        if (auto done = vulkan.build(kept(raw), built.slot); !done) return done;
         least_kernels_ms = std::min(least_kernels_ms, kernels_ms(vulkan));
         return {};
     };
@@ -75,7 +75,7 @@ Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfa
     add(cpu + "_1t", *on_one);
     add(cpu + "_2t", *on_two);
 
-    if (auto once = race(racers, 1); !once.ok()) return once;
+    if (auto once = race(racers, 1); !once) return once;
     for (std::size_t n = 0; n < racers.size(); ++n)
         if (!same_frames(frames[n].slot, frames[1].slot))
             return Error{ErrorKind::check, racers[n].name + " differs from the CPU builder's frame"};
@@ -90,7 +90,7 @@ Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfa
                           }});
     }
     for (Racer& racer : racers) racer.times = {};  // the first frames are no measure of the others
-    if (auto raced = race(racers, rounds); !raced.ok()) return raced;
+    if (auto raced = race(racers, rounds); !raced) return raced;
     for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
     figures.push_back({"codes" + side + "_kernels_ms", least_kernels_ms, "ms"});
     if (with_opencv) add_ratios(figures, side, racers, racers.back().times);

@@ -30,18 +30,18 @@ Result<TwoFrames> planet_frames() {
     SceneOptions options;
     options.properties = true;
     auto globe = make_scene("globe", options);
-    if (!globe.ok()) return globe.error();
+    if (!globe) return globe.error();
     return TwoFrames{(*globe)->scene(), (*globe)->frame(0), (*globe)->frame(1)};
 }
 
 Result<TwoFrames> recorded_frames(const std::filesystem::path& clip) {
     auto reader =
         open_clip(clip, std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/castel_sr300.json");
-    if (!reader.ok()) return reader.error();
+    if (!reader) return reader.error();
     TwoFrames frames{(*reader)->scene(), {}, {}};
     for (RawFrame* frame : {&frames.first, &frames.second}) {
         auto next = (*reader)->next();
-        if (!next.ok()) return next.error();
+        if (!next) return next.error();
         if (!*next) return Error{ErrorKind::check, clip.string() + " has fewer than two frames"};
         *frame = std::move(**next);
     }
@@ -70,9 +70,9 @@ public:
 
     Result<void> open(const std::shared_ptr<SurfaceKernels>& kernels) {
         auto builder = make_vulkan_builder(frames_.scene, kernels, plan_for(device_->facts()));
-        if (!builder.ok()) return builder.error();
+        if (!builder) return builder.error();
         for (const auto& [raw, frame] : {std::pair{&frames_.first, &prev_}, {&frames_.second, &next_}})
-            if (auto built = (*builder)->build(*raw, *frame); !built.ok()) return built;
+            if (auto built = (*builder)->build(*raw, *frame); !built) return built;
         field_.emplace(frames_.scene, pair());
         subject_ = subject_of(*field_);
         sizes_ = mark_sizes(frames_.scene, subject_.middle);
@@ -87,7 +87,7 @@ public:
                                        picture_width, picture_height));
         auto target =
             GpuImage::create(*device_, "picture", picture_width, picture_height, VK_FORMAT_R8G8B8A8_UNORM);
-        if (!target.ok()) return target.error();
+        if (!target) return target.error();
         target_ = std::move(*target);
         return {};
     }
@@ -113,13 +113,13 @@ public:
     /// As a picture in a file is made; painted once, and put together with a sample a pixel.
     Result<void> make_surface(SurfacePainter& painter) {
         auto surface = painter.surface_of(*field_, pair(), frames_.first.colour);
-        if (!surface.ok()) return surface.error();
+        if (!surface) return surface.error();
         surface_ = std::move(*surface);
         return {};
     }
     Result<void> put_together(SurfacePainter& painter) {
         auto planes = painter.paint(surface_, views_[view_]);
-        if (!planes.ok()) return planes.error();
+        if (!planes) return planes.error();
         LightPicture picture = on_background(std::move(*planes));
         draw_fingers(fingers_, sizes_, views_[view_], picture);
         picture_ = developed(picture, 1);
@@ -130,7 +130,7 @@ public:
             {false, 20, 8, 1, std::nullopt}, picture_width, picture_height};
         const auto made =
             make_picture(settings, frames_.scene, surface_, subject_, fingers_, sizes_, painter);
-        if (!made.ok()) return made.error();
+        if (!made) return made.error();
         return {};
     }
 
@@ -139,7 +139,7 @@ public:
     Result<void> compare(const std::string& painter) const {
         auto back =
             GpuBuffer::create(*device_, "picture", 4 * picture_width * picture_height, GpuMemory::readback);
-        if (!back.ok()) return back.error();
+        if (!back) return back.error();
         auto copied = submit([&](GpuCommands& commands) -> Result<void> {
             record_transition(commands, target_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                               VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
@@ -151,7 +151,7 @@ public:
             commands.keep(back->keep_alive());
             return {};
         });
-        if (!copied.ok()) return copied;
+        if (!copied) return copied;
         const auto bytes = back->mapped<std::uint8_t>();
         std::size_t different = 0;
         for (std::size_t k = 0; 3 * k < picture_.samples.size(); ++k)
@@ -171,10 +171,10 @@ private:
 
     Result<void> submit(const std::function<Result<void>(GpuCommands&)>& record) const {
         auto commands = GpuCommands::begin(device_, "picture");
-        if (!commands.ok()) return commands.error();
-        if (auto recorded = record(*commands); !recorded.ok()) return recorded;
+        if (!commands) return commands.error();
+        if (auto recorded = record(*commands); !recorded) return recorded;
         const auto submission = std::move(*commands).submit();
-        if (!submission.ok()) return submission.error();
+        if (!submission) return submission.error();
         return submission->wait();
     }
 
@@ -194,12 +194,12 @@ private:
 
 Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
                               const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     const auto& device = kernels->device();
     Gallery gallery(std::move(*frames), device);
-    if (auto opened = gallery.open(kernels); !opened.ok()) return opened;
+    if (auto opened = gallery.open(kernels); !opened) return opened;
     const auto painter = make_raster_painter(device);
-    if (!painter.ok()) return painter.error();
+    if (!painter) return painter.error();
     std::vector<Racer> racers{
         {"file_surface", [&] { return gallery.make_surface(**painter); }},
         {"file_paint", [&] { return gallery.put_together(**painter); }},
@@ -207,7 +207,7 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
     std::vector<std::unique_ptr<SurfaceDrawing>> drawings;
     for (const char* name : {"raster", "mesh"}) {
         auto made = SurfaceDrawing::create(device, name);
-        if (!made.ok()) return made.error();
+        if (!made) return made.error();
         SurfaceDrawing& drawing = **made;
         drawings.push_back(std::move(*made));
         const std::string suffix = drawing.painter() == "raster" ? "" : "_mesh";
@@ -220,11 +220,11 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
         for (const auto& done :
              {gallery.show(*drawing), gallery.draw(*drawing, true), gallery.make_surface(**painter),
               gallery.put_together(**painter), gallery.compare(std::string(drawing->painter()))})
-            if (!done.ok()) return done;
+            if (!done) return done;
     }
-    if (auto raced = race(racers, rounds); !raced.ok()) return raced;
+    if (auto raced = race(racers, rounds); !raced) return raced;
     std::vector<Racer> files{{"file_picture", [&] { return gallery.make_file_picture(**painter); }}};
-    if (auto raced = race(files, std::max(1, rounds / 10)); !raced.ok()) return raced;
+    if (auto raced = race(files, std::max(1, rounds / 10)); !raced) return raced;
     racers.push_back(files.front());
     for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
     return {};
@@ -238,7 +238,7 @@ std::vector<BenchCase> drawing_cases(
     const auto with = [kernels, rounds](const std::function<Result<TwoFrames>()>& frames) {
         return [kernels, rounds, frames](Figures& figures) -> Result<void> {
             auto taken = kernels();
-            if (!taken.ok()) return taken.error();
+            if (!taken) return taken.error();
             return measure_pictures(frames(), rounds, *taken, figures);
         };
     };

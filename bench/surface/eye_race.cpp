@@ -29,7 +29,7 @@ public:
             auto made = GpuBuffer::create(
                 *device_, "q", SurfaceUnproject::q_bytes(picture_.scene.width, picture_.scene.height),
                 device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device);
-            if (!made.ok()) return made.error();
+            if (!made) return made.error();
             q_ = *made;
         }
         return frame([&](GpuCommands& commands, const HeightField& field) {
@@ -51,14 +51,14 @@ public:
 private:
     template <class Record>
     Result<void> frame(Record&& record) {
-        if (auto built = builder_.build(kept(picture_.raw), frame_); !built.ok()) return built;
+        if (auto built = builder_.build(kept(picture_.raw), frame_); !built) return built;
         auto commands = GpuCommands::begin(device_, "eye");
-        if (!commands.ok()) return commands.error();
+        if (!commands) return commands.error();
         const HeightField field(picture_.scene, still(frame_));
-        if (auto recorded = record(*commands, field); !recorded.ok()) return recorded;
+        if (auto recorded = record(*commands, field); !recorded) return recorded;
         const auto submission = std::move(*commands).submit();
-        if (!submission.ok()) return submission.error();
-        if (auto done = submission->wait(); !done.ok()) return done;
+        if (!submission) return submission.error();
+        if (auto done = submission->wait(); !done) return done;
         stages_ = submission->times();
         return {};
     }
@@ -81,12 +81,12 @@ public:
         : picture_(picture), builder_(make_cpu_builder(picture.scene, {threads})), lattices_(threads) {}
 
     Result<void> make_q() {
-        if (auto built = builder_->build(picture_.raw, frame_); !built.ok()) return built;
+        if (auto built = builder_->build(picture_.raw, frame_); !built) return built;
         lattices_.q_of(HeightField(picture_.scene, still(frame_)), still(frame_), q_);
         return {};
     }
     Result<void> make_tiles() {
-        if (auto made = make_q(); !made.ok()) return made;
+        if (auto made = make_q(); !made) return made;
         tiles_ = lattices_.tiles_of(picture_.scene.width, picture_.scene.height, q_);
         return {};
     }
@@ -114,10 +114,10 @@ ViewSurface::Tiles tiles_of_marks(const std::vector<std::uint8_t>& marks) {
 Result<void> verify(const SurfaceCase& c, const Picture& picture, ByKernels& kernels, ByCpu& one, ByCpu& two,
                     OpenCvPipeline* opencv) {
     for (const auto& made : {kernels.make_q(), kernels.make_tiles(), one.make_tiles(), two.make_tiles()})
-        if (!made.ok()) return made;
+        if (!made) return made;
     const std::vector<float> twin = q_of(HeightField(picture.scene, still(kernels.codes())));
     const auto seen = kernels.seen();
-    if (!seen.ok()) return seen.error();
+    if (!seen) return seen.error();
     if (!seen->on_gpu || !nearly_equal(twin, seen->q)) return wrong(c, "the kernel's q are not the field's");
     if (seen->tiles != test::classify_tiles(c.width, c.height, seen->q))
         return wrong(c, "the kernel's tiles differ");
@@ -143,7 +143,7 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
     const bool with_opencv = has_opencv() && c.holes_pct == 0;
     ByKernels kernels(picture, vulkan, device);
     ByCpu one(picture, 1), two(picture, 2);
-    if (auto right = verify(c, picture, kernels, one, two, with_opencv ? &opencv : nullptr); !right.ok())
+    if (auto right = verify(c, picture, kernels, one, two, with_opencv ? &opencv : nullptr); !right)
         return right;
 
     const std::string side = std::to_string(picture.scene.filter.median);
@@ -174,7 +174,7 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
             o.mark_cuts();
         });
     }
-    if (auto raced = race(racers, rounds); !raced.ok()) return raced;
+    if (auto raced = race(racers, rounds); !raced) return raced;
     for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
     for (const GpuDevice::Time& stage : stages)
         figures.push_back({"mesh" + side + "_" + stage.label + "_ms", stage.ms, "ms"});

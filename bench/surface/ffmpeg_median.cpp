@@ -87,18 +87,17 @@ private:
 Result<void> measure_ffmpeg_median(const SurfaceCase& c, const Picture& picture, int frames,
                                    Figures& figures) {
     SurfaceFrame expected;
-    if (auto built = make_cpu_builder(picture.scene)->build(picture.raw, expected); !built.ok()) return built;
+    if (auto built = make_cpu_builder(picture.scene)->build(picture.raw, expected); !built) return built;
     MedianGraph median;
-    if (auto opened = median.open(picture.raw.depth, picture.scene.filter.median); !opened.ok())
-        return opened;
-    if (auto filtered = median.filter(); !filtered.ok()) return filtered;
+    if (auto opened = median.open(picture.raw.depth, picture.scene.filter.median); !opened) return opened;
+    if (auto filtered = median.filter(); !filtered) return filtered;
     for (int y = 0; y < c.height; ++y)
         for (int x = 0; x < c.width; ++x)
             if (median.filtered().sample(x, y) != expected.codes[expected.index(x, y)])
                 return wrong(c, "FFmpeg's median differs at " + std::to_string(x) + ", " + std::to_string(y));
     std::vector<Racer> racers{
         {"ffmpeg_median" + std::to_string(picture.scene.filter.median), [&] { return median.filter(); }}};
-    if (auto timed = race(racers, frames); !timed.ok()) return timed;
+    if (auto timed = race(racers, frames); !timed) return timed;
     add_times(figures, racers[0].name, racers[0].times);
     return {};
 }

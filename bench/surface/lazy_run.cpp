@@ -32,7 +32,7 @@ public:
 
     Result<void> fill() {
         for (SurfaceFrame& slot : slots_)
-            if (auto built = builder_->build(raw_, slot); !built.ok()) return built;
+            if (auto built = builder_->build(raw_, slot); !built) return built;
         return {};
     }
     int ticks() const override { return static_cast<int>(goals_.size() / fingers_.size()); }
@@ -99,13 +99,13 @@ Result<double> measure_added(const Scene& scene, const RawFrame& raw, const Touc
     TouchSettings settings;
     settings.metres_per_scene_unit = scene.device_metres_per_unit.value();
     const auto solver = TouchSolver::create(scene, settings);
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     const std::vector<glm::dvec3> goals = timing_goals(c, ticks);
     FedRun lazy(scene, raw, make_lazy_builder(scene), true, *solver, goals, c.fingers);
     FedRun whole(scene, raw, make_cpu_builder(scene), false, *solver, goals, c.fingers);
     for (FedRun* run : {&lazy, &whole})
-        if (auto filled = run->fill(); !filled.ok()) return filled.error();
-    if (auto same = check_forces(lazy, whole); !same.ok()) return same.error();
+        if (auto filled = run->fill(); !filled) return filled.error();
+    if (auto same = check_forces(lazy, whole); !same) return same.error();
     const TickTimes lazy_times = time_hot(lazy, repeats), whole_times = time_hot(whole, repeats);
     const double added = lazy_times.mean_us - whole_times.mean_us;
     figures.push_back({"lazy_us_per_tick_" + which, added, "us"});
@@ -127,7 +127,7 @@ Result<Bumps> bumps_of(int width, int height, int bits) {
     options.height = height;
     options.bits = bits;
     auto content = make_scene("bumps", options);
-    if (!content.ok()) return content.error();
+    if (!content) return content.error();
     Bumps bumps{std::move(*content), {}, {}, {}};
     bumps.raw = bumps.content->frame(0);
     bumps.scene = bumps.content->scene();
@@ -142,7 +142,7 @@ Result<Bumps> bumps_of(int width, int height, int bits) {
 
 Result<void> measure_lazy(int width, int height, bool quick, Figures& figures) {
     auto bumps = bumps_of(width, height, 16);
-    if (!bumps.ok()) return bumps.error();
+    if (!bumps) return bumps.error();
     auto& [content, raw, scene, c] = *bumps;
     for (const int median : {0, 3, 5})
         for (const int fingers : {1, 5, 10}) {
@@ -150,7 +150,7 @@ Result<void> measure_lazy(int width, int height, bool quick, Figures& figures) {
             c.fingers = fingers;
             const std::string which = std::to_string(fingers) + "f_m" + std::to_string(median);
             const auto added = measure_added(scene, raw, c, quick, which, figures);
-            if (!added.ok()) return added.error();
+            if (!added) return added.error();
             if (fingers == 5 && median == 5) figures.push_back({"lazy_us_per_tick_5f", *added, "us"});
         }
     return {};
@@ -158,12 +158,12 @@ Result<void> measure_lazy(int width, int height, bool quick, Figures& figures) {
 
 Result<void> measure_lazy_terraces(int width, int height, bool quick, Figures& figures) {
     auto bumps = bumps_of(width, height, 8);
-    if (!bumps.ok()) return bumps.error();
+    if (!bumps) return bumps.error();
     auto& [content, raw, scene, c] = *bumps;
     for (int reach = least_terrace_reach; reach <= most_terrace_reach; reach *= 2) {
         scene.filter = {.terraces = TerraceRemoval::on, .terrace_reach = reach};
         const auto added = measure_added(scene, raw, c, quick, "1f_t" + std::to_string(reach), figures);
-        if (!added.ok()) return added.error();
+        if (!added) return added.error();
     }
     return {};
 }

@@ -10,7 +10,7 @@ Result<void> race(std::vector<Racer>& racers, int rounds) {
     for (int round = 0; round < rounds; ++round)
         for (Racer& racer : racers) {
             const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
-            if (Result<void> done = racer.frame(); !done.ok()) return done;
+            if (Result<void> done = racer.frame(); !done) return done;
             FrameTimes& times = racer.times;
             times.wall_ms = std::min(times.wall_ms, static_cast<double>(monotonic_ns() - wall) * 1e-6);
             times.cpu_ms = std::min(times.cpu_ms, static_cast<double>(process_cpu_ns() - cpu) * 1e-6);

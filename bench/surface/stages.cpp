@@ -16,7 +16,7 @@ Result<FrameTimes> least_times(int repeats, Work&& work) {
     FrameTimes times;
     for (int n = 0; n < repeats; ++n) {
         const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
-        if (Result<void> done = work(); !done.ok()) return done.error();
+        if (Result<void> done = work(); !done) return done.error();
         times.wall_ms = std::min(times.wall_ms, static_cast<double>(monotonic_ns() - wall) * 1e-6);
         times.cpu_ms = std::min(times.cpu_ms, static_cast<double>(process_cpu_ns() - cpu) * 1e-6);
     }
@@ -42,13 +42,13 @@ Result<void> measure_filling(const SurfaceCase& c, const Picture& picture, int f
     Scene scene = picture.scene;
     scene.filter = {3, 16};
     auto vulkan = make_vulkan_builder(scene, kernels, plan_for(kernels->device()->facts()));
-    if (!vulkan.ok()) return vulkan.error();
+    if (!vulkan) return vulkan.error();
     SurfaceFrame expected, frame;
-    if (auto built = make_cpu_builder(scene)->build(picture.raw, expected); !built.ok()) return built;
-    if (auto built = (*vulkan)->build(picture.raw, frame); !built.ok()) return built;
+    if (auto built = make_cpu_builder(scene)->build(picture.raw, expected); !built) return built;
+    if (auto built = (*vulkan)->build(picture.raw, frame); !built) return built;
     if (mismatches(expected, frame) > 0) return wrong(c, "filled codes differ from the CPU builder's");
     const auto times = time_frames(**vulkan, picture.raw, frame, frames);
-    if (!times.ok()) return times.error();
+    if (!times) return times.error();
     add_times(figures, "filled3", *times);
     return {};
 }
@@ -63,20 +63,20 @@ Result<void> measure_terraces_within(int reach, const SurfaceCase& c, const Pict
     const std::string name = "terraces" + (reach > least_terrace_reach ? std::to_string(reach) : "");
     const auto cpu = make_cpu_builder(scene);
     auto vulkan = make_vulkan_builder(scene, kernels, plan_for(kernels->device()->facts()));
-    if (!vulkan.ok()) return vulkan.error();
+    if (!vulkan) return vulkan.error();
     SurfaceFrame expected, frame;
-    if (auto built = cpu->build(picture.raw, expected); !built.ok()) return built;
-    if (auto built = (*vulkan)->build(picture.raw, frame); !built.ok()) return built;
+    if (auto built = cpu->build(picture.raw, expected); !built) return built;
+    if (auto built = (*vulkan)->build(picture.raw, frame); !built) return built;
     if (mismatches(expected, frame) > 0)
         return wrong(c, "codes without terraces differ from the CPU builder's");
     const auto times = time_frames(**vulkan, picture.raw, frame, frames);
-    if (!times.ok()) return times.error();
+    if (!times) return times.error();
     add_times(figures, name, *times);
     for (const GpuDevice::Time& stage : (*vulkan)->stages())
         if (std::string_view(stage.label) == "terraces")
             figures.push_back({name + "_kernels_ms", stage.ms, "ms"});
     const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));
-    if (!cpu_times.ok()) return cpu_times.error();
+    if (!cpu_times) return cpu_times.error();
     add_times(figures, "cpu_builder_" + name, *cpu_times);
     return {};
 }
@@ -86,7 +86,7 @@ Result<void> measure_terraces_within(int reach, const SurfaceCase& c, const Pict
 Result<void> measure_terraces(const SurfaceCase& c, const Picture& picture, int frames,
                               const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
     for (int reach = least_terrace_reach; reach <= most_terrace_reach; reach *= 2)
-        if (auto done = measure_terraces_within(reach, c, picture, frames, kernels, figures); !done.ok())
+        if (auto done = measure_terraces_within(reach, c, picture, frames, kernels, figures); !done)
             return done;
     return {};
 }
@@ -95,17 +95,17 @@ Result<void> measure_drawing(const SurfaceCase& c, const Picture& picture, Surfa
                              int frames, const std::shared_ptr<GpuDevice>& device, Figures& figures) {
     if (!device->facts().int64_atomics) return {};
     const auto painter = make_raster_painter(device);
-    if (!painter.ok()) return painter.error();
+    if (!painter) return painter.error();
     SurfaceFrame frame;
-    if (auto built = builder.build(picture.raw, frame); !built.ok()) return built;
+    if (auto built = builder.build(picture.raw, frame); !built) return built;
     const HeightField field(picture.scene, still(frame));
     const auto surface = (*painter)->surface_of(field, still(frame), {});
-    if (!surface.ok()) return surface.error();
+    if (!surface) return surface.error();
     const ViewCamera camera = own_view(picture.scene, c.width, c.height, picture.scene.depth.near / 2);
     const auto twin = make_cpu_painter()->paint(*surface, camera);
-    if (!twin.ok()) return twin.error();
+    if (!twin) return twin.error();
     Result<PicturePlanes> drawn = (*painter)->paint(*surface, camera);
-    if (!drawn.ok()) return drawn.error();
+    if (!drawn) return drawn.error();
     std::size_t covered = 0, different = 0;
     for (std::size_t k = 0; k < twin->z.size(); ++k) {
         covered += twin->z[k] > 0;
@@ -116,10 +116,10 @@ Result<void> measure_drawing(const SurfaceCase& c, const Picture& picture, Surfa
                             " are not drawn as by the cpu painter");
     const auto times = least_times(frames, [&]() -> Result<void> {
         drawn = (*painter)->paint(*surface, camera);
-        if (!drawn.ok()) return drawn.error();
+        if (!drawn) return drawn.error();
         return {};
     });
-    if (!times.ok()) return times.error();
+    if (!times) return times.error();
     add_times(figures, "draw", *times);
     return {};
 }

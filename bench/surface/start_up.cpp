@@ -44,10 +44,10 @@ Result<double> first_surface_ms(const Picture& picture) {
     SurfaceFrame frame;
     const std::int64_t begin = monotonic_ns();
     auto device = GpuDevice::open();
-    if (!device.ok()) return device.error();
+    if (!device) return device.error();
     auto builder = make_vulkan_builder(picture.scene, *device);
-    if (!builder.ok()) return builder.error();
-    if (auto built = (*builder)->build(picture.raw, frame); !built.ok()) return built.error();
+    if (!builder) return builder.error();
+    if (auto built = (*builder)->build(picture.raw, frame); !built) return built.error();
     return static_cast<double>(monotonic_ns() - begin) * 1e-6;
 }
 
@@ -62,7 +62,7 @@ Result<void> measure_start_up(Figures& figures) {
         for (const int median : {3, 5}) {
             picture.scene.filter.median = median;
             const auto ms = first_surface_ms(picture);
-            if (!ms.ok()) return ms.error();
+            if (!ms) return ms.error();
             figures.push_back(
                 {std::string("first_surface") + (median == 5 ? "5" : "") + state + "_ms", *ms, "ms"});
         }

@@ -33,7 +33,7 @@ struct Contender {
 Result<void> check_alike(const SurfaceCase& c, std::deque<Contender>& all) {
     for (int n = 0; n < 2; ++n) {
         for (Contender& contender : all)
-            if (auto built = contender.next(); !built.ok()) return built;
+            if (auto built = contender.next(); !built) return built;
         for (std::size_t k = 2; k < all.size(); k += 2)
             if (mismatches(all[0].frame, all[k].frame) > 0)
                 return wrong(c, all[k].name + ": codes differ from the CPU builder's");
@@ -54,8 +54,8 @@ Result<void> race_with_temporal(const SurfaceCase& c, const Picture& picture, in
         const SurfacePlan plan = plan_for(kernels->device()->facts());
         auto vulkan_on = make_vulkan_builder(on, kernels, plan),
              vulkan_off = make_vulkan_builder(off, kernels, plan);
-        if (!vulkan_on.ok()) return vulkan_on.error();
-        if (!vulkan_off.ok()) return vulkan_off.error();
+        if (!vulkan_on) return vulkan_on.error();
+        if (!vulkan_off) return vulkan_off.error();
         const VulkanSurfaceBuilder& vulkan = **vulkan_on;
         const std::string what = "temporal" + std::to_string(side);
         std::deque<Contender> all;  // each with the filter, and after it the same without
@@ -66,11 +66,11 @@ Result<void> race_with_temporal(const SurfaceCase& c, const Picture& picture, in
         }
         all.emplace_back(what, std::move(*vulkan_on), picture.raw);
         all.emplace_back(what + "_off", std::move(*vulkan_off), picture.raw);
-        if (auto alike = check_alike(c, all); !alike.ok()) return alike;
+        if (auto alike = check_alike(c, all); !alike) return alike;
         std::vector<Racer> racers;
         for (Contender& contender : all)
             racers.push_back({contender.name, [&contender] { return contender.next(); }});
-        if (auto raced = race(racers, frames); !raced.ok()) return raced;
+        if (auto raced = race(racers, frames); !raced) return raced;
         for (std::size_t k = 0; k < racers.size(); k += 2) {
             add_times(figures, racers[k].name, racers[k].times);
             figures.push_back({racers[k].name + "_added_cpu_ms",

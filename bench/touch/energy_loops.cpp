@@ -98,7 +98,7 @@ Result<void> measure_energy(const TouchSurface& surface, const GlobeRun& run, Fi
                 const double step = speed == 0 ? run.loop_step_mm : faster_steps[speed - 1];
                 auto made =
                     TouchRun::create(surface, c, surface.scene().default_properties, loop.goals(step, way));
-                if (!made.ok()) return made.error();
+                if (!made) return made.error();
                 const Work work = work_of(**made);
                 if (speed == 0) created[way] = work.created;
                 held[speed] = std::max(held[speed], work.held);

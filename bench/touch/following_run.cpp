@@ -29,7 +29,7 @@ Result<void> measure_following(const TouchSurface& surface, const FollowingRun& 
     std::vector<glm::dvec3> goals;
     for (const auto& step : stroke) goals.push_back(step.goal);
     auto made = TouchRun::create(surface, run.setup, smooth, goals);
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     TouchRun& touch = **made;
 
     int under = 0, off = 0, lost = 0;

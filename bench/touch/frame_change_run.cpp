@@ -37,8 +37,7 @@ public:
             if (slot == nullptr)
                 return Error{ErrorKind::internal, "the timeline has no slot for a new frame"};
             copy_frame(*surface_.pair_at(rate.time_ns(next_)).prev.frame, *slot);
-            if (auto published = timeline_.publish(next_, rate.time_ns(next_)); !published.ok())
-                return published;
+            if (auto published = timeline_.publish(next_, rate.time_ns(next_)); !published) return published;
             ++next_;
         }
         return {};
@@ -65,7 +64,7 @@ Result<void> measure_frame_changes(const TouchSurface& surface, const FrameChang
     settings.metric = run.setup.metric;
     settings.metres_per_scene_unit = scene.device_metres_per_unit.value();
     const auto solver = TouchSolver::create(scene, settings);
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     const std::vector<glm::dvec3> goals = timing_goals(run.setup, run.ticks);
 
     SurfaceTimeline timeline(slots);
@@ -77,7 +76,7 @@ Result<void> measure_frame_changes(const TouchSurface& surface, const FrameChang
     for (int k = 0; k < run.ticks; ++k) {
         const std::int64_t now = k * tick_length_ns;
         // Half a frame ahead of its need: by then the copying is no longer what fills the caches.
-        if (auto published = publisher.publish_past(now + scene.rate.time_ns(1) / 2); !published.ok())
+        if (auto published = publisher.publish_past(now + scene.rate.time_ns(1) / 2); !published)
             return published;
         const std::int64_t begin = monotonic_ns();
         FramePair pair;

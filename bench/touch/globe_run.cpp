@@ -72,11 +72,11 @@ Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Fig
     for (int k = 0; k < GlobeStroke::approach_ticks + GlobeStroke::stroke_ticks; ++k)
         goals.push_back(stroke.at(k).goal);
     auto made = TouchRun::create(surface, c, surface.scene().default_properties, std::move(goals));
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     TouchRun& touch = **made;
 
     const auto counts = verify(touch);
-    if (!counts.ok()) return counts.error();
+    if (!counts) return counts.error();
 
     touch.restart();
     ForceErrors errors;

@@ -87,7 +87,7 @@ private:
 
 Result<void> measure_proof(const TouchSurface& surface, const ProvenRun& run, Figures& figures) {
     auto made = TouchRun::create(surface, run.setup, frictionless, goals_of(run));
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     TouchRun& touch = **made;
     Proof proof;
     for (int k = 0; k < touch.ticks(); ++k) {

@@ -38,7 +38,7 @@ Result<std::vector<SurfaceFrame>> frames_of(const Scene& scene, const TrueDepth&
     const auto builder = make_cpu_builder(scene);
     for (int n = 0; n < count; ++n)
         if (auto built = builder->build(noisy_frame(scene, truth, n), frames[static_cast<std::size_t>(n)]);
-            !built.ok())
+            !built)
             return built.error();
     return frames;
 }
@@ -63,7 +63,7 @@ glm::dvec3 goal_under(const Scene& scene, const glm::dvec2& pixel) {
 
 Result<std::vector<Forces>> forces_at_rest(const Scene& scene, const std::vector<SurfaceFrame>& frames) {
     const auto solver = TouchSolver::create(scene, {});
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     std::vector<glm::dvec3> goals;
     for (const int row : rows)
         for (int column = 0; column < columns; ++column)
@@ -135,7 +135,7 @@ Result<double> approach_lag(Scene scene, double speed) {
     scene.height = 64;
     const auto truth = [speed](double, double, double t) { return 1000 - speed * (t - 0.5); };
     const auto frames = frames_of(scene, truth, 30);
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     double sum = 0, count = 0;
     for (std::size_t n = 10; n < frames->size(); ++n)
         for (int y = 0; y < scene.height; ++y)
@@ -155,9 +155,9 @@ Result<double> approach_lag(Scene scene, double speed) {
 Result<void> measure_steadiness(const SteadinessRun& run, Figures& figures) {
     const Scene scene = scene_of(run);
     const auto frames = frames_of(scene, ball_and_wall, run.frames);
-    if (!frames.ok()) return frames.error();
+    if (!frames) return frames.error();
     const auto forces = forces_at_rest(scene, *frames);
-    if (!forces.ok()) return forces.error();
+    if (!forces) return forces.error();
     add_rest(*forces, figures);
     Movers movers;
     movers.look_at(scene, *frames, ball_and_wall);
@@ -166,7 +166,7 @@ Result<void> measure_steadiness(const SteadinessRun& run, Figures& figures) {
     figures.push_back({"ghost_pct", 100 * movers.ghosts / movers.count, "%"});
     for (const int speed : {5, 10, 20, 40, 80, 160}) {
         const auto lag = approach_lag(scene, speed);
-        if (!lag.ok()) return lag.error();
+        if (!lag) return lag.error();
         figures.push_back({"lag_mm_" + std::to_string(speed), *lag, "mm"});
     }
     return {};

@@ -25,10 +25,10 @@ std::vector<glm::dvec3> timing_goals(const TouchCase& c, int ticks) {
 
 Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, Figures& figures) {
     auto made = TouchRun::create(surface, run.setup, timing_grip, timing_goals(run.setup, run.ticks));
-    if (!made.ok()) return made.error();
+    if (!made) return made.error();
     TouchRun& hot = **made;
     const auto counts = verify(hot);
-    if (!counts.ok()) return counts.error();
+    if (!counts) return counts.error();
 
     const TickTimes times = time_hot(hot, run.repeats);
     add_figures(times, "", figures);
@@ -36,7 +36,7 @@ Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, F
     if (run.paced_ticks == 0) return {};
 
     auto paced = TouchRun::create(surface, run.setup, timing_grip, timing_goals(run.setup, run.paced_ticks));
-    if (!paced.ok()) return paced.error();
+    if (!paced) return paced.error();
     add_figures(time_paced(**paced), "_paced", figures);
     return {};
 }

@@ -20,16 +20,16 @@ struct TouchCase {
     CameraPreset preset = CameraPreset::b;
     int median = 0;
     bool terraces = false;  ///< removed
-    bool lazy = false;  ///< pixels are filtered when they are touched, not before
-    bool hold = false;  ///< between frames the earlier one, not a blend
-    std::string run;    ///< where a set-up is used for more than one run: which; may be empty
+    bool lazy = false;      ///< pixels are filtered when they are touched, not before
+    bool hold = false;      ///< between frames the earlier one, not a blend
+    std::string run;        ///< where a set-up is used for more than one run: which; may be empty
 };
 
 /// Of the height fields: "bumps", "rough", "moving".
 Relief relief_of(const std::string& scene);
 
-/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -t, -lazy, -hold, -<run> where they
-/// apply.
+/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -t, -lazy, -hold, -<run> where
+/// they apply.
 std::string name_of(const TouchCase& c);
 
 }  // namespace touchable

@@ -37,7 +37,7 @@ Result<std::unique_ptr<TouchRun>> TouchRun::create(const TouchSurface& surface, 
     settings.metric = c.metric;
     settings.metres_per_scene_unit = surface.scene().device_metres_per_unit.value();
     const auto solver = TouchSolver::create(surface.scene(), settings);
-    if (!solver.ok()) return solver.error();
+    if (!solver) return solver.error();
     return std::unique_ptr<TouchRun>(new TouchRun(surface, c, properties, *solver, std::move(goals)));
 }
 

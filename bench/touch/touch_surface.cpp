@@ -35,9 +35,9 @@ TouchSurface::TouchSurface(std::unique_ptr<AnalyticScene> content, const TouchCa
 
 Result<std::unique_ptr<const TouchSurface>> TouchSurface::make(const TouchCase& c) {
     auto content = make_scene(c.scene, options_of(c));
-    if (!content.ok()) return content.error();
+    if (!content) return content.error();
     std::unique_ptr<TouchSurface> surface(new TouchSurface(std::move(content).value(), c));
-    if (auto built = surface->build(c); !built.ok()) return built.error();
+    if (auto built = surface->build(c); !built) return built.error();
     return std::unique_ptr<const TouchSurface>(std::move(surface));
 }
 
@@ -47,7 +47,7 @@ Result<void> TouchSurface::build(const TouchCase& c) {
         const auto number = static_cast<std::int64_t>(n);
         if (c.bits == TouchCase::exact) {
             content_->exact_frame(number, frames_[n]);
-        } else if (auto built = builder->build(content_->frame(number), frames_[n]); !built.ok()) {
+        } else if (auto built = builder->build(content_->frame(number), frames_[n]); !built) {
             return built;
         }
     }
@@ -78,7 +78,7 @@ Result<const TouchSurface*> SurfaceShelf::take(const TouchCase& c) {
     if (!surface_ || !same_surface(c, made_for_)) {
         surface_.reset();  // the largest do not fit into memory twice
         auto made = TouchSurface::make(c);
-        if (!made.ok()) return made.error();
+        if (!made) return made.error();
         surface_ = std::move(made).value();
         made_for_ = c;
     }

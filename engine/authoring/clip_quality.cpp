@@ -1,9 +1,7 @@
 #include "engine/authoring/quality_estimators.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/authoring/hole_filling.hpp"
 #include "engine/authoring/recorded_clip.hpp"

@@ -1,11 +1,6 @@
 #include "engine/authoring/hole_filling.hpp"
 
-#include <algorithm>
 #include <cstdlib>
-#include <cstring>
-#include <utility>
-
-#include "engine/clip/clip.hpp"
 
 namespace touchable {
 

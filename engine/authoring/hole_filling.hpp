@@ -1,11 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <optional>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"

@@ -1,10 +1,7 @@
 #include "engine/authoring/materials.hpp"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
-#include <utility>
 
 #include "engine/authoring/segment_parts.hpp"
 #include "engine/base/threads.hpp"

@@ -1,12 +1,5 @@
 #include "engine/authoring/materials.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cstddef>
-#include <cstring>
-#include <string_view>
-#include <utility>
-
 #include "engine/authoring/segment_parts.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

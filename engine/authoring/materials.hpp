@@ -16,11 +16,7 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <variant>
-#include <vector>
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/result.hpp"

@@ -1,6 +1,5 @@
 #include "engine/authoring/regions.hpp"
 
-#include <algorithm>
 #include <cstdlib>
 
 namespace touchable {

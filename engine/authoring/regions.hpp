@@ -1,11 +1,8 @@
 #pragma once
 
 #include <compare>
-#include <cstdint>
 #include <map>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include "engine/authoring/segmentation.hpp"
 #include "engine/base/threads.hpp"

@@ -1,10 +1,8 @@
 #include "engine/authoring/relief_filter.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

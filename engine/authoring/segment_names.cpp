@@ -1,8 +1,6 @@
 #include "engine/authoring/segments.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>

@@ -1,10 +1,6 @@
 #include "engine/authoring/segmentation.hpp"
 
-#include <algorithm>
 #include <cstdlib>
-#include <limits>
-#include <tuple>
-#include <utility>
 
 #include "engine/authoring/regions.hpp"
 

@@ -6,10 +6,6 @@
 // ones are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmenter does this one
 // call a frame, in order. It is one thread's; the same frames give the same labels on every machine.
 
-#include <cstdint>
-#include <memory>
-#include <vector>
-
 #include "engine/authoring/segments.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/scene/frames.hpp"

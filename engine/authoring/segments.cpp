@@ -1,9 +1,6 @@
 #include "engine/authoring/segments.hpp"
 
-#include <algorithm>
-#include <array>
 #include <set>
-#include <utility>
 
 #include "engine/authoring/segment_parts.hpp"
 #include "engine/authoring/segmentation.hpp"

@@ -7,11 +7,9 @@
 #include <sys/uio.h>
 #include <sys/vfs.h>
 #include <unistd.h>
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <system_error>
 #include <tuple>
 
 #include "engine/base/threads.hpp"

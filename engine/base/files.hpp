@@ -18,10 +18,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <type_traits>
-#include <utility>
 
 #include "engine/base/result.hpp"
 

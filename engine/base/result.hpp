@@ -122,23 +122,22 @@ public:
     Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
     Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
 
-    bool ok() const { return state_.index() == 0; }
-    explicit operator bool() const { return ok(); }
+    explicit operator bool() const { return state_.index() == 0; }
 
     T& value() & {
-        assert(ok());
+        assert(*this);
         return std::get<0>(state_);
     }
     const T& value() const& {
-        assert(ok());
+        assert(*this);
         return std::get<0>(state_);
     }
     T&& value() && {
-        assert(ok());
+        assert(*this);
         return std::get<0>(std::move(state_));
     }
     const Error& error() const {
-        assert(!ok());
+        assert(!*this);
         return std::get<1>(state_);
     }
 
@@ -157,10 +156,9 @@ public:
     Result() = default;
     Result(Error error) : error_(std::move(error)) {}
 
-    bool ok() const { return !error_; }
-    explicit operator bool() const { return ok(); }
+    explicit operator bool() const { return !error_; }
     const Error& error() const {
-        assert(!ok());
+        assert(!*this);
         return *error_;
     }
 

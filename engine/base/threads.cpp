@@ -1,7 +1,5 @@
 #include "engine/base/threads.hpp"
 
-#include <cassert>
-
 namespace touchable {
 namespace {
 

@@ -25,14 +25,10 @@
 #include <exception>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <stop_token>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 

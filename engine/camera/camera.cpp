@@ -1,16 +1,9 @@
 // Cameras as they are named, listed and opened, and one for several runs.
 #include "engine/camera/camera.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <utility>
-#include <vector>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
-#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {
@@ -160,7 +153,7 @@ private:
 Result<std::optional<RawFrame>> SharedCamera::Reader::next() {
     if (reads_) {
         auto frame = shared_->read();
-        if (frame.ok() && *frame) (*frame)->number += further_;
+        if (frame && *frame) (*frame)->number += further_;
         return frame;
     }
     TRY_ASSIGN(auto frame, shared_->newest());
@@ -176,7 +169,7 @@ Result<void> SharedCamera::Reader::seek(std::int64_t frame) {
 }
 
 Result<void> SharedCamera::Reader::begin(std::chrono::steady_clock::time_point zero) {
-    if (auto begun = camera().begin(zero); !begun.ok() || reads_) return begun;
+    if (auto begun = camera().begin(zero); !begun || reads_) return begun;
     further_ = next_number_ - shared_->next_number_;
     reads_ = true;
     return {};
@@ -184,7 +177,7 @@ Result<void> SharedCamera::Reader::begin(std::chrono::steady_clock::time_point z
 
 Result<std::optional<RawFrame>> SharedCamera::read() {
     auto frame = camera_->next();
-    if (!frame.ok() || !*frame) return frame;
+    if (!frame || !*frame) return frame;
     next_number_ = (*frame)->number + 1;
     const std::lock_guard lock(mutex_);
     newest_ = **frame;

@@ -16,9 +16,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <string>
-#include <variant>
 
 #include "engine/base/result.hpp"
 #include "engine/camera/frameset_camera.hpp"

@@ -1,17 +1,9 @@
 // What a camera's depth means: by what is known of it and its first pictures, or by a scene file.
 #include "engine/camera/camera_reader.hpp"
 
-#include <linux/videodev2.h>
-
-#include <algorithm>
-#include <cstring>
-#include <utility>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
-#include "engine/picture/image.hpp"
-#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

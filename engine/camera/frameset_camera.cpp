@@ -13,17 +13,9 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <bit>
 #include <cerrno>
-#include <cmath>
 #include <csignal>
-#include <cstring>
-#include <system_error>
-#include <thread>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -1,24 +1,14 @@
 // Cameras of V4L2 as clips: depth, and the colour of a camera beside it.
 #include "engine/camera/v4l2_camera.hpp"
 
-#include <linux/videodev2.h>
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <bit>
 #include <cerrno>
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
-#include <string_view>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/camera/camera_reader.hpp"
 #include "engine/clip/readers.hpp"
-#include "engine/picture/ffmpeg.hpp"
-#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

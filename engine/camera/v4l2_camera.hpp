@@ -7,9 +7,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/camera/v4l2_stream.hpp"

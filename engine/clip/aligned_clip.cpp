@@ -1,6 +1,5 @@
 // Depth of one scale for all frames: whether a clip pumps, its codes by the lines of ShotAlignment, and what
 // a finger at rest feels of it before and after.
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 

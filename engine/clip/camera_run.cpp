@@ -1,6 +1,4 @@
 // Cameras' runs: the numbers and times of live frames, and recordings that behave like a camera.
-#include <array>
-#include <condition_variable>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"

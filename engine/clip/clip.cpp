@@ -2,9 +2,6 @@
 // another size; what writers check.
 #include "engine/clip/clip.hpp"
 
-#include <algorithm>
-#include <cstring>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"

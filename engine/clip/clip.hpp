@@ -21,12 +21,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"

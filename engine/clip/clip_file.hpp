@@ -17,14 +17,8 @@
 
 #include <array>
 #include <bit>
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <system_error>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

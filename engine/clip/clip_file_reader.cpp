@@ -1,14 +1,8 @@
 // Reads our clips from files of any container: tracks are decoded side by side, frames checked against their
 // times and what the file promises, and seeking goes by the file's index as far as that leads.
-#include <algorithm>
 #include <cmath>
-#include <condition_variable>
 #include <deque>
-#include <exception>
 #include <functional>
-#include <mutex>
-#include <thread>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -150,13 +144,13 @@ void TrackThread::push(Demuxer& file) {
 Result<std::optional<TrackDecoder::Picture>> TrackThread::next(Demuxer& file) {
     while (!final_) {
         if (auto outcome = take()) {
-            if (outcome->ok() && **outcome) return std::move(*outcome);
+            if (*outcome && **outcome) return std::move(*outcome);
             final_ = std::move(outcome);
         } else {
             push(file);
         }
     }
-    return final_->ok() ? Outcome(end_of_track()) : Outcome(final_->error());
+    return *final_ ? Outcome(end_of_track()) : Outcome(final_->error());
 }
 
 /// Nothing: a further packet is needed.

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"

@@ -1,11 +1,8 @@
 // What our clips say of themselves: tags, additions to blocks, frames' times and other attached texts.
 #include "engine/clip/tracks.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <cstring>
-#include <span>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

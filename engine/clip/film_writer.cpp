@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

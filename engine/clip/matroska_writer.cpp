@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <deque>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"

@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
-#include <string>
-#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"

@@ -1,7 +1,6 @@
 // Clips in MP4: a track of H.264 for each plane, and the MPEG-4 scene, or fragments with tags alone.
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"

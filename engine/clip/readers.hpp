@@ -16,7 +16,6 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -25,11 +24,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
@@ -141,12 +136,12 @@ inline constexpr std::int64_t first_frames = 16, spread_frames = 16;
 /// Their numbers, ascending, in a clip of `count` frames of which each can be read on its own.
 std::vector<std::int64_t> telling_frames(std::int64_t count);
 
-/// A clip at its beginning. Where its description leaves the far plane open (SceneDescription::Unstated::far), so that it is
-/// the deepest code's so far, it is settled, and a note says it; otherwise the clip is unchanged. The far
-/// plane is 5 % beyond the depth that at most one valid pixel in 10 000 exceeds, in the frames that tell
-/// (telling_frames); of a clip that cannot seek, the first ones. What lies beyond it is invalid. A later
-/// frame that is damaged tells nothing: the error comes when it is played. An error where no depth is valid.
-/// Errors name `file`.
+/// A clip at its beginning. Where its description leaves the far plane open
+/// (SceneDescription::Unstated::far), so that it is the deepest code's so far, it is settled, and a note says
+/// it; otherwise the clip is unchanged. The far plane is 5 % beyond the depth that at most one valid pixel in
+/// 10 000 exceeds, in the frames that tell (telling_frames); of a clip that cannot seek, the first ones. What
+/// lies beyond it is invalid. A later frame that is damaged tells nothing: the error comes when it is played.
+/// An error where no depth is valid. Errors name `file`.
 Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip, bool far_is_open,
                                                    const std::filesystem::path& file);
 

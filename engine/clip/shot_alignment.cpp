@@ -1,10 +1,7 @@
 // Frames as cells, robust lines through pairs of their depths, and from these one scale for each shot.
 #include "engine/clip/shot_alignment.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
-#include <limits>
 
 namespace touchable {
 namespace {

@@ -2,7 +2,6 @@
 
 // Depth whose scale changes from frame to frame, brought to one scale: for each frame the line that does so.
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <utility>

@@ -2,13 +2,7 @@
 // value.
 #include "engine/clip/track_codecs.hpp"
 
-#include <algorithm>
-#include <array>
-#include <string_view>
-#include <utility>
-
 #include "engine/base/try.hpp"
-#include "engine/mpeg4/bifs.hpp"
 
 extern "C" {
 #include <libavutil/imgutils.h>

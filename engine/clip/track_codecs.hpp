@@ -4,10 +4,7 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/tracks.hpp"

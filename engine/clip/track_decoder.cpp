@@ -1,7 +1,6 @@
 // Packets into pictures, and pictures into planes: checksums are verified, and codings undone.
 #include <algorithm>
 #include <thread>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

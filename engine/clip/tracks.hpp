@@ -18,16 +18,8 @@
 // are used by one thread at a time, different ones by different threads at once; FFmpeg may decode slices of
 // large pictures on threads of its own. Functions keep no state.
 
-#include <cstdint>
 #include <deque>
-#include <filesystem>
-#include <memory>
-#include <optional>
 #include <span>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

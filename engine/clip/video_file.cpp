@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/clip/track_codecs.hpp"

@@ -3,12 +3,8 @@
 // The makers behind make_scene, one for each family of scenes, and what they share: cameras, planes made of
 // depths. Sizes and bits have been checked; each refuses what its own surface cannot be.
 
-#include <cstdint>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/content/scenes.hpp"

@@ -1,11 +1,8 @@
 // Globes: the bare sphere, the procedural planet on it, and one that is made of maps.
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/base/same_bits.hpp"

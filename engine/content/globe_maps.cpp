@@ -1,12 +1,6 @@
 // What maps a globe can be made of, and where their shore is.
 #include "engine/content/globe_maps.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <string>
-#include <vector>
-
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -7,7 +7,6 @@
 // check_globe_maps refuses what no globe can be made of, find_shore finds the sea level and which side of the
 // mask is land. Both only read, for any thread.
 
-#include <optional>
 #include <span>
 
 #include "engine/base/result.hpp"

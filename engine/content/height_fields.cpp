@@ -1,11 +1,6 @@
 // Height fields, and the strokes over them and over the globe.
 #include "engine/content/height_fields.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cassert>
-#include <cmath>
-
 #include "engine/base/same_bits.hpp"
 
 namespace touchable {

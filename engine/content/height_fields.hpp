@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <string_view>
 
 #include "engine/content/families.hpp"
 #include "engine/content/seeded_noise.hpp"

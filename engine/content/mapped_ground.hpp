@@ -3,17 +3,10 @@
 // What a globe of maps is made of: maps read between their pixels, values all over a sphere on the grids of a
 // cube, a sphere with relief and where a ray meets it, and the smooth ground under mountains.
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <optional>
-#include <utility>
-#include <vector>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"

@@ -1,7 +1,6 @@
 // A planet of seeded noise, and the light on it.
 #include "engine/content/planet.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

@@ -1,13 +1,6 @@
 // Scenes by their names, what their families share, and their frames.
 #include "engine/content/scenes.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <string>
-#include <thread>
-#include <type_traits>
-
 #include "engine/base/try.hpp"
 #include "engine/content/families.hpp"
 

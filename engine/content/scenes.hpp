@@ -12,14 +12,8 @@
 // A frame of a large picture is made by several threads (SceneOptions::threads); one thread at a time may ask
 // a scene for frames.
 
-#include <cstdint>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <mutex>
-#include <optional>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <string>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/content/families.hpp"

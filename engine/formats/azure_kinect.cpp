@@ -3,9 +3,7 @@
 
 #include "engine/formats/formats_read.hpp"
 
-#include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

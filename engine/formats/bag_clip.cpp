@@ -3,16 +3,8 @@
 
 #include "engine/formats/formats_read.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/threads.hpp"

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <optional>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

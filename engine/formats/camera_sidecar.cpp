@@ -1,19 +1,11 @@
 #include "engine/formats/camera_sidecar.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
 #include <sstream>
-#include <system_error>
-#include <utility>
 
-#include "engine/base/files.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/picture_files.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -176,7 +168,8 @@ Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& na
 }
 
 /// The nearest in time for each frame.
-PoseRow nearest_poses(const std::vector<CameraPath::TimedPose>& poses, const std::vector<double>& frame_seconds) {
+PoseRow nearest_poses(const std::vector<CameraPath::TimedPose>& poses,
+                      const std::vector<double>& frame_seconds) {
     std::vector<double> seconds;
     for (const CameraPath::TimedPose& pose : poses) seconds.push_back(pose.seconds);
     PoseRow row;

@@ -5,11 +5,8 @@
 // file and is not understood is named.
 
 #include <filesystem>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/formats/picture_files.hpp"

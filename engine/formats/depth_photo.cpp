@@ -1,11 +1,6 @@
 #include "engine/formats/depth_photo.hpp"
 
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
 #include <pugixml.hpp>
-#include <utility>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"

@@ -4,15 +4,7 @@
 // the clip that is made of one (depth_photo.cpp), and their files, JPEG (jpeg_depth.cpp) and HEIC
 // (heic_image.cpp).
 
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -1,9 +1,5 @@
 #include "engine/formats/depth_values.hpp"
 
-#include <cmath>
-#include <cstring>
-#include <utility>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

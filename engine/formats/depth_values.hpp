@@ -5,9 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/readers.hpp"

@@ -3,12 +3,7 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"

@@ -4,13 +4,6 @@
 // (`is_`), a reader (`open_`), and, where its files do not say what their depth is, a guess (`guess_`) from
 // what is `known` of them. `described` stands in place of what a file says of itself.
 
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

@@ -14,12 +14,6 @@
 // A writer is used by one thread; several writers may be used at once. Errors are one line with the name that
 // the file would have had.
 
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <vector>
-
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

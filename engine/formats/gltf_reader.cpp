@@ -4,16 +4,9 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"

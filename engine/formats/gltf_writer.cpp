@@ -3,15 +3,8 @@
 
 #include "engine/formats/gltf_writer.hpp"
 
-#include <algorithm>
-#include <cstring>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
@@ -21,7 +14,6 @@
 #include "engine/formats/formats_written.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

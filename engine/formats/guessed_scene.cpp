@@ -1,14 +1,9 @@
 // The scene of depth pictures that have no scene file (SceneGuess). What is known (SourceDescription) stands;
 // what is not is taken from files beside the pictures, from their names and from their values.
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <iterator>
 #include <numeric>
-#include <string_view>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

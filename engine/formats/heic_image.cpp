@@ -3,16 +3,12 @@
 
 #include <libheif/heif.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <iterator>
 #include <new>
-#include <type_traits>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -7,14 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <cerrno>
 #include <fstream>
-#include <optional>
-#include <string>
-#include <system_error>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

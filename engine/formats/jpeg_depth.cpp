@@ -1,9 +1,7 @@
 // JPEG photographs with a depth map: their segments, their XMP, the map in it or behind the picture
 // (JpegDepth).
 
-#include <algorithm>
 #include <iterator>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

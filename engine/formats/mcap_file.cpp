@@ -3,13 +3,8 @@
 
 #include "engine/formats/bag_file.hpp"
 
-#include <algorithm>
-#include <cstdint>
 #include <iterator>
 #include <map>
-#include <optional>
-#include <string>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

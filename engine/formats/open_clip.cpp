@@ -3,15 +3,6 @@
 
 #include "engine/formats/open_clip.hpp"
 
-#include <algorithm>
-#include <cctype>
-#include <cstddef>
-#include <string>
-#include <string_view>
-#include <system_error>
-#include <utility>
-
-#include "engine/base/files.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -23,8 +14,6 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/image.hpp"
-#include "engine/scene/scene.hpp"
 #include "engine/stream/receiving.hpp"
 
 namespace touchable {

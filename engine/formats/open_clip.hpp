@@ -21,10 +21,7 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <stop_token>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

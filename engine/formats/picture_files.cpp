@@ -1,16 +1,10 @@
 #include "engine/formats/picture_files.hpp"
 
-#include <charconv>
-#include <cmath>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <set>
 #include <sstream>
-#include <string_view>
-#include <utility>
 
-#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 

@@ -1,13 +1,6 @@
 #include "engine/formats/pinhole_frames.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <limits>
-#include <optional>
-#include <span>
-#include <string>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -244,7 +237,7 @@ ColourRegistration::Place ColourRegistration::place_of(int x, int y, double leng
     const double ahead = (r[6] * u + r[7] * v + r[8]) * length + t[2];
     if (!(length > 0) || !(ahead > 0)) return {};
     LensDistortion::Point point{((r[0] * u + r[1] * v + r[2]) * length + t[0]) / ahead,
-                    ((r[3] * u + r[4] * v + r[5]) * length + t[1]) / ahead};
+                                ((r[3] * u + r[4] * v + r[5]) * length + t[1]) / ahead};
     if (!(point.x * point.x + point.y * point.y <= reach_ * reach_)) return {};
     if (colour_.lens.any()) point = colour_.lens.distorted(point);
     return {static_cast<float>(to.fx * point.x + to.cx), static_cast<float>(to.fy * point.y + to.cy),

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

@@ -1,10 +1,6 @@
 #include "engine/formats/read_pictures.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <set>
-#include <string>
 
 #include "engine/base/try.hpp"
 #include "engine/formats/value_evidence.hpp"

@@ -2,11 +2,8 @@
 
 #include "engine/formats/ros_messages.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <limits>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -3,9 +3,6 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
-#include <array>
-#include <string>
-#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"

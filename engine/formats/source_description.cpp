@@ -1,8 +1,5 @@
 #include "engine/formats/source_description.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace touchable {
 namespace {
 

@@ -18,9 +18,7 @@
 // else is shared.
 
 #include <filesystem>
-#include <optional>
 #include <span>
-#include <string>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"

@@ -1,9 +1,5 @@
 #include "engine/formats/stored_clip.hpp"
 
-#include <algorithm>
-#include <optional>
-#include <utility>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/clip/tracks.hpp"

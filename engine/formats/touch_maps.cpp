@@ -3,22 +3,15 @@
 
 #include "engine/formats/touch_maps.hpp"
 
-#include <algorithm>
-#include <charconv>
-#include <system_error>
-#include <utility>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/readers.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/video_picture.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/image.hpp"
 
 namespace touchable {
 namespace {

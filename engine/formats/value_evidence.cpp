@@ -1,6 +1,5 @@
 #include "engine/formats/value_evidence.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <limits>
 

@@ -4,9 +4,6 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
-#include <array>
-#include <optional>
-#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
@@ -58,8 +55,7 @@ std::optional<std::string> colour_video_beside(const fs::path& depth) {
              {depth.extension().string(), std::string(".mp4"), std::string(".mov"), std::string(".mkv"),
               std::string(".webm")}) {
             const fs::path file = depth.parent_path() / (other + extension);
-            if (is_file(file) && VideoFile::open(file, PlaneRole::colour).ok())
-                return file.filename().string();
+            if (is_file(file) && VideoFile::open(file, PlaneRole::colour)) return file.filename().string();
         }
     return {};
 }

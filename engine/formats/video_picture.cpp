@@ -1,10 +1,7 @@
 #include "engine/formats/video_picture.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cstdlib>
-#include <cstring>
-#include <utility>
 
 #include "engine/base/try.hpp"
 

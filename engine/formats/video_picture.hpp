@@ -1,9 +1,6 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

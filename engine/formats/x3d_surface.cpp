@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <pugixml.hpp>
-#include <string>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

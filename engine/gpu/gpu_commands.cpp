@@ -1,7 +1,5 @@
 #include "engine/gpu/gpu_commands.hpp"
 
-#include <utility>
-
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_recording.hpp"
 
@@ -146,7 +144,7 @@ bool GpuCommands::bind(const GpuProgram& program, std::span<const std::byte> pus
         const auto checked = kind == GpuBindingKind::storage_buffer
                                  ? check_storage(binding, bytes, device_->facts().limits)
                                  : check_texels(binding);
-        if (!checked.ok()) return fault(which + checked.error().message, checked.error().kind), false;
+        if (!checked) return fault(which + checked.error().message, checked.error().kind), false;
         descriptors.add(kind, binding, bytes);
         keep(binding.buffer.keep_alive());
     }

@@ -10,16 +10,12 @@
 
 #include <vulkan/vulkan.h>
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <type_traits>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_device.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <list>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_recording.hpp"

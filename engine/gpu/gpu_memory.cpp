@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_commands.hpp"
@@ -271,13 +269,13 @@ Result<GpuProgram> GpuProgram::create(const GpuDevice& device, std::string name,
     state->layout = std::move(layout);
     VulkanDevice& gpu = *state->vulkan;
     const auto set = make_set_layout(gpu, state->layout);
-    if (!set.ok()) return refusal(ErrorKind::gpu, set.error().message);
+    if (!set) return refusal(ErrorKind::gpu, set.error().message);
     state->set_layout = *set;
     const auto pipeline_layout = make_pipeline_layout(gpu, *set, state->layout.push_bytes);
-    if (!pipeline_layout.ok()) return refusal(ErrorKind::gpu, pipeline_layout.error().message);
+    if (!pipeline_layout) return refusal(ErrorKind::gpu, pipeline_layout.error().message);
     state->pipeline_layout = *pipeline_layout;
     const auto pipeline = make_pipeline(gpu, *pipeline_layout, spirv, constants);
-    if (!pipeline.ok()) return refusal(ErrorKind::gpu, pipeline.error().message);
+    if (!pipeline) return refusal(ErrorKind::gpu, pipeline.error().message);
     state->pipeline = *pipeline;
     gpu.name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(*pipeline), name);
     GpuProgram program;

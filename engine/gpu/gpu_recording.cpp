@@ -1,8 +1,5 @@
 #include "engine/gpu/gpu_recording.hpp"
 
-#include <array>
-#include <utility>
-
 #include "engine/base/try.hpp"
 
 namespace touchable {

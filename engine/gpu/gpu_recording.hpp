@@ -4,8 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"

@@ -1,11 +1,6 @@
 #include "engine/gpu/surface_recording.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cstddef>
-
 #include "engine/base/try.hpp"
-#include "engine/scene/filter_codes.hpp"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
 #include "shaders/flying_pixels.spv.h"
@@ -97,7 +92,7 @@ Result<GpuProgram> SurfaceKernels::made(GpuProgram& kept, const char* name,
                                         std::span<const std::uint32_t> constants) {
     if (kept) return kept;
     auto program = GpuProgram::create(*device_, name, spirv, std::move(layout), constants);
-    if (program.ok()) kept = *program;
+    if (program) kept = *program;
     return program;
 }
 

@@ -1,8 +1,5 @@
 #include "engine/gpu/vulkan_builder.hpp"
 
-#include <algorithm>
-#include <cstring>
-
 #include "engine/base/try.hpp"
 #include "engine/gpu/surface_recording.hpp"
 

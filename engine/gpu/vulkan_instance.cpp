@@ -6,9 +6,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
-#include <optional>
-#include <utility>
-#include <vector>
 
 #include "engine/gpu/gpu_device.hpp"
 

@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 #include <type_traits>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -134,7 +133,7 @@ Result<void> read_chunks(BytesView stbl, TrackSamples& to) {
     const auto near = table_in(stbl, "stco", 1), far = table_in(stbl, "co64", 2),
                runs = table_in(stbl, "stsc", 3);
     for (const auto* table : {&near, &far, &runs})
-        if (!table->ok()) return table->error();
+        if (!*table) return table->error();
     const Table& places = near->count > 0 ? *near : *far;
     std::size_t run = 0, next = 0;
     for (std::size_t k = 0; k < places.count; ++k) {

@@ -11,15 +11,8 @@
 // that there are. Errors are lines that follow the file's name (error_at). Functions keep no state; a
 // ByteSource is one thread's.
 
-#include <cstdint>
-#include <functional>
 #include <map>
-#include <memory>
-#include <optional>
 #include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

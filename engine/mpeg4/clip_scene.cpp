@@ -1,14 +1,8 @@
 #include "engine/mpeg4/clip_scene.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <utility>
-
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/scene/scene.hpp"
 
 namespace touchable::mpeg4 {
 

@@ -13,10 +13,7 @@
 // thread.
 
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/mpeg4/node_types.hpp"

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <string>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

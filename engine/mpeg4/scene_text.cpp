@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
 #include <type_traits>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

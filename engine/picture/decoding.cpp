@@ -4,11 +4,7 @@ extern "C" {
 #include <libavutil/imgutils.h>
 }
 
-#include <algorithm>
 #include <bit>
-#include <cstring>
-#include <utility>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

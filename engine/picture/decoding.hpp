@@ -14,11 +14,7 @@
 // the functions are any thread's.
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
 
 #include "engine/base/result.hpp"

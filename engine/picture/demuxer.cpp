@@ -3,12 +3,7 @@ extern "C" {
 }
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
-#include <memory>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -1,16 +1,8 @@
 #include <openexr.h>
-#include <algorithm>
-#include <array>
 #include <bit>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"

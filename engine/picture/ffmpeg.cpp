@@ -6,12 +6,9 @@ extern "C" {
 
 #include <fcntl.h>
 #include <unistd.h>
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <mutex>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/picture/input.hpp"

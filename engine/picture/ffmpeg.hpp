@@ -18,15 +18,8 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
-#include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -7,14 +7,11 @@ extern "C" {
 
 #include <sys/mman.h>
 #include <unistd.h>
-#include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <unordered_map>
 #include <unordered_set>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -13,16 +13,6 @@
 // or the file's name (ErrorKind::input); a stop is obeyed within milliseconds. Functions may be called by any
 // thread; an ImageStack is one thread's.
 
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/scene/frames.hpp"

@@ -10,11 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <optional>
-#include <string>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -1,21 +1,11 @@
 #include "engine/picture/number_pictures.hpp"
 
 #include <tiffio.h>
-#include <algorithm>
-#include <array>
 #include <bit>
-#include <charconv>
-#include <cmath>
 #include <concepts>
 #include <cstdarg>
-#include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <limits>
-#include <memory>
-#include <optional>
-#include <utility>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

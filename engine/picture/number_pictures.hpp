@@ -8,7 +8,6 @@
 // errors begin with `where`. A NumberPicture is one thread's, the functions are any thread's.
 
 #include <cstddef>
-#include <string>
 #include <string_view>
 
 #include "engine/base/result.hpp"

@@ -1,14 +1,5 @@
 #include <zip.h>
-#include <algorithm>
-#include <cerrno>
-#include <charconv>
 #include <limits>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -339,7 +330,7 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
         array.is_possible = !is_deflated || about.size / largest_expansion <= about.comp_size;
         array.name.resize(array.name.size() - 4);
         const auto header = read_npy_header(*unpacked(archive, array), "");
-        array.pictures = header.ok() && npy_pictures(*header, "").ok();
+        array.pictures = header && npy_pictures(*header, "");
         arrays.push_back(std::move(array));
     }
     return arrays;

@@ -1,7 +1,4 @@
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include "engine/base/try.hpp"

@@ -6,8 +6,6 @@ extern "C" {
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 #include "engine/base/try.hpp"
 #include "engine/picture/ffmpeg.hpp"

@@ -11,13 +11,10 @@
 // which may be asked of any file. Objects are one thread's each. Errors are lines about the file
 // (ErrorKind::input).
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 
 #include "engine/base/result.hpp"
 

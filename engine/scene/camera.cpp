@@ -1,8 +1,5 @@
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numeric>
 #include <utility>

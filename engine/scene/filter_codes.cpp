@@ -1,6 +1,5 @@
 #include "engine/scene/filter_codes.hpp"
 
-#include <cmath>
 #include <limits>
 
 namespace touchable {

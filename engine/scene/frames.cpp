@@ -1,7 +1,5 @@
 #include "engine/scene/frames.hpp"
 
-#include <cassert>
-#include <cmath>
 #include <limits>
 
 namespace touchable {

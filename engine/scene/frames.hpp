@@ -24,11 +24,8 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <span>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"

@@ -1,8 +1,6 @@
 #include "engine/scene/scene.hpp"
 
 #include <bit>
-#include <charconv>
-#include <limits>
 #include <tuple>
 
 #include "engine/base/same_bits.hpp"

@@ -22,11 +22,7 @@
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 

@@ -1,12 +1,9 @@
 #include "engine/scene/scene.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"

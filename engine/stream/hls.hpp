@@ -10,11 +10,8 @@
 #include <deque>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

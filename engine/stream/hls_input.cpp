@@ -3,15 +3,9 @@
 // HlsRendition reads one media playlist and its segments. FFmpeg takes these apart, but fetches nothing
 // itself: it asks for places, and is given bytes that were fetched and judged here.
 
-#include <algorithm>
 #include <array>
-#include <atomic>
-#include <chrono>
 #include <cstring>
-#include <exception>
-#include <filesystem>
 #include <limits>
-#include <string_view>
 
 #include "engine/base/files.hpp"
 #include "engine/base/threads.hpp"
@@ -322,7 +316,7 @@ bool is_whole_mp4(const std::string& bytes) {
         for (const mpeg4::Box& part : *parts) tracks += part.type == "trak" && has_number(part.content);
         if (box.type != "mdat" && tracks_anywhere(box.content) != tracks) return false;
     }
-    return check_box_tables(*bytes_in_memory(bytes), bytes.size()).ok();
+    return bool(check_box_tables(*bytes_in_memory(bytes), bytes.size()));
 }
 
 ByteRange range_in(const AVDictionary* options) {

@@ -7,11 +7,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <fstream>
 #include <iterator>
-#include <string_view>
 #include <system_error>
 
 #include "engine/base/files.hpp"

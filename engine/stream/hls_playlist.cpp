@@ -2,12 +2,7 @@
 // judged.
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <chrono>
-#include <cmath>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

@@ -1,13 +1,9 @@
 #include "engine/stream/labelled_codec.hpp"
 
-#include <algorithm>
 #include <charconv>
-#include <utility>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
-#include "engine/clip/clip_file.hpp"
-#include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/picture/ffmpeg.hpp"

@@ -2,12 +2,7 @@
 
 #include <poll.h>
 
-#include <algorithm>
-#include <array>
-#include <condition_variable>
 #include <deque>
-#include <mutex>
-#include <thread>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

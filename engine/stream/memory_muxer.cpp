@@ -1,7 +1,6 @@
 #include "engine/stream/memory_muxer.hpp"
 
 #include <new>
-#include <utility>
 
 #include "engine/base/try.hpp"
 

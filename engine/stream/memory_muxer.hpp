@@ -6,9 +6,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/picture/ffmpeg.hpp"

@@ -1,9 +1,5 @@
 #include "engine/stream/receiver.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <utility>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"

@@ -20,9 +20,6 @@
 // a thread of its own, which receives.
 
 #include <chrono>
-#include <functional>
-#include <memory>
-#include <optional>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

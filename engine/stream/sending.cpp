@@ -1,7 +1,5 @@
 #include "engine/stream/sending.hpp"
 
-#include <algorithm>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/stream/stream_bytes.hpp"

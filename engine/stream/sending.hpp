@@ -32,11 +32,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
@@ -232,7 +228,7 @@ public:
         std::string name;                    ///< "tcp://192.168.0.5:41234"
         std::int64_t sent = 0, dropped = 0;  ///< framesets
         std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
-        std::string end{};                  ///< why it is not there any more; empty: it had all of the stream
+        std::string end{};  ///< why it is not there any more; empty: it had all of the stream
         std::optional<StreamFigures::Link> link{};  ///< of its connection, where the transport counts (SRT)
     };
 

@@ -3,17 +3,6 @@
 #include <srt/access_control.h>
 #include <srt/srt.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <charconv>
-#include <cstring>
-#include <map>
-#include <mutex>
-#include <string_view>
-#include <thread>
-#include <vector>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -7,10 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
-#include <utility>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

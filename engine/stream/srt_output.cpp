@@ -1,10 +1,5 @@
 // Streams sent by SRT: listeners, each at the pace of its link, and the thread that takes callers, or calls.
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <thread>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

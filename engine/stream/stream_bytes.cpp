@@ -5,12 +5,8 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <cstring>
-#include <mutex>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

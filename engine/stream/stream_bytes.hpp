@@ -10,9 +10,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <optional>
-#include <string>
-#include <utility>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

@@ -1,9 +1,6 @@
 #include "engine/stream/stream_url.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <optional>
 #include <system_error>
 
 #include "engine/base/words.hpp"

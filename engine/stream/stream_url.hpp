@@ -14,7 +14,6 @@
 //
 // Everything here is a value or a pure function: any thread may call it.
 
-#include <string>
 #include <string_view>
 
 #include "engine/base/result.hpp"

@@ -7,13 +7,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <cerrno>
 #include <limits>
-#include <system_error>
-#include <thread>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

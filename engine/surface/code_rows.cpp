@@ -1,9 +1,6 @@
 // Rows of codes and validity as vectors read them, and the stack of filters of a plan.
 #include "engine/surface/code_rows.hpp"
 
-#include <algorithm>
-#include <cassert>
-
 #include "engine/surface/flying_pixels.hpp"
 #include "engine/surface/median.hpp"
 #include "engine/surface/temporal_filter.hpp"

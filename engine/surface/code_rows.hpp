@@ -4,11 +4,7 @@
 #include <emmintrin.h>
 #endif
 
-#include <cstdint>
-#include <cstring>
 #include <functional>
-#include <memory>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"

@@ -1,10 +1,6 @@
 // The fast builder: rows on several threads, filters in vectors, and frames that changed little built in
 // part.
-#include <algorithm>
-#include <cstdint>
 #include <deque>
-#include <optional>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -1,11 +1,6 @@
 // What was measured of the first frames, put together, and the filters chosen by it.
 #include "engine/surface/depth_estimator.hpp"
 
-#include <algorithm>
-#include <cstddef>
-
-#include "engine/scene/filter_codes.hpp"
-
 namespace touchable {
 namespace {
 

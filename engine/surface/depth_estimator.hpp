@@ -10,8 +10,6 @@
 // One thread at a time; a stop is heard between steps.
 
 #include <deque>
-#include <optional>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/frames.hpp"

@@ -1,12 +1,8 @@
 // Levels and contours, counted.
 #include "engine/surface/estimators.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <numeric>
-
-#include "engine/scene/filter_codes.hpp"
 
 namespace touchable {
 namespace {

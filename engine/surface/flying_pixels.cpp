@@ -1,11 +1,6 @@
 // Holes filled from their rims, and pixels between two surfaces pulled to one.
 #include "engine/surface/flying_pixels.hpp"
 
-#include <atomic>
-#include <bit>
-#include <cstring>
-
-#include "engine/base/vectors.hpp"
 #include "engine/surface/median.hpp"
 
 namespace touchable {

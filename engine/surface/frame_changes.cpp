@@ -1,9 +1,6 @@
 // Frames compared block by block.
 #include "engine/surface/frame_changes.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <cstring>
 #include <iterator>
 
 namespace touchable {

@@ -7,10 +7,6 @@
 // blocks that one slot of the ring lacks. The CPU's builder and the GPU's use both, on the thread that
 // builds.
 
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"
 #include "engine/scene/frames.hpp"

@@ -1,8 +1,6 @@
 // Medians of 3x3 and 5x5 pixels by networks, in vectors.
 #include "engine/surface/median.hpp"
 
-#include <cstring>
-
 namespace touchable {
 namespace {
 

@@ -4,7 +4,6 @@
 // of vectors of them (engine/base/vectors.hpp).
 
 #include <algorithm>
-#include <cstdint>
 #include <vector>
 
 #include "engine/base/vectors.hpp"

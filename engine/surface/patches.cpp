@@ -1,9 +1,6 @@
 // The parts of a frame that are built again, and the bounds of tiles.
 #include "engine/surface/patches.hpp"
 
-#include <algorithm>
-#include <cstring>
-
 namespace touchable {
 namespace {
 

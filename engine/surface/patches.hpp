@@ -1,8 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"
 #include "engine/scene/frames.hpp"

@@ -1,7 +1,6 @@
 // The plain builder, by which the others are tested: docs/conventions.md, step by step, without any haste.
 #include <algorithm>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

@@ -1,11 +1,7 @@
 // Smooth places of a recording, and filters tried on them.
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <memory>
-#include <optional>
-#include <utility>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"

@@ -2,8 +2,6 @@
 // frame's depths.
 #include "engine/surface/surface_builder.hpp"
 
-#include <algorithm>
-#include <cassert>
 #include <cstdlib>
 
 #include "engine/base/threads.hpp"
@@ -51,7 +49,7 @@ public:
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         if (!first_) return second_->build(raw, out);
         Result<void> built = first_->build(raw, out);
-        if (built.ok() || built.error().kind != ErrorKind::gpu) return built;
+        if (built || built.error().kind != ErrorKind::gpu) return built;
         told_("frame " + std::to_string(raw.number) + ": " + built.error().message + "; the " +
               std::string(second_->name()) + " builder goes on");
         first_.reset();  // frames it built keep what they need
@@ -126,7 +124,7 @@ std::unique_ptr<SurfaceBuilder> make_fallback_builder(std::unique_ptr<SurfaceBui
 std::vector<double> valid_depths(const Scene& scene, const SurfaceFrame& given) {
     // Every pixel is asked for: one by one, a lazy frame would take longer than all frames whole.
     SurfaceFrame whole;
-    const bool is_lazy = given.codes.empty() && make_cpu_builder(scene)->build(given.raw, whole).ok();
+    const bool is_lazy = given.codes.empty() && make_cpu_builder(scene)->build(given.raw, whole);
     const SurfaceFrame& frame = is_lazy ? whole : given;
     const auto width = static_cast<std::size_t>(scene.width);
     const std::size_t pixels = width * static_cast<std::size_t>(scene.height);

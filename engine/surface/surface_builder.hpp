@@ -14,16 +14,7 @@
 // until the first frames are built. Errors are lines about the frame (what is wrong with its planes).
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <variant>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

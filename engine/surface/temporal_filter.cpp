@@ -1,9 +1,6 @@
 // Noise averaged from frame to frame, in vectors.
 #include "engine/surface/temporal_filter.hpp"
 
-#include <algorithm>
-#include <cstring>
-
 namespace touchable {
 namespace {
 

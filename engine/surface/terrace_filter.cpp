@@ -1,8 +1,6 @@
 // Terraces removed in passes, of whole rows and of patches.
 #include "engine/surface/terrace_filter.hpp"
 
-#include <cstring>
-
 namespace touchable {
 namespace {
 

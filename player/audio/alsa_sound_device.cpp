@@ -31,8 +31,7 @@ public:
     }
 
     Result<bool> wait_for(int samples, std::chrono::milliseconds longest) override {
-        if (auto there = room(); !there.ok() || *there >= samples)
-            return there.ok() ? Result(true) : there.error();
+        if (auto there = room(); !there || *there >= samples) return there ? Result(true) : there.error();
         const int waited = snd_pcm_wait(pcm_, static_cast<int>(longest.count()));
         if (waited < 0) {
             TRY(mend(waited));

@@ -1,7 +1,5 @@
 #include "player/audio/contact_sound.hpp"
 
-#include <utility>
-
 #include "engine/base/same_bits.hpp"
 
 namespace touchable {

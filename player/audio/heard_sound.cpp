@@ -1,8 +1,5 @@
 #include "player/audio/heard_sound.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "engine/base/files.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -56,7 +53,7 @@ Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesyst
                            "; right would be a sound of up to 60 s, such as a WAV file");
     };
     if (const auto there = GivenFile::open(file, file.string(), "a sound of up to 60 s, such as a WAV file");
-        !there.ok())
+        !there)
         return there.error();
     TRY_ASSIGN(const auto track, SoundTrack::open(file));
     if (!track) return refuse("has no sound");
@@ -128,7 +125,7 @@ void ClipSound::open(const std::filesystem::path& file) {
     }
     if (thread_.joinable()) return news_.notify_all();
     const auto begun = start_thread(thread_, "clip-sound", "of the clip's sound", [this] { run(); });
-    if (begun.ok()) return;
+    if (begun) return;
     const std::lock_guard lock(mutex_);
     fault_ = begun.error().message;
 }
@@ -173,8 +170,8 @@ void ClipSound::take_file(std::unique_lock<std::mutex>& lock, std::unique_ptr<So
     auto opened = SoundTrack::open(file);
     lock.lock();
     if (is_new_) return;  // another one meanwhile
-    track = opened.ok() ? std::move(*opened) : nullptr;
-    if (!opened.ok()) fault_ = opened.error().message;
+    track = opened ? std::move(*opened) : nullptr;
+    if (!opened) fault_ = opened.error().message;
     has_track_ = track != nullptr;
     if (has_track_) blocks_.resize(static_cast<std::size_t>(ahead) + 8);
 }

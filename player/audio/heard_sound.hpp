@@ -19,12 +19,8 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/picture/sound.hpp"

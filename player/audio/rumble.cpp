@@ -1,11 +1,5 @@
 #include "player/audio/rumble.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <condition_variable>
-#include <mutex>
-#include <utility>
-
 #include "engine/base/threads.hpp"
 
 namespace touchable {
@@ -88,7 +82,7 @@ struct GamepadRumble::Shared {
 GamepadRumble::GamepadRumble(const Open& open) : shared_(std::make_shared<Shared>()) {
     const auto begun =
         start_thread(thread_, "gamepad", "of the gamepad", [shared = shared_, open] { run(*shared, open); });
-    if (!begun.ok()) shared_->say("no rumble: " + begun.error().message);
+    if (!begun) shared_->say("no rumble: " + begun.error().message);
 }
 
 GamepadRumble::~GamepadRumble() {
@@ -102,7 +96,7 @@ GamepadRumble::~GamepadRumble() {
 
 void GamepadRumble::run(Shared& shared, const Open& open) {
     const auto pad = open();
-    if (!pad.ok()) return shared.say("no rumble: " + pad.error().message);
+    if (!pad) return shared.say("no rumble: " + pad.error().message);
     const auto begun = std::chrono::steady_clock::now();
     RumbleOrders orders;
     std::string name;

@@ -1,12 +1,7 @@
 #include "player/audio/window_sound.hpp"
 
-#include <cmath>
-#include <condition_variable>
 #include <glm/geometric.hpp>
-#include <mutex>
-#include <thread>
 
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "player/run/run_files.hpp"
 

@@ -15,15 +15,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cstdint>
-#include <filesystem>
 #include <glm/vec3.hpp>
-#include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -6,10 +6,6 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
@@ -73,27 +69,27 @@ Result<BuilderFacts> builder_facts(const char* name) {
     SurfaceFrame reference, cpu, lazy, vulkan;
     Result<void> built;
     const auto build = [&](std::unique_ptr<SurfaceBuilder> builder, SurfaceFrame& out) {
-        if (built.ok() && interrupted()) built = interrupted_error();
-        if (built.ok()) built = builder->build(raw, out);
+        if (built && interrupted()) built = interrupted_error();
+        if (built) built = builder->build(raw, out);
     };
     bool same_lazily = false;
     facts.reference_ms = milliseconds([&] { build(make_reference_builder(scene), reference); });
     facts.cpu_ms = milliseconds([&] { build(make_cpu_builder(scene), cpu); });
     const auto lazy_builder = make_lazy_builder(scene);  // its frames ask it for pixels, so it stays
     facts.lazy_ms = milliseconds([&] {
-        if (built.ok()) built = lazy_builder->build(raw, lazy);
-        if (built.ok()) same_lazily = same_depths(lazy, reference);
+        if (built) built = lazy_builder->build(raw, lazy);
+        if (built) same_lazily = same_depths(lazy, reference);
     });
-    if (built.ok() && interrupted()) built = interrupted_error();
-    if (!built.ok()) return built.error();
+    if (built && interrupted()) built = interrupted_error();
+    if (!built) return built.error();
     facts.identical = same_lazily && same_bits(cpu, reference);
-    if (const auto device = GpuDevice::open(); device.ok()) {
+    if (const auto device = GpuDevice::open(); device) {
         TRY_ASSIGN(auto builder, make_vulkan_builder(scene, *device));
         built = builder->build(raw, vulkan);  // compiles the kernels
         facts.vulkan_ms = milliseconds([&] {
-            if (built.ok()) built = builder->build(raw, vulkan);
+            if (built) built = builder->build(raw, vulkan);
         });
-        if (!built.ok()) return built.error();
+        if (!built) return built.error();
         facts.identical = facts.identical && same_bits(vulkan, reference);
     }
     return facts;

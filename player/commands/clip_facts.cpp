@@ -1,18 +1,9 @@
 #include "player/commands/clip_facts.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/open_clip.hpp"
-#include "engine/scene/filter_codes.hpp"
-#include "engine/scene/frames.hpp"
-#include "engine/stream/stream_url.hpp"
-#include "engine/surface/depth_estimator.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"
 #include "player/run/terminal.hpp"

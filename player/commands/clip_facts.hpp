@@ -1,12 +1,6 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/authoring/recorded_clip.hpp"
 #include "engine/base/files.hpp"

@@ -1,17 +1,7 @@
 #include "player/commands/clip_options.hpp"
 
-#include <array>
-#include <charconv>
-#include <cmath>
-#include <filesystem>
-#include <set>
-#include <system_error>
-#include <variant>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/scene/scene.hpp"
-#include "engine/stream/receiving.hpp"
 #include "player/commands/option_types.hpp"
 
 namespace touchable {

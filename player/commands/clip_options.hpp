@@ -1,10 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/formats/source_description.hpp"

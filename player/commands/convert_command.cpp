@@ -1,20 +1,11 @@
 #include "player/commands/convert_command.hpp"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <charconv>
 #include <iostream>
-#include <limits>
-#include <map>
-#include <optional>
-#include <string_view>
-#include <system_error>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
-#include "player/commands/option_types.hpp"
 
 namespace touchable {
 namespace {
@@ -41,7 +32,7 @@ Result<ClipMoment> read_moment(const std::string& option, std::string_view text)
     };
     if (!text.ends_with('s')) {
         const auto frame = read_whole_number<std::int64_t>(option, text, 0, last_frame);
-        if (!frame.ok()) return refused();
+        if (!frame) return refused();
         return ClipMoment{*frame};
     }
     text.remove_suffix(1);
@@ -67,7 +58,7 @@ Result<ClipPart::Crop> read_crop(const std::string& text) {
     const auto x = read_whole_number("--crop", view.substr(0, first), 0, 16383);
     const auto y = read_whole_number("--crop", view.substr(first + 1, second - first - 1), 0, 16383);
     const auto size = read_pixel_size("--crop", view.substr(second + 1), 1, 16384);
-    if (!x.ok() || !y.ok() || !size.ok()) return refused();
+    if (!x || !y || !size) return refused();
     return ClipPart::Crop{*x, *y, size->width, size->height};
 }
 

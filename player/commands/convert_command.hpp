@@ -8,13 +8,6 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -1,12 +1,7 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <iostream>
-#include <memory>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
@@ -469,7 +464,7 @@ RawFrame Conversion::as_written(const RawFrame& frame) const {
 Result<std::optional<RawFrame>> Conversion::next() {
     if (interrupted()) return interrupted_error();
     auto frame = source_->next();
-    if (!frame.ok() || !*frame) return frame;
+    if (!frame || !*frame) return frame;
     if ((*frame)->number == done_.frames) TRY(write_frame(**frame));
     return frame;
 }
@@ -579,7 +574,7 @@ Result<void> Conversion::run(std::string& at_work) {
     // Only now are all of them there.
     done_.notes = remarks_with_options(remarks_of(*source_));
     TRY_ASSIGN(const auto written, writer_->complete());
-    if (auto checked = check(written); !checked.ok()) return as_named(checked.error(), options_, written);
+    if (auto checked = check(written); !checked) return as_named(checked.error(), options_, written);
     TRY(writer_->finish());
     std::cout << report_to_text(options_, done_);
     return {};

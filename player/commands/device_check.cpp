@@ -4,19 +4,11 @@
 #include <sys/utsname.h>
 #include <termios.h>
 #include <unistd.h>
-#include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
-#include <utility>
 
-#include "device/haptic_device.hpp"
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
@@ -264,7 +256,7 @@ Result<void> watch(const MeasuredDevice& measured, int seconds, DeviceReport& re
             if (line.is_due())
                 line.show("measuring for " + std::to_string(seconds) + " s: let the handle rest");
         });
-    if (!figures.ok()) return interrupted() ? interrupted_error() : figures.error();
+    if (!figures) return interrupted() ? interrupted_error() : figures.error();
     report.watch = *figures;
     report.facts = between(before, measured.facts());
     report.thread = grant.in_words();
@@ -317,7 +309,7 @@ Result<void> find_out_stiffness(const MeasuredDevice& measured, bool hands_off, 
             if (line.is_due()) line.show("trying " + std::to_string(std::lround(tried)) + " N/m, hands off");
         });
     if (interrupted()) return interrupted_error();
-    if (!found.ok()) {
+    if (!found) {
         report.no_stiffness = found.error().message;
         return found.error();
     }
@@ -409,8 +401,7 @@ nlohmann::ordered_json to_json(const DeviceReport& report) {
 Result<void> run_device_check(const DeviceCheckOptions& options) {
     std::unique_ptr<OutputFile> file;
     if (options.out) {
-        if (auto free = check_outputs({{{"--out", *options.out}}, options.existing}, {}); !free.ok())
-            return free;
+        if (auto free = check_outputs({{{"--out", *options.out}}, options.existing}, {}); !free) return free;
         TRY_ASSIGN(file, OutputFile::create("--out", *options.out, options.existing));
     }
     TRY_ASSIGN(auto measured, take_device(options.device));
@@ -420,7 +411,7 @@ Result<void> run_device_check(const DeviceCheckOptions& options) {
     TRY(watch(measured, options.seconds, report));
     const auto tried = find_out_stiffness(measured, options.hands_off, report);
     device.close();
-    if (!tried.ok() && tried.error().kind == ErrorKind::interrupted) return tried;
+    if (!tried && tried.error().kind == ErrorKind::interrupted) return tried;
     TRY(report_to(report, options, file.get()));
     return tried;
 }

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "device/device_catalog.hpp"
 #include "engine/base/files.hpp"

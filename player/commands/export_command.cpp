@@ -1,20 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
 #include <system_error>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -233,7 +222,7 @@ Result<void> read_frames(const std::string& text, ExportOptions& out) {
     };
     const auto first = number(view.substr(0, dash));
     const auto last = dash == std::string::npos ? first : number(view.substr(dash + 1));
-    if (!first.ok() || !last.ok() || *last < *first)
+    if (!first || !last || *last < *first)
         return usage_error("--frames '" + text +
                            "' is no range; right would be A-B with A <= B, such as 0-9, or all");
     out.first = *first;
@@ -251,10 +240,10 @@ Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
         return usage_error("--picture draws a single frame; right would be --frame N instead of --frames");
     if (typed.one) {
         const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, 0, last_number);
-        if (!number.ok() && typed.one->find('-', 1) != std::string::npos)
+        if (!number && typed.one->find('-', 1) != std::string::npos)
             return usage_error("--frame '" + printable(*typed.one) +
                                "' will not do; right would be one frame's number; several are --frames A-B");
-        if (!number.ok()) return number.error();
+        if (!number) return number.error();
         out.first = *number;
         out.last = *number;
         return {};
@@ -283,7 +272,7 @@ std::vector<NamedFile> files_of(const ExportOptions& options) {
     for (const auto& entry : std::filesystem::directory_iterator(options.out, ignored)) {
         const auto number = read_whole_number<std::int64_t>(
             "", entry.path().filename().string(), options.first, options.last.value_or(last_number));
-        if (number.ok()) add_folder(entry.path());
+        if (number) add_folder(entry.path());
     }
     return files;
 }
@@ -369,7 +358,7 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     TRY(find_scale(*reader, scene, *builder));
     Exported exported;
     const std::int64_t& number = exported.number;
-    if (auto done = export_frames(*reader, scene, options, *builder, picture, exported); !done.ok())
+    if (auto done = export_frames(*reader, scene, options, *builder, picture, exported); !done)
         return with_what_stays(done.error(), options, number);
     if (number <= wanted) return with_what_stays(beyond_the_end(options, wanted, number), options, number);
     if (clip.chosen) std::cerr << "touchable: filters: " << filters_in_words(scene, clip.chosen) << '\n';
@@ -420,11 +409,11 @@ Result<void> StagedFolder::appear(std::span<const char* const> names) {
     if (!failure) fs::create_directory(hidden, failure);
     Result<void> done;
     if (failure) done = unwritable(place_, failure);
-    if (done.ok()) done = name_in(hidden, names);
-    if (done.ok())
+    if (done) done = name_in(hidden, names);
+    if (done)
         if (const int why = move_to_free_name(hidden, place_))
             done = unwritable(place_, std::error_code(why, std::generic_category()));
-    if (done.ok()) {
+    if (done) {
         sync_folder(above);
         return {};
     }
@@ -438,7 +427,7 @@ Result<void> StagedFolder::replace(std::span<const char* const> names) {
     Aside aside(place_);
     for (auto name = names.rbegin(); name != names.rend(); ++name) TRY(aside.take(*name, existing_));
     auto done = name_in(place_, names);
-    if (done.ok()) {
+    if (done) {
         aside.discard();
         return {};
     }

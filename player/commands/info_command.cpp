@@ -6,11 +6,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
@@ -329,7 +325,7 @@ std::string to_text(const ClipFacts& facts) {
 /// The clip's scene as MPEG-4 has it; what that cannot say stands before it.
 std::string mpeg4_text(const ClipFacts& facts) {
     const mpeg4::ClipNodes::Streams streams{facts.has_track("colour"), facts.has_track("haptic"),
-                                       facts.has_track("height")};
+                                            facts.has_track("height")};
     std::string text;
     for (const std::string& unsaid : mpeg4::unsaid_by_nodes(facts.scene, streams))
         text += "# An MPEG-4 scene cannot say: " + unsaid + '\n';

@@ -1,10 +1,7 @@
 #include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <iostream>
-#include <memory>
-#include <optional>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
@@ -56,8 +53,8 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
                                          : is_folder ? options.pictures / "scene.json"
                                                      : beside.replace_extension(".json");
     const Outputs outputs{{{options.out ? "--out" : "the scene file", target}}, options.existing};
-    if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free.ok()) return free;
-    if (std::filesystem::exists(target, ignored) && !read_scene_file(target).ok())
+    if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free) return free;
+    if (std::filesystem::exists(target, ignored) && !read_scene_file(target))
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
     TRY(write_text(target, scene_to_json(guessed), options.existing));
     std::cout << target.string() << " is written; "

@@ -1,43 +1,24 @@
 #include "player/commands/machine_check.hpp"
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/avutil.h>
 }
 
-#include <pthread.h>
 #include <pwd.h>
 #include <sched.h>
 #include <sys/prctl.h>
-#include <time.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <ostream>
-#include <thread>
-#include <utility>
-#include <vector>
 
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/gpu/gpu_commands.hpp"
-#include "haptics_cpu/haptic_loop.hpp"
 #include "player/run/terminal.hpp"
-#include "player/run/touch_session.hpp"
-#include "player/session/touch_setup.hpp"
 #include "shaders/self_check.h"
 #include "shaders/self_check.spv.h"
 
@@ -179,7 +160,7 @@ bool may_run_realtime() {
         priority.sched_priority = haptic_priority;
         permitted = pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority) == 0;
     });
-    if (started.ok()) trial.join();
+    if (started) trial.join();
     return permitted;
 }
 
@@ -307,7 +288,7 @@ VulkanFacts vulkan_facts() {
         TRY_ASSIGN(facts.kernel, run_often(bench));
         return {};
     }();
-    if (!found.ok())
+    if (!found)
         facts.unusable = found.error().message;
     else if (!facts.kernel->same_bits)
         facts.unusable = "a kernel gives other bits than the CPU on " + facts.gpus[*facts.used].name;

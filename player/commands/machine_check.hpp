@@ -9,10 +9,7 @@
 #include <cstddef>
 #include <iosfwd>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_device.hpp"

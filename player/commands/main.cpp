@@ -1,15 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <filesystem>
 #include <iostream>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/words.hpp"
@@ -143,7 +137,7 @@ int run(int argc, char** argv) {
             app.parse(std::move(words));
         } else if (argc > 1 && std::string_view(argv[1]) == "help") {
             auto asked = words_of_help(app, argc, argv);
-            if (!asked.ok()) return fail(app, asked.error());
+            if (!asked) return fail(app, asked.error());
             app.parse(std::move(*asked));
         } else {
             app.parse(argc, argv);
@@ -157,12 +151,12 @@ int run(int argc, char** argv) {
 
     catch_interrupts();
     const Result<void> result = command();
-    if (!result.ok()) {
+    if (!result) {
         const int code = fail(app, result.error());
         return interrupted() ? exit_code(ErrorKind::interrupted) : code;
     }
     const Result<void> told = flush_standard_output();
-    return told.ok() ? 0 : fail(app, told.error());
+    return told ? 0 : fail(app, told.error());
 }
 
 int run_or_tell(int argc, char** argv) {

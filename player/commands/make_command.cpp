@@ -1,19 +1,11 @@
 #include "player/commands/make_command.hpp"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
 #include <future>
 #include <iostream>
-#include <limits>
-#include <string_view>
 #include <tuple>
-#include <utility>
 
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/clip_file.hpp"
 #include "player/commands/commands.hpp"
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
@@ -164,7 +156,7 @@ Result<void> refuse_idle_options(const MakeWords& words) {
           only(typed(words.seed_typed), "--seed",
                random || (globe && !words.plain && !words.globe.maps.any()),
                "noise, cliffs, grain and the planet of globe")})
-        if (!checked.ok()) return checked;
+        if (!checked) return checked;
     return check_globe_words(words.globe, scene, words.plain);
 }
 
@@ -273,7 +265,7 @@ Result<void> check_globe_words(const GlobeWords& words, const std::string& scene
           only(maps.sea_level.has_value(), "--sea-level", maps.any(), of_maps),
           only(maps.relief_percent.has_value(), "--relief", maps.any(), of_maps),
           only(maps.smoothing_degrees.has_value(), "--smoothing", maps.any(), of_maps)})
-        if (!checked.ok()) return checked;
+        if (!checked) return checked;
     if (!maps.any()) return {};
     for (const auto& [option, file] : {std::pair{"--colour", &maps.colour}, {"--elevation", &maps.elevation}})
         if (file->empty())

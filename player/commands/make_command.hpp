@@ -4,13 +4,6 @@ namespace CLI {
 class App;
 }
 
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"

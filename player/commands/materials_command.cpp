@@ -1,13 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdint>
-#include <filesystem>
 #include <iostream>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/authoring/materials.hpp"
 #include "engine/base/files.hpp"

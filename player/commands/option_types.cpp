@@ -1,16 +1,10 @@
 #include "player/commands/option_types.hpp"
 
 #include <sys/stat.h>
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <map>
 #include <numeric>
-#include <optional>
-#include <system_error>
 
 #include "engine/base/words.hpp"
-#include "engine/clip/clip.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {
@@ -123,7 +117,7 @@ Result<PixelSize> read_pixel_size(const std::string& option, std::string_view te
     if (cross != std::string_view::npos) {
         const auto width = read_whole_number(option, text.substr(0, cross), least, most);
         const auto height = read_whole_number(option, text.substr(cross + 1), least, most);
-        if (width.ok() && height.ok()) return PixelSize{*width, *height};
+        if (width && height) return PixelSize{*width, *height};
     }
     return usage_error(option + " '" + std::string(text) +
                        "' is no size; right would be WIDTHxHEIGHT in pixels, each " + std::to_string(least) +

@@ -7,12 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
-#include <filesystem>
 #include <limits>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -65,7 +60,7 @@ CLI::Option* add_number_option(CLI::App& sub, const std::string& name, Option& n
     const CLI::Validator finite(
         [=](std::string& text) {
             const auto read = read_number("", text, least, most);
-            return read.ok() ? std::string() : read.error().message;
+            return read ? std::string() : read.error().message;
         },
         "");
     return sub.add_option(name, number, what)->check(finite);
@@ -79,7 +74,7 @@ CLI::Option* add_whole_option(CLI::App& sub, const std::string& name, Option& nu
     const CLI::Validator decimal(
         [=](std::string& text) {
             const auto read = read_whole_number<int>("", text, least, most);
-            if (!read.ok()) return read.error().message;
+            if (!read) return read.error().message;
             text = std::to_string(*read);
             return std::string();
         },

@@ -7,15 +7,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <iostream>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
 #include <system_error>
-#include <utility>
-#include <vector>
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/files.hpp"
@@ -109,7 +103,7 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
         ClipChoice& clip = options.session.clip;
         clip.share_clip();
         const auto reader = clip.open(clip.is_camera() ? Colour::left_out : Colour::wanted);
-        if (reader.ok())
+        if (reader)
             add_inputs(inputs, clip.file, **reader);
         else if (options.next_clips.empty())
             return reader.error();
@@ -161,7 +155,7 @@ Result<void> check_segments(const fs::path& file) {
                read_given_file(file, "--segments " + file.string(),
                                "a file of segments (JSON, docs/content.md)", largest_segment_names));
     const auto names = parse_segment_names(text, file.string());
-    return names.ok() ? Result<void>() : names.error();
+    return names ? Result<void>() : names.error();
 }
 
 /// A WAV file is written, so that its name says so.
@@ -284,7 +278,7 @@ Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::pa
         TRY_ASSIGN(const auto parsed, parse_segment_names(named, segments->string()));
         for (const NamedSegment& segment : parsed.segments) names.push_back(segment.name);
     }
-    if (auto there = labels.has_segments(names); !there.ok())
+    if (auto there = labels.has_segments(names); !there)
         return input_error(there.error().message + "; right would be a name in the file of --segments");
     return labels;
 }
@@ -418,7 +412,7 @@ void print_film(const PlayFigures& figures) {
 void find_brush_history(PlayOptions& options) {
     if (options.brush_history || options.headless || options.kiosk) return;
     auto own = own_folder("XDG_STATE_HOME", ".local/state");
-    if (own.ok())
+    if (own)
         options.brush_history = std::move(*own);
     else
         std::cerr << "touchable: warning: changes by the brush are not kept: " << own.error().message << '\n';
@@ -428,7 +422,7 @@ void find_brush_history(PlayOptions& options) {
 void find_settings(PlayOptions& options) {
     if (options.settings_file || options.headless || options.kiosk) return;
     auto own = own_settings_file();
-    if (own.ok())
+    if (own)
         options.settings_file = std::move(*own);
     else
         std::cerr << "touchable: warning: settings are not kept: " << own.error().message << '\n';

@@ -9,12 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <iostream>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -130,7 +125,7 @@ Result<void> plot(const PlotOptions& options) {
             inputs.push_back({"--over", *options.over / name});
         words.push_back(options.over->string());
     }
-    if (auto free = check_outputs({{{"the picture", options.picture}}, options.existing}, inputs); !free.ok())
+    if (auto free = check_outputs({{{"the picture", options.picture}}, options.existing}, inputs); !free)
         return free;
     TRY(check_given(inputs));
     NewFile file(options.picture, options.existing);

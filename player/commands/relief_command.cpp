@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "player/commands/clip_options.hpp"

@@ -1,19 +1,11 @@
 #include "player/commands/run_options.hpp"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cmath>
 #include <glm/matrix.hpp>
 #include <iostream>
-#include <limits>
 #include <sstream>
-#include <utility>
 
 #include "device/device_catalog.hpp"
-#include "device/haptic_device.hpp"
-#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
-#include "haptics_cpu/haptic_loop.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 
@@ -334,7 +326,7 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     order.any_painter = options.painter == "auto";
     order.show = options.show;
     order.file = std::make_unique<NewFile>(*options.file, existing);
-    if (auto usable = order.file->check(); !usable.ok())
+    if (auto usable = order.file->check(); !usable)
         return Error{usable.error().kind, "--picture " + usable.error().message};
     return std::optional<PictureOrder>(std::move(order));
 }
@@ -367,12 +359,12 @@ Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair
 Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                                    std::span<const FingerMark> fingers) {
     auto image = draw(field, pair, colour, fingers);
-    if (!image.ok() && image.error().kind == ErrorKind::gpu && any_painter) {
+    if (!image && image.error().kind == ErrorKind::gpu && any_painter) {
         std::cerr << "touchable: warning: " << image.error().message << "; the cpu painter draws instead\n";
         painter = make_cpu_painter();
         image = draw(field, pair, colour, fingers);
     }
-    if (!image.ok()) return image.error();
+    if (!image) return image.error();
     TRY(write_png(*file, image->view()));
     return file->commit();
 }

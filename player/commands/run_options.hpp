@@ -6,11 +6,6 @@
 // (ErrorKind::usage). By the main thread.
 
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

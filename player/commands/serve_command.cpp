@@ -1,20 +1,10 @@
 #include <poll.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdint>
 #include <ctime>
-#include <filesystem>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <thread>
-#include <utility>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -251,9 +241,9 @@ Result<void> Serving::send() {
     if (interrupted()) sender_->end();
     thread_.join();
     for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
-    if (hls_ && sender_->figures().framesets > 0 && (sent.ok() || interrupted()))
-        if (auto finished = hls_->finish(); !finished.ok() && sent.ok()) sent = finished;
-    if (!interrupted() && sent.ok()) wait_for_the_last();
+    if (hls_ && sender_->figures().framesets > 0 && (sent || interrupted()))
+        if (auto finished = hls_->finish(); !finished && sent) sent = finished;
+    if (!interrupted() && sent) wait_for_the_last();
     cpu_ns_ = cpu_ns() - cpu_ns_;
     end_ns_ = time_.now_ns();
     return interrupted() ? interrupted_error() : std::move(sent);
@@ -388,7 +378,7 @@ Result<void> Serving::run() {
     TRY(open_forms());
     TRY(open_places());
     const auto sent = send();
-    if (!sent.ok() && !interrupted()) return sent;
+    if (!sent && !interrupted()) return sent;
     for (const auto& output : outputs_) output->end();
     server_.reset();
     if (!sender_) return sent;

@@ -1,8 +1,5 @@
 #include "player/commands/setting_words.hpp"
 
-#include <array>
-#include <string_view>
-
 #include "device/device_catalog.hpp"
 
 namespace touchable {

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

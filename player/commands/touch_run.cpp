@@ -1,26 +1,13 @@
 #include "player/commands/touch_run.hpp"
 
-#include <poll.h>
 #include <termios.h>
-#include <unistd.h>
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cmath>
-#include <functional>
 #include <initializer_list>
 #include <iostream>
-#include <thread>
-#include <utility>
 
-#include "device/hand.hpp"
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
-#include "player/session/run_record.hpp"
-#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -57,7 +44,7 @@ Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_
         const bool wanted = raw->number == number;
         if (!wanted && !is_part(raw->number)) continue;
         frame.raw = *raw;
-        if (auto built = builder.build(frame.raw, frame.surface); wanted || !built.ok()) return built;
+        if (auto built = builder.build(frame.raw, frame.surface); wanted || !built) return built;
     }
 }
 
@@ -198,7 +185,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
     const auto ran = session.run(all);
     LiveFacts facts = session.facts();
     if (facts.sinks_fell_behind) return fell_behind(facts.loop.lost);
-    if (!ran.ok()) return ran.error();
+    if (!ran) return ran.error();
     explain_failure(s, facts);
     return facts;
 }
@@ -351,7 +338,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
         words << report_to_text(report) << outputs->remark();
     else
         words << report_in_short(report, outputs->written());
-    if (!done.ok()) return done;
+    if (!done) return done;
     TRY(ended_early(told.live));
     if (!replays) return strictly(options, report);
     TRY_ASSIGN(const auto same, judge_replay(told.replayed, told.all.force_hash()));
@@ -532,7 +519,7 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const st
     std::vector<Result<void>> done;
     const auto keep = [&](Result<void> finished, const std::filesystem::path& file) {
         if (!written_) written_.emplace();
-        if (finished.ok() && !is_standard_output(file)) written_->push_back(file.string());
+        if (finished && !is_standard_output(file)) written_->push_back(file.string());
         done.push_back(std::move(finished));
     };
     if (forces_) keep(forces_->finish(), *options_.forces);

@@ -1,15 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <glm/vec2.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
-#include <string>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

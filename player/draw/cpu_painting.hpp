@@ -6,10 +6,6 @@
 // `threads` counts the one that calls; the others start when first needed and sleep in between.
 
 #include <array>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"

@@ -1,14 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstddef>
-#include <cstdint>
-#include <cstring>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
-#include <span>
-#include <utility>
 #include <vector>
 
 #include "engine/base/vectors.hpp"

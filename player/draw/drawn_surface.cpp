@@ -1,10 +1,7 @@
 #include "player/draw/drawn_surface.hpp"
 
-#include <cmath>
-#include <cstddef>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <utility>
 
 #include "shaders/blend_rule.h"
 #include "shaders/surface_light.h"

@@ -1,12 +1,8 @@
 #include "player/draw/finger_marks.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <span>
 
 #include "engine/base/same_bits.hpp"
 #include "player/draw/drawn_surface.hpp"

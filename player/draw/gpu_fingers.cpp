@@ -1,13 +1,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <glm/matrix.hpp>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

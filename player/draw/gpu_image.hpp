@@ -21,8 +21,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"

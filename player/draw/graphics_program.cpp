@@ -1,7 +1,6 @@
 #include "player/draw/graphics_program.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "engine/base/try.hpp"
 

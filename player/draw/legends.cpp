@@ -2,14 +2,8 @@
 
 #include <cairo.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <glm/common.hpp>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
 #include <iterator>
-#include <memory>
 
 #include "engine/base/words.hpp"
 #include "player/draw/finger_marks.hpp"

@@ -4,8 +4,6 @@
 
 #include <cstddef>
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"

@@ -1,9 +1,6 @@
 #include "player/draw/overlay_rows.hpp"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
 
 #include "player/draw/drawn_surface.hpp"
 #include "shaders/blend_rule.h"

@@ -1,10 +1,5 @@
 #include "player/draw/overlays.hpp"
 
-#include <algorithm>
-#include <cassert>
-#include <cmath>
-#include <limits>
-
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/overlay_rows.hpp"

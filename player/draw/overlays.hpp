@@ -19,9 +19,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"

@@ -1,11 +1,7 @@
 #include "player/draw/pictures.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"

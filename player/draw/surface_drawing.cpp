@@ -1,10 +1,8 @@
-#include <algorithm>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_commands.hpp"

@@ -1,14 +1,8 @@
 #include "player/draw/view.hpp"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
-#include <cstddef>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <set>
-#include <string_view>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"

@@ -21,10 +21,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"

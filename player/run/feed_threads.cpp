@@ -1,11 +1,5 @@
 #include "player/run/feed_threads.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <exception>
-#include <new>
-#include <string>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
@@ -32,10 +26,10 @@ FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead,
 Result<void> FeedThreads::start() {
     auto begun =
         start_thread(decoder_, "feed-decoder", "that decodes", [this] { guarded(&FeedThreads::decode); });
-    if (begun.ok())
+    if (begun)
         begun =
             start_thread(builder_, "feed-builder", "that builds", [this] { guarded(&FeedThreads::build); });
-    if (!begun.ok()) stop();
+    if (!begun) stop();
     return begun;
 }
 
@@ -87,8 +81,8 @@ void FeedThreads::look_at_commands() {
 void FeedThreads::decode() {
     do {
         auto read = read_on();
-        if (!read.ok() && read.error().kind == ErrorKind::interrupted) return;
-        if (!read.ok()) return fail(Error(read.error()));
+        if (!read && read.error().kind == ErrorKind::interrupted) return;
+        if (!read) return fail(Error(read.error()));
     } while (hand_over());
 }
 
@@ -219,7 +213,7 @@ FeedThreads::Turn FeedThreads::turn_of(const Queued& queued) const {
 bool FeedThreads::publish(const Queued& queued) {
     while (true) {
         const auto published = feed_.publish(*queued.frame);
-        if (!published.ok()) {
+        if (!published) {
             fail(Error(published.error()));
             return false;
         }

@@ -1,6 +1,3 @@
-#include <chrono>
-#include <thread>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -137,8 +134,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     auto drain = [&] {
         const auto give = [&](const TouchTick& tick) {
             for (TouchSink* sink : sinks)
-                if (taken.ok()) taken = sink->take(tick);
-            if (taken.ok() && live_source) camera.take(tick);
+                if (taken) taken = sink->take(tick);
+            if (taken && live_source) camera.take(tick);
         };
         while (log.pop(give)) {
         }
@@ -158,7 +155,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     TRY(loop.start());
     if (live_source) TRY(begin_source(loop, feed_, threads));
     std::size_t commands = log_->size();
-    while (loop.running() && taken.ok() && outlasts(threads) && !is_asked_to_stop()) {
+    while (loop.running() && taken && outlasts(threads) && !is_asked_to_stop()) {
         const auto end = threads.end();
         if (end) clip_end_ns_.store(end->time_ns, std::memory_order_relaxed);
         if (is_over(loop, end) || (settings_.hand_is_over && settings_.hand_is_over())) break;
@@ -195,8 +192,8 @@ Result<void> LiveSession::conclude(const HapticLoop& loop, const Result<void>& t
     if (!facts_.failure && facts_.loop.port_failed)
         facts_.failure =
             Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
-    if (!taken.ok() && facts_.loop.ticks == 0) return taken;
-    if (!taken.ok() && !facts_.failure) facts_.failure = taken.error();
+    if (!taken && facts_.loop.ticks == 0) return taken;
+    if (!taken && !facts_.failure) facts_.failure = taken.error();
     if (facts_.loop.broke_off)
         return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};
     if (facts_.loop.ticks == 0 && facts_.failure) return *facts_.failure;

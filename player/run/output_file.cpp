@@ -104,7 +104,7 @@ private:
                 row << tick.newtons[finger] << std::int64_t{tick.exerts};
                 row.end();
             }
-            if (written.ok()) written = file_->write(rows_);
+            if (written) written = file_->write(rows_);
         };
         while (log_.pop(add)) {
         }
@@ -126,7 +126,7 @@ OutputFile::OutputFile(std::string what, const std::filesystem::path& file, Exis
         return;
     }
     file_.emplace(file, existing);
-    if (file_->check().ok()) out_ = open(file_->path().c_str(), O_RDWR | O_CLOEXEC);
+    if (file_->check()) out_ = open(file_->path().c_str(), O_RDWR | O_CLOEXEC);
 }
 
 OutputFile::~OutputFile() {
@@ -138,7 +138,7 @@ Result<std::unique_ptr<OutputFile>> OutputFile::create(std::string what, const s
     std::unique_ptr<OutputFile> out(new OutputFile(std::move(what), file, existing, pace));
     if (out->standard_) return out;
     const int why = errno;
-    if (auto usable = out->file_->check(); !usable.ok())
+    if (auto usable = out->file_->check(); !usable)
         return input_error(out->what_ + ' ' + usable.error().message);
     if (out->out_ < 0) return out->failed(why);
     return out;
@@ -241,7 +241,7 @@ Error OutputFile::failed(int why) const {
 Result<void> all_ok(const std::vector<Result<void>>& finished) {
     std::optional<Error> fault;
     for (const Result<void>& done : finished) {
-        if (done.ok()) continue;
+        if (done) continue;
         if (fault)
             fault->message += "; " + done.error().message;
         else

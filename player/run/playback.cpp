@@ -1,7 +1,5 @@
 #include "player/run/playback.hpp"
 
-#include <algorithm>
-
 namespace touchable {
 namespace {
 

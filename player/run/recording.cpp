@@ -1,7 +1,6 @@
 #include "player/run/run_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include "engine/base/files.hpp"
@@ -117,7 +116,7 @@ public:
 
     std::string of(std::uint64_t at, std::uint64_t count) {
         std::string bytes(static_cast<std::size_t>(count), '\0');
-        if (auto read = file_.read(at, bytes.data(), bytes.size()); !read.ok() && !failure_)
+        if (auto read = file_.read(at, bytes.data(), bytes.size()); !read && !failure_)
             failure_ = read.error();
         return bytes;
     }
@@ -256,7 +255,7 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
         const std::string part_name =
             name + (places->size() > 1 ? ", part " + std::to_string(number) : std::string());
         auto part = read_part(bytes, head, place);
-        if (!part.ok()) return error_at(part_name, part.error());
+        if (!part) return error_at(part_name, part.error());
         if (!is_in_its_place(part->facts, number, places->size()))
             return input_error(name + ": " + damaged_words + ": a part is missing");
         const std::int64_t first_ns = part->ticks.front().time_ns, last_ns = part->ticks.back().time_ns;
@@ -328,8 +327,8 @@ Result<void> RecordingFile::finish(nlohmann::ordered_json facts, std::vector<Pla
         return keep_whole_ticks(*fault());
     }
     const auto ended = is_faulty() ? Result<void>() : write_end(false);
-    const auto whole = ended.ok() ? file_->flush() : ended;
-    if (whole.ok()) return file_->finish();
+    const auto whole = ended ? file_->flush() : ended;
+    if (whole) return file_->finish();
     return file_->pace() == Pace::own ? whole : keep_whole_ticks(whole.error());
 }
 
@@ -435,8 +434,8 @@ Result<std::optional<std::int64_t>> RecordingFile::end_with(std::size_t part, st
     put(tail, hash.value(), 8);
     TRY(file_->go_on_from(first + ticks * tick_bytes()));
     auto written = file_->write(tail);
-    if (written.ok()) written = file_->flush();
-    if (!written.ok()) return std::optional<std::int64_t>();
+    if (written) written = file_->flush();
+    if (!written) return std::optional<std::int64_t>();
     TRY(file_->keep());
     return std::optional<std::int64_t>(time_ns);
 }

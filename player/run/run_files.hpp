@@ -17,19 +17,10 @@
 
 #include <array>
 #include <atomic>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
 #include <glm/vec3.hpp>
-#include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "device/hand.hpp"
 #include "engine/base/files.hpp"
@@ -117,7 +108,7 @@ public:
     Result<void> take(const TouchTick& tick) final {
         if (is_faulty_) return {};
         auto kept = write(tick);
-        if (kept.ok()) return kept;
+        if (kept) return kept;
         is_faulty_ = true;
         if (kept.error().kind == ErrorKind::interrupted || file_->reader_lags()) return kept;
         spoil(kept.error());

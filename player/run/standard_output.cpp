@@ -3,7 +3,6 @@
 #include <poll.h>
 #include <unistd.h>
 #include <cerrno>
-#include <system_error>
 
 #include "engine/base/try.hpp"
 #include "player/run/terminal.hpp"

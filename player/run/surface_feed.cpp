@@ -1,8 +1,5 @@
 #include "player/run/surface_feed.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cassert>
 #include <cstdlib>
 #include <iterator>
 #include <limits>
@@ -260,7 +257,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
     const bool unchanged =
         !settles_ && newest_ && same_touch_planes(*newest_, raw) && same_filled(*newest_, raw);
     const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
-    if (!done.ok() || !*done) return done;
+    if (!done || !*done) return done;
     const double took_ms = milliseconds_since(start);
     build_ms_.add(took_ms);
     note_built(raw);
@@ -343,7 +340,7 @@ Result<FramePair> SurfaceFeed::pair_of(std::uint64_t epoch, std::int64_t start_n
                                        std::int64_t next, double blend) {
     const std::int64_t time_ns = reader_->taken_at(prev).value_or(rate_.time_ns(prev));
     auto pair = pair_at(MediaMoment{epoch, time_ns, start_ns});
-    if (!pair.ok()) return pair;
+    if (!pair) return pair;
     if (next == prev) pair->next = pair->prev;
     if (pair->prev.number != prev || pair->next.number != next)
         return input_error("the clip has no frames " + std::to_string(prev) + " and " + std::to_string(next) +

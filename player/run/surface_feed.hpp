@@ -1,19 +1,12 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
-#include <cstdint>
 #include <deque>
-#include <memory>
 #include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 #include <stop_token>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/base/same_bits.hpp"

@@ -2,16 +2,12 @@
 
 #include <poll.h>
 #include <unistd.h>
-#include <algorithm>
-#include <atomic>
 #include <cerrno>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <glm/geometric.hpp>
 #include <iostream>
-#include <system_error>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

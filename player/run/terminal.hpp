@@ -8,13 +8,8 @@
 //
 // Objects are one thread's; `interrupted` is any thread's.
 
-#include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <string>
-#include <string_view>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/result.hpp"

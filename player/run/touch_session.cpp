@@ -1,10 +1,6 @@
 #include "player/run/touch_session.hpp"
 
-#include <algorithm>
-
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
 namespace {

@@ -72,7 +72,7 @@ Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
     const std::lock_guard lock(mutex_);
     if (device_ && !device_->lost()) return device_;
     auto opened = GpuDevice::open({.request = request_, .window_extensions = window_extensions_});
-    if (opened.ok()) device_ = *opened;
+    if (opened) device_ = *opened;
     return opened;
 }
 
@@ -94,7 +94,7 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     if (choice.name != "vulkan")
         return usage_error("builder " + choice.name + " is not known", {{Setting::builder}});
     auto vulkan = make_vulkan(scene, gpu);
-    if (vulkan.ok() || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
+    if (vulkan || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
     warn(vulkan.error().message + "; the cpu builder does its work");
     return make_cpu_builder(scene);
 }

@@ -1,13 +1,5 @@
-#include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
-#include <exception>
 #include <numeric>
-#include <string>
-#include <string_view>
-#include <system_error>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/threads.hpp"
@@ -77,7 +69,7 @@ Result<ClipChoice::LiveCamera> read_plugged(const std::string& words) {
             "camera 'v4l2' needs a node, such as v4l2:/dev/video0; touchable cameras lists those that are "
             "there");
     const auto given = HandOptions::parse("camera 'v4l2'", keys, plugged_keys);
-    if (!given.ok()) return given.error();
+    if (!given) return given.error();
     V4l2Choice choice{node};
     if (given->given("size") && !read_size(given->words("size"), choice))
         return usage_error("camera 'v4l2': size=" + printable(given->words("size")) +
@@ -112,7 +104,7 @@ Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {
     if (recording.empty())
         return usage_error("camera 'replay' needs a recording: replay:PATH, with a clip or folder of images");
     const auto given = HandOptions::parse("camera 'replay'", keys, replay_keys);
-    if (!given.ok()) return given.error();
+    if (!given) return given.error();
     ClipChoice::LiveCamera camera{{}, recording, {}};
     CameraDelivery& delivery = camera.delivery;
     if (given->given("fps")) delivery.rate = rate_of(given->number("fps"));
@@ -136,7 +128,7 @@ public:
         : ReaderAround(std::move(camera)), film_(std::move(film)) {}
     Result<std::optional<RawFrame>> next() override {
         auto frame = inner().next();
-        if (!frame.ok() || !*frame) return frame;
+        if (!frame || !*frame) return frame;
         TRY(film_->keep(**frame));
         return frame;
     }
@@ -167,7 +159,7 @@ public:
     Result<std::optional<RawFrame>> next() override {
         if (next_ == std::ssize(frames_)) return std::optional<RawFrame>();
         auto frame = inner().next();
-        if (!frame.ok() || !*frame) return frame;
+        if (!frame || !*frame) return frame;
         const CameraCapture::Frame& taken = frames_[static_cast<std::size_t>(next_++)];
         (*frame)->number = taken.number;
         (*frame)->time_ns = taken.time_ns;
@@ -257,9 +249,9 @@ void CameraCapture::write() {
         frame.time_ns = described_.scene.rate.time_ns(number);
         auto written = writer_->write(frame);
         const std::lock_guard lock(mutex_);
-        if (written.ok()) ++written_;
-        if (written.ok() && !writer_->is_full()) continue;
-        is_broken_ = !written.ok();
+        if (written) ++written_;
+        if (written && !writer_->is_full()) continue;
+        is_broken_ = !written;
         failure_ = is_broken_ ? written.error() : input_error(file_.string() + ": the disk is full");
         waiting_.clear();
         changed_.notify_all();

@@ -1,7 +1,3 @@
-#include <algorithm>
-#include <array>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"
@@ -24,9 +20,9 @@ Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const S
     for (bool is_first = true; !estimator.enough(); is_first = false) {
         if (interrupted() || given_up.stop_requested()) return interrupted_error();
         const auto frame = ahead.next();
-        if (!frame.ok() && (is_first || frame.error().kind == ErrorKind::interrupted)) return frame.error();
-        if (!frame.ok()) measured.damage = frame.error().message;
-        if (!frame.ok() || !*frame) break;
+        if (!frame && (is_first || frame.error().kind == ErrorKind::interrupted)) return frame.error();
+        if (!frame) measured.damage = frame.error().message;
+        if (!frame || !*frame) break;
         estimator.add(**frame);
     }
     TRY_ASSIGN(auto clip, ahead.finish());

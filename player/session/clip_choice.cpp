@@ -1,17 +1,10 @@
 #include "player/session/clip_choice.hpp"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <span>
-#include <system_error>
-#include <utility>
 
-#include "engine/authoring/materials.hpp"
-#include "engine/authoring/recorded_clip.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/surface/surface_builder.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {
@@ -129,7 +122,7 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
     Scene without = scene;
     without.filter.terraces = TerraceRemoval::off;
     without.filter.temporal = false;
-    if (auto valid = validate(without); !valid.ok()) return usage_error(valid.error().message);
+    if (auto valid = validate(without); !valid) return usage_error(valid.error().message);
     return described;
 }
 
@@ -177,7 +170,7 @@ public:
     std::span<const Camera> frame_cameras() const override { return clip().frame_cameras(); }
     Result<std::optional<RawFrame>> next() override {
         auto frame = shared_->frame(next_number_, is_from_the_beginning_);
-        if (frame.ok() && *frame) next_number_ = (*frame)->number + 1;
+        if (frame && *frame) next_number_ = (*frame)->number + 1;
         return frame;
     }
     Result<void> rewind() override { return seek(0); }
@@ -207,7 +200,7 @@ private:
 Result<std::unique_ptr<ClipReader>> SharedClip::open(const Open& open_clip) {
     if (!clip_) {
         auto opened = open_clip();
-        if (!opened.ok()) return opened;
+        if (!opened) return opened;
         clip_ = std::move(*opened);
         position_ = 0;
     }
@@ -228,7 +221,7 @@ Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_f
     // Not known where reading fails.
     if (std::exchange(position_, std::nullopt) != number) TRY(clip_->seek(number));
     auto frame = clip_->next();
-    if (!frame.ok()) return frame;
+    if (!frame) return frame;
     position_ = *frame ? (*frame)->number + 1 : number;
     if (*frame) keep(**frame);
     return frame;
@@ -289,15 +282,14 @@ void ClipChoice::share_clip() {
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
     auto reader = open_relief(colour);
-    return painted && reader.ok() ? with_painted_segments(std::move(*reader), painted) : std::move(reader);
+    return painted && reader ? with_painted_segments(std::move(*reader), painted) : std::move(reader);
 }
 
 /// The clip as it feels without painted materials.
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const {
     if (!relief) return open_stored(colour);
     auto reader = open_stored(Colour::wanted);
-    return reader.ok() ? with_chosen_relief(std::move(*reader), *relief, shared_clip.get())
-                       : std::move(reader);
+    return reader ? with_chosen_relief(std::move(*reader), *relief, shared_clip.get()) : std::move(reader);
 }
 
 /// The clip without relief and painted materials.
@@ -316,9 +308,9 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
     auto opened = !plugged        ? open_clip(file, scene_file, camera, read, {}, alignment)
                   : shared_camera ? shared_camera->open(*plugged, camera, scene_file)
                                   : open_plugged_camera(*plugged, camera, scene_file);
-    if (fill_from_motion && opened.ok()) opened = with_filled_holes(std::move(*opened));
+    if (fill_from_motion && opened) opened = with_filled_holes(std::move(*opened));
     auto reader = with_still_maps(std::move(opened), maps);
-    if (!reader.ok()) return reader;
+    if (!reader) return reader;
     if (colour == Colour::left_out) (*reader)->leave_out_colour();
     if (plugged) return reader;
     if (filmed) return make_filmed_camera(std::move(*reader), *filmed, file);

@@ -12,22 +12,13 @@
 // Opening may take long: it obeys the stop token that it is given. A SharedClip may be used by several
 // threads, everything else by one, but for what says "any thread".
 
-#include <array>
 #include <atomic>
 #include <condition_variable>
-#include <cstddef>
-#include <cstdint>
 #include <deque>
-#include <filesystem>
-#include <functional>
 #include <map>
-#include <memory>
 #include <mutex>
-#include <optional>
 #include <stop_token>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "engine/authoring/materials.hpp"
 #include "engine/authoring/recorded_clip.hpp"

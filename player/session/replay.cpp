@@ -1,7 +1,5 @@
 #include "player/session/run_record.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
@@ -206,14 +204,14 @@ void read_guard(const Json& limits, GuardSettings& guard) {
     if (!(stale_after_ns >= 0 && stale_after_ns <= 3.6e12))
         throw std::out_of_range("stale_after_ns must be 0 to 3600000000000");
     guard.stale_after_ns = static_cast<std::int64_t>(stale_after_ns);
-    if (auto checked = check_guard(guard); !checked.ok()) throw std::out_of_range(checked.error().message);
+    if (auto checked = check_guard(guard); !checked) throw std::out_of_range(checked.error().message);
 }
 
 /// Throws as read_touch does.
 void read_recorded_camera(const Json& facts, TouchSetup& setup) {
     const std::string words = text(facts, "camera");
     const auto camera = read_live_camera(words);
-    if (!camera.ok()) throw std::out_of_range(camera.error().message);
+    if (!camera) throw std::out_of_range(camera.error().message);
     setup.camera_words = words;
     if (camera->plugged)
         setup.clip.filmed = filmed_frames(facts);
@@ -267,9 +265,9 @@ bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
     if (!built) return !setup.live && recorded != setup.feed->planes_hash();
     if (*built == setup.feed->built()) return recorded != setup.feed->planes_hash();
     const auto reader = setup.clip.open(Colour::left_out);
-    if (!reader.ok()) return true;
+    if (!reader) return true;
     const auto found = planes_hash_of(**reader, *built);
-    return !found.ok() || *found != recorded;
+    return !found || *found != recorded;
 }
 
 std::string in_words(std::uint64_t epoch, std::int64_t prev, std::int64_t next, double blend) {

@@ -16,10 +16,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"

@@ -1,15 +1,8 @@
 #include "player/session/touch_setup.hpp"
 
-#include <algorithm>
-#include <array>
-#include <charconv>
-#include <cmath>
 #include <glm/matrix.hpp>
 #include <sstream>
-#include <variant>
 
-#include "engine/base/files.hpp"
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/session/run_record.hpp"
@@ -99,7 +92,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
         const BuilderChoice::Load load{setup.scene, frames != 1, setup.settings.fingers, options.live};
         const BuilderChoice pick = pick_builder(load, [&] {
             const auto device = setup.gpu->open();
-            return device.ok() && (named || (*device)->facts().kind != GpuKind::software);
+            return device && (named || (*device)->facts().kind != GpuKind::software);
         });
         choice.name = pick.name;
         choice.why = pick.why;
@@ -294,7 +287,7 @@ Result<ClipChoice::Opened> open_recorded(TouchSetup& setup, const SceneDescripti
     if (instead.maps.height) setup.clip.maps.height = instead.maps.height;
     if (setup.clip.as_camera && !recorded.unstated.rate) setup.clip.as_camera->rate = recorded.scene.rate;
     auto reader = setup.clip.open(Colour::left_out);
-    if (!reader.ok()) return gone(reader.error(), setup, instead);
+    if (!reader) return gone(reader.error(), setup, instead);
     const Scene& stored = (*reader)->scene();
     if (stored.width != recorded.scene.width || stored.height != recorded.scene.height)
         return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
@@ -302,7 +295,7 @@ Result<ClipChoice::Opened> open_recorded(TouchSetup& setup, const SceneDescripti
                            std::to_string(recorded.scene.width) + "x" +
                            std::to_string(recorded.scene.height));
     auto scene = settle(recorded, {.rate = stored.rate});
-    if (!scene.ok()) return input_error(name + ": its scene: " + scene.error().message);
+    if (!scene) return input_error(name + ": its scene: " + scene.error().message);
     return ClipChoice::Opened{std::move(*reader), std::move(*scene), {}};
 }
 
@@ -373,7 +366,7 @@ Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& 
     constexpr std::size_t largest = std::size_t{16} << 20;
     const auto text = read_given_file(file, "play " + file.string(),
                                       "a file of playback commands (docs/playback.md)", largest);
-    if (text.ok()) return parse_playback(*text, file.string());
+    if (text) return parse_playback(*text, file.string());
     Error refused = text.error();
     refused.hints = {{Setting::playback}};
     return refused;

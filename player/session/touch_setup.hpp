@@ -24,14 +24,10 @@
 #include <glm/mat4x4.hpp>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <stop_token>
-#include <string>
 #include <string_view>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "device/hand.hpp"
 #include "device/haptic_device.hpp"

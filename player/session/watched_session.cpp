@@ -1,9 +1,6 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <exception>
 #include <new>
-#include <utility>
 
 #include "device/hand.hpp"
 #include "engine/base/threads.hpp"
@@ -138,7 +135,7 @@ Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
 void explain_failure(const TouchSetup& setup, LiveFacts& facts) {
     const HapticDevice* device = device_of(setup);
     if (!facts.loop.port_failed || !device) return;
-    if (auto healthy = device->health(); !healthy.ok()) facts.failure = healthy.error();
+    if (auto healthy = device->health(); !healthy) facts.failure = healthy.error();
 }
 
 Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<TouchSetup> setup,
@@ -155,7 +152,7 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     session->running_.store(true, std::memory_order_release);
     auto begun =
         start_thread(session->thread_, "session", "of the session", [it = session.get()] { it->run(); });
-    if (begun.ok()) return session;
+    if (begun) return session;
     session->close_devices();
     return begun.error();
 }
@@ -242,7 +239,7 @@ WatchedFigures WatchedSession::figures() const {
 }
 
 std::optional<Error> WatchedSession::failure() const {
-    return ran_.ok() ? facts_.failure : std::optional(ran_.error());
+    return ran_ ? facts_.failure : std::optional(ran_.error());
 }
 
 }  // namespace touchable

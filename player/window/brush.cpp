@@ -3,14 +3,11 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "engine/base/files.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "player/window/user_files.hpp"

@@ -10,12 +10,8 @@
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/authoring/materials.hpp"
 #include "engine/authoring/segments.hpp"

@@ -1,10 +1,7 @@
 #include "player/window/clip_picture.hpp"
 
 #include <glm/geometric.hpp>
-#include <map>
-#include <utility>
 
-#include "engine/authoring/segments.hpp"
 #include "engine/base/try.hpp"
 #include "player/window/brush.hpp"
 

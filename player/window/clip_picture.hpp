@@ -6,11 +6,8 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "engine/authoring/materials.hpp"
 #include "engine/base/result.hpp"

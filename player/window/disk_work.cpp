@@ -3,10 +3,8 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <condition_variable>
 #include <ctime>
 #include <deque>
-#include <mutex>
 
 namespace touchable {
 namespace {

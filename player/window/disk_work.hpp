@@ -3,15 +3,9 @@
 // Files that a window writes while it runs: off its thread, so that a disk that hangs does not stop the
 // picture, and row by row, so that a machine that is switched off loses no row that was written before.
 
-#include <chrono>
-#include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <memory>
-#include <string>
 #include <string_view>
-#include <thread>
-#include <utility>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"

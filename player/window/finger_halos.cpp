@@ -2,7 +2,6 @@
 
 #include <imgui.h>
 
-#include <algorithm>
 #include <glm/geometric.hpp>
 #include <numbers>
 

@@ -7,24 +7,13 @@
 #include <unistd.h>
 #include <vulkan/vulkan.h>
 
-#include <algorithm>
 #include <array>
-#include <atomic>
 #include <cctype>
-#include <chrono>
-#include <condition_variable>
-#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <future>
-#include <memory>
-#include <mutex>
-#include <string>
-#include <thread>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -5,15 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <glm/geometric.hpp>
-#include <mutex>
 #include <numbers>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

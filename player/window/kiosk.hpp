@@ -15,12 +15,8 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/checked_json.hpp"

@@ -1,19 +1,8 @@
 #pragma once
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cstddef>
-#include <exception>
 #include <functional>
 #include <iterator>
-#include <memory>
 #include <new>
-#include <optional>
-#include <stop_token>
-#include <string>
-#include <thread>
-#include <utility>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
@@ -111,7 +100,7 @@ private:
             work->made = made_by(*work);
             work->done.store(true, std::memory_order_release);
         });
-        if (started.ok()) return;
+        if (started) return;
         work_->made = started.error();
         work_->done.store(true, std::memory_order_release);
     }

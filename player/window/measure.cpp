@@ -1,6 +1,5 @@
 #include "player/window/measure.hpp"
 
-#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "engine/base/words.hpp"

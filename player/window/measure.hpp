@@ -3,7 +3,6 @@
 // Measuring in the picture: a line between two places of the surface, which follows the surface from frame to
 // frame, and the words for depths and lengths that it, the panel and what is under the pointer share.
 
-#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>

@@ -1,15 +1,8 @@
 #include "player/window/opened_clip.hpp"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <utility>
 
 #include "engine/base/try.hpp"
-#include "player/draw/view.hpp"
-#include "player/run/touch_session.hpp"
-#include "player/session/clip_choice.hpp"
 #include "player/session/run_record.hpp"
 
 namespace touchable {

@@ -6,12 +6,9 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <set>
 #include <span>
 #include <stop_token>
-#include <string>
-#include <vector>
 
 #include "device/haptic_device.hpp"
 #include "engine/base/result.hpp"

@@ -132,12 +132,13 @@ struct PlaceFacts {
 struct KioskFacts {
     const KioskTexts& texts;
     TouchedBy by = TouchedBy::mouse;
-    std::optional<double> invited_s{};    ///< since when it invites to touch, seconds; nothing: it does not
-    std::string caption{};                ///< of what a finger rests on; empty: none
-    bool is_turned = false;               ///< the view is not the clip's own
-    bool has_bar = true;                  ///< KioskBar, while a visitor does something
-    bool is_still = false;                ///< the clip is one picture
-    std::optional<Overlays::Scale> scale{};  ///< what colours mean, in its words; nothing: they are the clip's
+    std::optional<double> invited_s{};  ///< since when it invites to touch, seconds; nothing: it does not
+    std::string caption{};              ///< of what a finger rests on; empty: none
+    bool is_turned = false;             ///< the view is not the clip's own
+    bool has_bar = true;                ///< KioskBar, while a visitor does something
+    bool is_still = false;              ///< the clip is one picture
+    std::optional<Overlays::Scale>
+        scale{};  ///< what colours mean, in its words; nothing: they are the clip's
 };
 
 /// What the window's own words, bars and curves show.

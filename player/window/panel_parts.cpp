@@ -1,11 +1,6 @@
 #include "player/window/panel_parts.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
-
-#include "player/draw/finger_marks.hpp"
-#include "player/draw/overlays.hpp"
 
 namespace touchable {
 namespace {

@@ -1,10 +1,5 @@
 #include "player/window/persistent_device.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <utility>
-
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -75,7 +70,7 @@ void PersistentDevice::look_again() {
     if (looking_.joinable()) looking_.join();
     state_.store(State::looked_for, std::memory_order_release);
     const auto begun = start_thread(looking_, "device-search", "that looks for the device", [this] {
-        const bool is_there = device_->open().ok();
+        const bool is_there = bool(device_->open());
         state_.store(is_there ? State::open : State::gone, std::memory_order_release);
     });
     if (!begun) state_.store(State::gone, std::memory_order_release);

@@ -4,10 +4,7 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
-#include <string>
 #include <utility>
 
 #include "engine/base/words.hpp"

@@ -21,13 +21,7 @@
 // (player/run/terminal.hpp): the error then is of kind interrupted, and a held device is without power
 // before anything is waited for.
 
-#include <filesystem>
-#include <functional>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -1,11 +1,7 @@
 #include "player/window/pointer.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
-#include <utility>
 
 #include "device/hand.hpp"
 

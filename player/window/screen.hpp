@@ -3,8 +3,6 @@
 #include <chrono>
 #include <functional>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"

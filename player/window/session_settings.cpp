@@ -1,12 +1,5 @@
 #include "player/window/session_settings.hpp"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <string_view>
-#include <utility>
-
-#include "device/haptic_device.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {

@@ -5,10 +5,7 @@
 // that are compared (A and B).
 
 #include <map>
-#include <optional>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "player/session/touch_setup.hpp"

@@ -4,10 +4,7 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 

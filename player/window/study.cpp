@@ -3,17 +3,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
-#include <set>
-#include <system_error>
-#include <utility>
 
-#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/window/kiosk.hpp"

@@ -1,19 +1,11 @@
 #include "player/window/user_files.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
-#include <system_error>
 
-#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/open_clip.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer.hpp"
 
@@ -146,8 +138,7 @@ std::vector<fs::path> clips_of(const fs::path& named) {
         if (entry->path().filename().string().front() != '.' && looks_like_clip(*entry))
             clips.push_back(entry->path());
     // A folder of pictures may have a film beside them.
-    if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {}).ok())
-        return {named};
+    if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {})) return {named};
     std::sort(clips.begin(), clips.end(), by_name);
     return clips;
 }

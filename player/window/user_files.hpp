@@ -8,10 +8,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "player/session/clip_choice.hpp"

@@ -1,16 +1,6 @@
 #include "player/window/window_brush.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <system_error>
-
-#include "engine/base/files.hpp"
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "haptics_cpu/height_field.hpp"
-#include "player/draw/view.hpp"
-#include "player/session/clip_choice.hpp"
 
 namespace touchable {
 namespace {
@@ -158,11 +148,11 @@ void WindowBrush::take_made() {
     const auto made = work_.take();
     if (!made) return;
     news_.is_another = true;
-    if (!brush_ && !made->ok()) return refuse_all(made->error());
+    if (!brush_ && !*made) return refuse_all(made->error());
     const bool has_begun = !brush_;
     if (has_begun) brush_ = (*made)->brush;
     note_state();
-    const Result<std::string> said = made->ok() ? (*made)->said : made->error();
+    const Result<std::string> said = *made ? (*made)->said : made->error();
     if (said)
         news_.remarks.push_back({*said, Tone::remark, true});
     else if (said.error().kind != ErrorKind::interrupted)

@@ -3,13 +3,9 @@
 
 #include "player/window/window_loop.hpp"
 
-#include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <iostream>
 #include <span>
-#include <string>
-#include <utility>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -1,13 +1,7 @@
 #include "player/window/window_command.hpp"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <cstdint>
 #include <sstream>
-#include <utility>
 
-#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/draw/overlays.hpp"

@@ -17,11 +17,7 @@
 // line.
 
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <string_view>
-#include <variant>
-#include <vector>
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/result.hpp"

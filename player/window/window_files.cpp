@@ -1,11 +1,5 @@
 #include "player/window/window_files.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <system_error>
-#include <utility>
-
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {

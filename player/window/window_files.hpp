@@ -2,18 +2,10 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <cstddef>
-#include <cstdint>
 #include <deque>
-#include <filesystem>
-#include <functional>
-#include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
-#include <string>
 #include <thread>
-#include <vector>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -5,13 +5,8 @@
 #include <imgui.h>
 #include <vulkan/vulkan.h>
 
-#include <cstddef>
-#include <filesystem>
-#include <memory>
 #include <mutex>
-#include <optional>
 #include <thread>
-#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -3,13 +3,10 @@
 #include "player/window/window_loop.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <string>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -4,16 +4,12 @@
 
 #include <malloc.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <iostream>
-#include <utility>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/run/run_files.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {

@@ -1,20 +1,11 @@
 #pragma once
 
-#include <atomic>
-#include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <map>
-#include <memory>
-#include <mutex>
-#include <optional>
 #include <set>
 #include <span>
-#include <stop_token>
-#include <string>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "player/audio/window_sound.hpp"

@@ -2,10 +2,6 @@
 
 #include <imgui.h>
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "engine/base/words.hpp"
 #include "player/window/panel_parts.hpp"
 

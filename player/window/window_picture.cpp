@@ -6,9 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <span>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/base/try.hpp"

@@ -10,9 +10,7 @@
 
 #include <array>
 #include <chrono>
-#include <cstdint>
 #include <set>
-#include <utility>
 #endif
 #ifdef TOUCHABLE_HAS_XSS
 #include <X11/extensions/scrnsaver.h>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "engine/base/result.hpp"
 #include "player/window/input_event.hpp"

@@ -313,7 +313,7 @@ TEST(AlignedClip, OfMetricDepthIsRefused) {
         3, 2, false, [](std::int64_t) { return Scenery{}; }, pumped);
     clip->scene().depth.kind = DepthCodingKind::metric;
     const auto reader = with_aligned_depth(std::move(clip), DepthAlignment::on);
-    ASSERT_FALSE(reader.ok());
+    ASSERT_FALSE(reader);
     EXPECT_EQ(reader.error().kind, ErrorKind::usage);
 }
 

@@ -92,8 +92,7 @@ public:
     bool is_live() const override { return is_live_; }
     Result<std::optional<RawFrame>> next() override {
         auto frame = ReaderAround::next();
-        if (frame.ok() && *frame && (*frame)->number == damaged_)
-            return input_error("made: frame is damaged");
+        if (frame && *frame && (*frame)->number == damaged_) return input_error("made: frame is damaged");
         return frame;
     }
 
@@ -104,7 +103,7 @@ private:
 
 TEST(LeftAlone, LiveCamerasAreRefused) {
     const auto refused = with_filled_holes(std::make_unique<Around>(clip_of(StillScene{}, 8), true, -1));
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     EXPECT_EQ(refused.error().message,
               "made: is a live camera, of which no later frame can tell what is behind a hole");
@@ -129,7 +128,7 @@ TEST(LeftAlone, AClipThatSomebodyGaveUp) {
     });
     const WorkUntil until(person.get_token());
     const auto given_up = with_filled_holes(std::move(clip));
-    ASSERT_FALSE(given_up.ok());
+    ASSERT_FALSE(given_up);
     EXPECT_EQ(given_up.error().kind, ErrorKind::interrupted);
 }
 

@@ -67,7 +67,7 @@ TEST(PlayedClip, IsTheSameSurfaceLazilyAndWholeRoundTheLoop) {
     const auto clip = make_chest_clip(1, 7);
     auto whole = PlayedClip::make(clip, {3});
     auto lazy = PlayedClip::make(clip, {3, false, false, true});
-    ASSERT_TRUE(whole.ok() && lazy.ok());
+    ASSERT_TRUE(whole && lazy);
     for (const bool again : {false, true}) {
         (*lazy)->restart();
         // As batches of 64 ticks have it, over two loops of 233 ms.
@@ -119,7 +119,7 @@ TEST(PaperTables, TellDecibelsAndAverages) {
         time *= 4;
     }
     testing::internal::CaptureStdout();
-    EXPECT_TRUE(conclude_paper(measured).ok());
+    EXPECT_TRUE(conclude_paper(measured));
     const std::string text = testing::internal::GetCapturedStdout();
     EXPECT_NE(text.find("20.0  -20.0 dB    3.0 mm"), std::string::npos) << text;
     const std::size_t average = text.find("ours, average");

@@ -28,7 +28,7 @@ DepthMap leaning_map(double a) {
 
 TEST(SeenFrom, APlaneAheadIsThatPlaneNearer) {
     const auto seen = seen_from(leaning_map(1.0 / 1000), 200);
-    ASSERT_TRUE(seen.ok()) << seen.error().message;
+    ASSERT_TRUE(seen) << seen.error().message;
     // a Z + ... = 1 with Z = Z' + 200: all of 1 / depth grows by 1 / (1 - 200 a).
     for (int y = 0; y < 48; ++y)
         for (int x = 0; x < 64; ++x)
@@ -40,7 +40,7 @@ TEST(SeenFrom, TheNearerSurfaceHidesTheOther) {
     for (int y = 0; y < 48; ++y)
         for (int x = 20; x < 40; ++x) map.depths[map.index(x, y)] = 300;
     const auto seen = seen_from(map, 100);
-    ASSERT_TRUE(seen.ok());
+    ASSERT_TRUE(seen);
     EXPECT_NEAR(seen->at(30, 24), 200, 1e-9);
     // Columns 20 to 39 at 300 mm are seen at 200 mm from 31.5 - 11.5 * 1.5 on.
     EXPECT_NEAR(seen->at(15, 24), 200, 1e-9);
@@ -48,7 +48,7 @@ TEST(SeenFrom, TheNearerSurfaceHidesTheOther) {
 }
 
 TEST(SeenFrom, SaysWhereNothingIsSeen) {
-    EXPECT_FALSE(seen_from(leaning_map(1.0 / 1000), -200).ok());
+    EXPECT_FALSE(seen_from(leaning_map(1.0 / 1000), -200));
 }
 
 TEST(DepthPlaneOf, AnExactPlaneIsFoundWithItsNormal) {
@@ -126,7 +126,7 @@ TEST(SensorModels, NoiseIsNewInEachFrameAndTheSameInEachRun) {
 
 TEST(Edges, WithoutFiltersTheSceneIsAsItWasMade) {
     Figures figures;
-    ASSERT_TRUE(measure_edges(kinect_v1(), filter_choices().front(), figures).ok());
+    ASSERT_TRUE(measure_edges(kinect_v1(), filter_choices().front(), figures));
     const auto value = [&](const char* metric) {
         const auto found = std::find_if(figures.begin(), figures.end(),
                                         [&](const Figure& figure) { return figure.metric == metric; });

@@ -19,11 +19,11 @@ protected:
     }
     double boundary() {
         auto made = TouchSurface::make(loop.touch);
-        EXPECT_TRUE(made.ok());
+        EXPECT_TRUE(made);
         const TouchSurface& surface = **made;
         const auto found = stability_boundary(surface, loop, pressed_place(surface, 51, 30));
-        EXPECT_TRUE(found.ok()) << (found.ok() ? "" : found.error().message);
-        return found.ok() ? *found : 0;
+        EXPECT_TRUE(found) << (found ? "" : found.error().message);
+        return found ? *found : 0;
     }
     LoopCase loop;
 };
@@ -76,7 +76,7 @@ TEST_F(Stability, IsFoundOnASurfaceThatMoves) {
 
 TEST_F(Stability, FatesAreToldApart) {
     auto made = TouchSurface::make(loop.touch);
-    ASSERT_TRUE(made.ok());
+    ASSERT_TRUE(made);
     const PressedPlace place = pressed_place(**made, 51, 30);
     const double wall = colgate_schenkel_bound(loop.handle);
     EXPECT_EQ(fate_of(**made, loop, place, 0.8 * wall).value(), LoopFate::rests);

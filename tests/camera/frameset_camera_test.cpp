@@ -40,7 +40,7 @@ std::string all_sent(std::uint64_t from, std::uint64_t to) {
 
 template <class T>
 std::string complaint(const Result<T>& result) {
-    return result.ok() ? "" : result.error().message;
+    return result ? "" : result.error().message;
 }
 
 /// Listens on a free port, sends to whoever comes.
@@ -83,7 +83,7 @@ public:
     std::unique_ptr<ClipReader> running() {
         auto camera = open(all_sent(0, 10));
         EXPECT_EQ(complaint(camera), "");
-        if (!camera.ok()) return nullptr;
+        if (!camera) return nullptr;
         for (int n = 0; n < 2; ++n) EXPECT_EQ((*(*camera)->next())->number, n);
         EXPECT_EQ(complaint((*camera)->begin(std::chrono::steady_clock::now() - std::chrono::seconds(1))),
                   "");
@@ -100,7 +100,7 @@ private:
 RawFrame next_of(ClipReader& camera) {
     auto frame = camera.next();
     EXPECT_EQ(complaint(frame), "");
-    return frame.ok() && *frame ? **frame : RawFrame();
+    return frame && *frame ? **frame : RawFrame();
 }
 
 /// Which frameset a frame is of, as its first pixel tells.
@@ -205,7 +205,7 @@ TEST(FramesetCamera, AWaitEndsWhenItIsToldTo) {
     auto waits = std::async(std::launch::async, [&] { return camera->next(); });
     camera->interrupt();
     const auto ended = waits.get();
-    ASSERT_FALSE(ended.ok());
+    ASSERT_FALSE(ended);
     EXPECT_EQ(ended.error().kind, ErrorKind::interrupted);
     // Another run goes on with the same connection.
     EXPECT_EQ(complaint(camera->begin(std::chrono::steady_clock::now() - std::chrono::seconds(1))), "");
@@ -224,7 +224,7 @@ TEST(FramesetCamera, OpeningEndsWhenItIsGivenUp) {
         });
         given_up.request_stop();
         const auto opened = opening.get();
-        ASSERT_FALSE(opened.ok());
+        ASSERT_FALSE(opened);
         EXPECT_EQ(opened.error().kind, ErrorKind::interrupted);
     }
 }
@@ -255,7 +255,7 @@ TEST(FramesetCamera, WhatCannotBeOpenedSaysWhyInOneLine) {
         {{.address = "example.org:7000"}, "right would be an address in numbers or localhost, and a port"}};
     for (const auto& [choice, says] : cases) {
         const auto opened = open_frameset_camera(choice);
-        ASSERT_FALSE(opened.ok()) << says;
+        ASSERT_FALSE(opened) << says;
         EXPECT_NE(opened.error().message.find(says), std::string::npos) << opened.error().message;
         EXPECT_EQ(opened.error().message.find('\n'), std::string::npos) << opened.error().message;
     }
@@ -301,7 +301,7 @@ TEST(FramesetCamera, ItsCommandHasNothingOfTheProgram) {
     const auto opened = open_frameset_camera(
         {.command = "ls /proc/self/fd | tr '\\n' ' ' >" + said + "; head -c 1 | wc -c >>" + said});
     ::close(open_here);
-    EXPECT_FALSE(opened.ok());
+    EXPECT_FALSE(opened);
     std::ifstream in(said);
     std::string line;
     std::getline(in, line);
@@ -315,7 +315,7 @@ TEST(FramesetCamera, AddressesAreReadOrRefused) {
          {"", ":", "127.0.0.1", "127.0.0.1:", ":7000", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:7x",
           "127.0.0.1:-1", "name:7000", "127.0.0.1:99999999999999999999"}) {
         const auto refused = check_address(wrong);
-        ASSERT_FALSE(refused.ok()) << wrong;
+        ASSERT_FALSE(refused) << wrong;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     }
 }

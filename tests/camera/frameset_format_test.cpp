@@ -35,8 +35,8 @@ std::vector<std::uint64_t> found_in(FramesetParser& parser) {
     std::vector<std::uint64_t> numbers;
     while (true) {
         const auto found = parser.next();
-        EXPECT_TRUE(found.ok()) << found.error().message;
-        if (!found.ok() || !*found) return numbers;
+        EXPECT_TRUE(found) << found.error().message;
+        if (!found || !*found) return numbers;
         const FramesetHeader& header = (*found)->header;
         const FramesetBytes written = numbered(header.number);
         EXPECT_EQ(header.time_ns, written.time_ns);
@@ -74,7 +74,7 @@ TEST(FramesetParser, ReadsTheHeaderAndColour) {
     FramesetParser parser;
     give(parser, written.bytes());
     const auto found = parser.next();
-    ASSERT_TRUE(found.ok() && *found);
+    ASSERT_TRUE(found && *found);
     const FramesetHeader& header = (*found)->header;
     EXPECT_EQ(header.number, 77U);
     EXPECT_EQ(header.time_ns, -5);
@@ -164,7 +164,7 @@ TEST(FramesetParser, RefusesWhatIsNoFramesetInOneLine) {
         give(parser, made.bytes());
         for (int again = 0; again < 2; ++again) {
             const auto found = parser.next();
-            ASSERT_FALSE(found.ok()) << wrong.says;
+            ASSERT_FALSE(found) << wrong.says;
             EXPECT_NE(found.error().message.find(wrong.says), std::string::npos) << found.error().message;
             EXPECT_EQ(found.error().message.find('\n'), std::string::npos);
         }
@@ -178,7 +178,7 @@ TEST(FramesetParser, RefusesWhatIsNoFramesetInOneLine) {
     FramesetParser parser;
     give(parser, head);
     const auto found = parser.next();
-    ASSERT_FALSE(found.ok());
+    ASSERT_FALSE(found);
     EXPECT_NE(found.error().message.find("16777216 pixels at most"), std::string::npos);
 }
 
@@ -192,10 +192,10 @@ TEST(FramesetParser, EndsWhereTheMeaningChanges) {
         change(other);
         FramesetParser parser;
         give(parser, several(0, 2) + other.bytes());
-        ASSERT_TRUE(parser.next().ok());
-        ASSERT_TRUE(parser.next().ok());
+        ASSERT_TRUE(parser.next());
+        ASSERT_TRUE(parser.next());
         const auto found = parser.next();
-        ASSERT_FALSE(found.ok());
+        ASSERT_FALSE(found);
         EXPECT_NE(found.error().message.find("; a new run takes it as it is now"), std::string::npos)
             << found.error().message;
     }
@@ -208,7 +208,7 @@ TEST(FramesetParser, GivesUpWhatIsGarbageForEver) {
     for (int mebibytes = 0; mebibytes <= 257 && !is_given_up; ++mebibytes) {
         give(parser, garbage);
         const auto found = parser.next();
-        is_given_up = !found.ok();
+        is_given_up = !found;
         EXPECT_EQ(is_given_up, mebibytes > 255) << mebibytes;
         if (is_given_up) {
             EXPECT_NE(found.error().message.find("256 MiB in which no whole frameset is"), std::string::npos);

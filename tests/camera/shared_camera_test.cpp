@@ -34,7 +34,7 @@ TEST(SharedCamera, IsHandedOverFromRunToRun) {
             Result<std::optional<RawFrame>> last = std::optional<RawFrame>();
             std::thread reader([&] {
                 do last = (*before)->next();
-                while (last.ok());
+                while (last);
             });
             // While that runs, another is made ready with frames of it.
             auto next = shared->open(choice, known);

@@ -23,7 +23,7 @@ const SourceDescription millimetres{{}, 60, 0.001, {}, {}};
 
 template <class T>
 std::string said(const Result<T>& result) {
-    return result.ok() ? "" : result.error().message;
+    return result ? "" : result.error().message;
 }
 
 class Camera : public ::testing::Test {
@@ -41,7 +41,7 @@ protected:
     std::unique_ptr<ClipReader> opened(V4l2Choice choice = {}) const {
         auto camera = open(std::move(choice));
         EXPECT_EQ(said(camera), "");
-        return camera.ok() ? std::move(*camera) : nullptr;
+        return camera ? std::move(*camera) : nullptr;
     }
     /// A little ago, so that what is taken now is of the run: drivers count in microseconds.
     static void begin(ClipReader& camera) {
@@ -57,7 +57,7 @@ protected:
     static RawFrame next(ClipReader& camera) {
         auto frame = camera.next();
         EXPECT_EQ(said(frame), "");
-        return frame.ok() && *frame ? **frame : RawFrame();
+        return frame && *frame ? **frame : RawFrame();
     }
     /// Which picture a frame is, as its first pixel tells; then all others have to.
     static std::uint32_t picture_in(const RawFrame& frame) {
@@ -310,7 +310,7 @@ TEST_F(Camera, ThatIsStalledEndsWhenItIsTold) {
     });
     const auto frame = camera->next();
     teller.join();
-    ASSERT_FALSE(frame.ok());
+    ASSERT_FALSE(frame);
     EXPECT_EQ(frame.error().kind, ErrorKind::interrupted);
     EXPECT_EQ(frame.error().message, "the camera was told to stop before it gave frame 4");
     EXPECT_EQ(camera->next().error().kind, ErrorKind::interrupted);
@@ -334,7 +334,7 @@ TEST_F(Camera, FewerBuffersWillDo) {
 TEST_F(Camera, IsRefusedInOneLineThatSaysWhatWouldHelp) {
     const auto expect = [&](const std::string& fragment) {
         const auto camera = open();
-        ASSERT_FALSE(camera.ok()) << fragment;
+        ASSERT_FALSE(camera) << fragment;
         const std::string& message = camera.error().message;
         EXPECT_NE(message.find(fragment), std::string::npos) << message;
         EXPECT_EQ(message.find('\n'), std::string::npos) << message;
@@ -387,7 +387,7 @@ TEST_F(Camera, ModesAreChosenAsSomebodyWantsThem) {
     const NodeFormat& depth = facts.formats[2];
     const auto chosen = [&](const ModeWish& wish) {
         const auto mode = choose_mode(depth, wish);
-        return mode.ok() ? mode_text(*mode) : mode.error().message;
+        return mode ? mode_text(*mode) : mode.error().message;
     };
     EXPECT_EQ(chosen({}), "848x480 at 30 frames/s") << "the largest at 30, not larger than 1280x720";
     EXPECT_EQ(chosen({1280, 720}), "1280x720 at 6 frames/s");

@@ -29,12 +29,12 @@ fs::path make_globe(const fs::path& file, int frames = 5, int bits = 16) {
     options.bits = bits;
     options.properties = true;
     auto made = make_scene("globe", options);
-    EXPECT_TRUE(made.ok());
+    EXPECT_TRUE(made);
     auto writer = create_clip(file, (*made)->scene());
-    EXPECT_TRUE(writer.ok());
-    for (int n = 0; n < frames; ++n) EXPECT_TRUE((*writer)->write((*made)->frame(n)).ok());
-    EXPECT_TRUE((*writer)->complete().ok());
-    EXPECT_TRUE((*writer)->finish().ok());
+    EXPECT_TRUE(writer);
+    for (int n = 0; n < frames; ++n) EXPECT_TRUE((*writer)->write((*made)->frame(n)));
+    EXPECT_TRUE((*writer)->complete());
+    EXPECT_TRUE((*writer)->finish());
     return file;
 }
 
@@ -67,7 +67,7 @@ TEST(Clips, AreReadAsTheProgramReadsThem) {
     const TemporaryFolder folder;
     const fs::path file = make_globe(folder / "globe.mkv");
     auto expected = open_clip(file);
-    ASSERT_TRUE(expected.ok());
+    ASSERT_TRUE(expected);
     touch::Clip clip(file.string());
     const touch_clip_facts facts = clip.facts();
     EXPECT_EQ(facts.width, 64);
@@ -88,7 +88,7 @@ TEST(Clips, AreReadAsTheProgramReadsThem) {
     for (const touch::Frameset& frameset : held) {  // long after they were read
         const touch_frame frame = frameset.frame();
         const auto raw = (*expected)->next();
-        ASSERT_TRUE(raw.ok() && *raw);
+        ASSERT_TRUE(raw && *raw);
         EXPECT_EQ(frame.number, (*raw)->number);
         EXPECT_EQ(frame.time_ns, (*raw)->time_ns);
         EXPECT_EQ(bytes_of(frame.depth), bytes_of((*raw)->depth));
@@ -127,20 +127,20 @@ TEST(Clips, ChooseTheFiltersOfTheProgramAndStayWhereTheyAre) {
     const fs::path file = make_globe(folder / "globe.mkv", 6, 8);
     // Written anew with filters that nobody states.
     auto reader = open_clip(file);
-    ASSERT_TRUE(reader.ok());
+    ASSERT_TRUE(reader);
     SceneDescription open((*reader)->scene());
     open.unstated.filters = all_unstated;
     auto writer = create_clip(folder / "open.mkv", open);
-    ASSERT_TRUE(writer.ok());
+    ASSERT_TRUE(writer);
     DepthEstimator estimator(open.scene);
-    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next()) {
+    for (auto frame = (*reader)->next(); frame && *frame; frame = (*reader)->next()) {
         if (!estimator.enough()) estimator.add(**frame);
-        ASSERT_TRUE((*writer)->write(**frame).ok());
+        ASSERT_TRUE((*writer)->write(**frame));
     }
-    ASSERT_TRUE((*writer)->complete().ok());
-    ASSERT_TRUE((*writer)->finish().ok());
+    ASSERT_TRUE((*writer)->complete());
+    ASSERT_TRUE((*writer)->finish());
     Scene expected = open.scene;
-    ASSERT_TRUE(settle_filters(estimator.measured(), all_unstated, expected).ok());
+    ASSERT_TRUE(settle_filters(estimator.measured(), all_unstated, expected));
     ASSERT_NE(expected.filter, open.scene.filter) << "nothing was chosen";
 
     touch::Clip clip((folder / "open.mkv").string());

@@ -31,7 +31,7 @@ public:
         options.height = 64;
         options.properties = true;
         auto made = make_scene("globe", options);
-        EXPECT_TRUE(made.ok());
+        EXPECT_TRUE(made);
         analytic_ = std::move(*made);
         for (std::int64_t n = 0; n * 33 < ticks + 40; ++n) frames_.push_back(analytic_->frame(n));
     }
@@ -58,7 +58,7 @@ std::uint64_t forces_of_the_rooms(const Globe& globe) {
     TouchSettings settings;
     settings.metres_per_scene_unit = globe.hand_scale();
     const auto solver = TouchSolver::create(scene, settings);
-    EXPECT_TRUE(solver.ok());
+    EXPECT_TRUE(solver);
     TouchStep step(*solver, GuardSettings{}, fingers);
     ForceHash hash;
     FramePair pair;
@@ -66,8 +66,8 @@ std::uint64_t forces_of_the_rooms(const Globe& globe) {
     for (std::int64_t tick = 0; tick < ticks; ++tick) {
         while (next < globe.frames() && timeline.newest_time() <= tick * 1'000'000) {
             const RawFrame raw = globe.frame(next++);
-            EXPECT_TRUE(builder->build(raw, *timeline.acquire()).ok());
-            EXPECT_TRUE(timeline.publish(raw.number, raw.time_ns).ok());
+            EXPECT_TRUE(builder->build(raw, *timeline.acquire()));
+            EXPECT_TRUE(timeline.publish(raw.number, raw.time_ns));
         }
         timeline.pair_at(tick * 1'000'000, pair);
         for (int k = 0; k < fingers; ++k) step.goals()[static_cast<std::size_t>(k)] = globe.goal(tick, k);

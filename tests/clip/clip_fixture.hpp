@@ -156,7 +156,7 @@ inline Result<std::vector<RawFrame>> read_clip(const std::filesystem::path& file
 /// What is wrong, or "" where nothing is.
 template <class T>
 std::string message(const Result<T>& result) {
-    return result.ok() ? "" : result.error().message;
+    return result ? "" : result.error().message;
 }
 
 }  // namespace touchable::test

@@ -156,7 +156,7 @@ TEST_F(ReplayCamera, ThatIsStalledEndsWhenItIsTold) {
         const auto frame = camera->next();
         const auto ended = steady_clock::now();
         teller.join();
-        ASSERT_FALSE(frame.ok());
+        ASSERT_FALSE(frame);
         EXPECT_EQ(frame.error().kind, ErrorKind::interrupted);
         EXPECT_EQ(frame.error().message, "the camera was told to stop before it gave frame 1");
         EXPECT_LT(ended - told, std::chrono::seconds(60))

@@ -61,7 +61,7 @@ TEST(GlobeMaps, OfOtherShapesAreRefused) {
                     std::vector<std::uint8_t>(static_cast<std::size_t>(2 * width * height))};
         world.maps.elevation = odd.map();
         const auto checked = check_globe_maps(world.maps);
-        return checked.ok() ? "" : checked.error().message;
+        return checked ? "" : checked.error().message;
     };
     EXPECT_EQ(refusal(400, 200), "");
     EXPECT_EQ(refusal(401, 201), "");  // of grid lines, both ends of which are there
@@ -85,7 +85,7 @@ TEST(Shore, IsFoundWhicheverIsBright) {
     for (const bool land_is_bright : {true, false}) {
         const MadeWorld world(360, land_is_bright ? 255 : 0, land_is_bright ? 0 : 255);
         const auto shore = find_shore(world.maps.elevation, world.maps.mask, {});
-        ASSERT_TRUE(shore.ok()) << shore.error().message;
+        ASSERT_TRUE(shore) << shore.error().message;
         EXPECT_EQ(shore->bright_is_land, land_is_bright);
         // Every level between the highest sea floor and the lowest land agrees; the lowest is taken.
         EXPECT_GE(shore->sea_level, 16990);
@@ -107,7 +107,7 @@ TEST(Shore, IsFoundOfMapsOfOtherSizesAndOfNumbers) {
     metres[5] = std::numeric_limits<float>::quiet_NaN();
     const GlobeMap numbers{{}, metres, 360, 180, 1};
     const auto shore = find_shore(numbers, world.maps.mask, {});
-    ASSERT_TRUE(shore.ok()) << shore.error().message;
+    ASSERT_TRUE(shore) << shore.error().message;
     EXPECT_LT(shore->sea_level, 500);
     EXPECT_GE(shore->sea_level, -3100);
 }
@@ -115,7 +115,7 @@ TEST(Shore, IsFoundOfMapsOfOtherSizesAndOfNumbers) {
 TEST(Shore, ToldIsTaken) {
     const MadeWorld world(360, 0, 255);
     const auto shore = find_shore(world.maps.elevation, world.maps.mask, 20520.0);
-    ASSERT_TRUE(shore.ok()) << shore.error().message;
+    ASSERT_TRUE(shore) << shore.error().message;
     EXPECT_EQ(shore->sea_level, 20520);
     EXPECT_FALSE(shore->bright_is_land);
     EXPECT_LT(shore->agreement, 0.99);
@@ -134,13 +134,13 @@ TEST(Shore, MapsThatDoNotAgreeAreRefused) {
                    : 0;
     });
     const auto refused = find_shore(world.maps.elevation, turned.map(), {});
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, ErrorKind::input);
     EXPECT_NE(refused.error().message.find("do not agree"), std::string::npos);
     SplitMix64 random(1);
     const MadeMap noise =
         made_map(360, 1, 1, [&](double, double, int) { return random.unit() < 0.3 ? 255.0 : 0; });
-    EXPECT_FALSE(find_shore(world.maps.elevation, noise.map(), {}).ok());
+    EXPECT_FALSE(find_shore(world.maps.elevation, noise.map(), {}));
     const MadeMap white = made_map(360, 1, 1, [](double, double, int) { return 255.0; });
     EXPECT_NE(find_shore(world.maps.elevation, white.map(), {}).error().message.find("same everywhere"),
               std::string::npos);
@@ -159,7 +159,7 @@ TEST(Shore, OfNumbersInTooFewPlacesIsRefused) {
     const GlobeMap sparse{{}, metres, width, height, 1};
     for (const std::optional<double> told : {std::optional<double>{}, std::optional(0.0)}) {
         const auto shore = find_shore(sparse, world.maps.mask, told);
-        ASSERT_FALSE(shore.ok());
+        ASSERT_FALSE(shore);
         EXPECT_NE(shore.error().message.find("the elevation map has too few numbers"), std::string::npos)
             << shore.error().message;
     }

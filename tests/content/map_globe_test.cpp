@@ -336,7 +336,7 @@ TEST(MapGlobe, LakesAboveTheSeaKeepTheirElevation) {
     world.maps.elevation = elevation.map();
     RowBands rows(2);
     const auto ground = map_ground(world.maps, 0.02, rows);
-    ASSERT_TRUE(ground.ok()) << ground.error().message;
+    ASSERT_TRUE(ground) << ground.error().message;
     const auto expect_at = [&](double longitude, double latitude, double stored) {
         const glm::dvec3 place{std::cos(latitude) * std::sin(longitude), std::sin(latitude),
                                std::cos(latitude) * std::cos(longitude)};
@@ -364,7 +364,7 @@ TEST(MapGlobe, WhatIsNoFiniteElevationIsNoMountain) {
         metres[15 * 64 + 40] = odd;
         world.maps.elevation = {{}, metres, 64, 32, 1};
         const auto ground = map_ground(world.maps, 0.05, rows);
-        ASSERT_TRUE(ground.ok()) << ground.error().message;
+        ASSERT_TRUE(ground) << ground.error().message;
         EXPECT_NEAR((*ground)->shape.highest(), 0.02, 1e-8) << odd;
     }
 }
@@ -411,7 +411,7 @@ TEST(MapGlobe, IsTheSameBitsWithAnyNumberOfThreadsAndEverywhere) {
     maps.mask = mask.map();
     maps.smoothing_degrees = 3;
     const auto shore = find_shore(maps.elevation, maps.mask, {});
-    ASSERT_TRUE(shore.ok()) << shore.error().message;
+    ASSERT_TRUE(shore) << shore.error().message;
     maps.shore = *shore;
     for (const int threads : {1, 2, 5}) {
         SceneOptions options = with_maps(maps, 96, 64);
@@ -435,7 +435,7 @@ TEST(MapGlobe, ImpossibleOnesAreRefused) {
     MadeWorld world(64);
     const auto refusal = [](const SceneOptions& options, const char* name = "globe") {
         const auto scene = make_scene(name, options);
-        return scene.ok() ? "" : scene.error().message;
+        return scene ? "" : scene.error().message;
     };
     SceneOptions options = with_maps(world.maps, 90, 60);
     EXPECT_EQ(refusal(options), "");

@@ -49,7 +49,7 @@ TEST(Scenes, EveryNameMakesAValidSceneOfTheAskedSizeAndBits) {
         for (const int bits : {8, 10, 12, 16}) {
             const auto scene = made(name, sized(96, 64, bits));
             ASSERT_TRUE(scene);
-            EXPECT_TRUE(validate(scene->scene()).ok()) << name;
+            EXPECT_TRUE(validate(scene->scene())) << name;
             EXPECT_EQ(scene->scene().name, name);
             EXPECT_EQ(scene->scene().depth.code_max, (1 << bits) - 1);
             const RawFrame frame = scene->frame(2);

@@ -35,24 +35,24 @@ std::string table_refusal(const std::string& text, const std::string& column = "
 TEST(CsvTable, ReadsNamedColumns) {
     const TemporaryFile file("table.csv", "t,\"x, m\",note\n0,1.5,a\n0.5, -2e-3 ,b\n1,+7,\"c,d\"\n");
     const Result<CsvTable> table = CsvTable::read(file.path());
-    ASSERT_TRUE(table.ok()) << table.error().message;
+    ASSERT_TRUE(table) << table.error().message;
     EXPECT_EQ(table->rows(), 3u);
     EXPECT_EQ(table->columns(), 3u);
     EXPECT_TRUE(table->names("x, m"));
     EXPECT_FALSE(table->names("y"));
     EXPECT_EQ(*table->column("x, m"), 1u);
     EXPECT_EQ(*table->numbers(1), (std::vector<double>{1.5, -2e-3, 7}));
-    EXPECT_FALSE(table->numbers(2).ok());
+    EXPECT_FALSE(table->numbers(2));
 }
 
 TEST(CsvTable, WithoutAHeaderColumnsHaveNumbersFromOne) {
     const TemporaryFile file("table.csv", "1,2\n3,4\n");
     const Result<CsvTable> table = CsvTable::read(file.path());
-    ASSERT_TRUE(table.ok());
+    ASSERT_TRUE(table);
     EXPECT_EQ(table->rows(), 2u);
     EXPECT_EQ(*table->numbers(*table->column("2")), (std::vector<double>{2, 4}));
-    EXPECT_FALSE(table->column("0").ok());
-    EXPECT_FALSE(table->column("3").ok());
+    EXPECT_FALSE(table->column("0"));
+    EXPECT_FALSE(table->column("3"));
 }
 
 TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
@@ -62,7 +62,7 @@ TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
           "a,b\n1,2\n"}) {
         const TemporaryFile file("table.csv", text);
         const Result<CsvTable> table = CsvTable::read(file.path());
-        ASSERT_TRUE(table.ok()) << text;
+        ASSERT_TRUE(table) << text;
         EXPECT_EQ(table->rows(), 1u) << text;
         EXPECT_EQ(*table->column("a"), 0u) << text;
         EXPECT_EQ(*table->numbers(1), std::vector<double>{2}) << text;
@@ -75,14 +75,14 @@ TEST(CsvTable, OtherSeparatorsAreRead) {
           "t_s x  note\n 0   1 a\n0.5\t-2 \"b c\" \n", "t_s, x, a;b\n0, 1, c;d\n0.5, -2, e\n"}) {
         const TemporaryFile file("table.csv", text);
         const Result<CsvTable> table = CsvTable::read(file.path());
-        ASSERT_TRUE(table.ok()) << text << table.error().message;
+        ASSERT_TRUE(table) << text << table.error().message;
         EXPECT_EQ(table->columns(), 3u) << text;
         EXPECT_EQ(*table->numbers(*table->column("t_s")), (std::vector<double>{0, 0.5})) << text;
         EXPECT_EQ(*table->numbers(*table->column("x")), (std::vector<double>{1, -2})) << text;
     }
     const TemporaryFile one("table.csv", "penetration depth\n0.1\n0.2\n");
     const Result<CsvTable> table = CsvTable::read(one.path());
-    ASSERT_TRUE(table.ok());
+    ASSERT_TRUE(table);
     EXPECT_EQ(*table->numbers(*table->column("penetration depth")), (std::vector<double>{0.1, 0.2}));
     EXPECT_EQ(table_refusal("t_s;x\n0;1,5\n", "x"),
               "line 2, column 'x' holds '1,5'; expected a finite number");
@@ -93,7 +93,7 @@ TEST(CsvTable, LargeFilesAreRefusedBeforeTheyAreRead) {
     std::filesystem::resize_file(file.path(), std::uintmax_t{4} << 30);
     const test::LimitedMemory little(256);
     const Result<CsvTable> table = CsvTable::read(file.path());
-    ASSERT_FALSE(table.ok());
+    ASSERT_FALSE(table);
     EXPECT_NE(table.error().message.find("is larger than 256 MiB"), std::string::npos);
 }
 
@@ -133,22 +133,22 @@ TEST(CsvTable, RefusalNamesLineAndColumn) {
 TEST(CsvTable, AFieldMayBeEmptyWhereThatIsAsked) {
     const TemporaryFile file("table.csv", "a,b\n1,2\n,x\n3,4\n");
     const Result<CsvTable> table = CsvTable::read(file.path());
-    ASSERT_TRUE(table.ok()) << table.error().message;
+    ASSERT_TRUE(table) << table.error().message;
     const Result<std::vector<double>> given = table->numbers_where_given(0);
-    ASSERT_TRUE(given.ok()) << given.error().message;
+    ASSERT_TRUE(given) << given.error().message;
     ASSERT_EQ(given->size(), 3u);
     EXPECT_EQ((*given)[0], 1);
     EXPECT_TRUE(std::isnan((*given)[1]));
     EXPECT_EQ((*given)[2], 3);
-    EXPECT_FALSE(table->numbers(0).ok());
+    EXPECT_FALSE(table->numbers(0));
     const Result<std::vector<double>> letter = table->numbers_where_given(1);
-    ASSERT_FALSE(letter.ok());
+    ASSERT_FALSE(letter);
     EXPECT_TRUE(letter.error().message.ends_with("line 3, column 'b' holds 'x'; expected a finite number"));
 }
 
 TEST(CsvTable, RefusesWhatIsNoFile) {
-    EXPECT_FALSE(CsvTable::read(::testing::TempDir() + "there-is-no-such.csv").ok());
-    EXPECT_FALSE(CsvTable::read(::testing::TempDir()).ok());
+    EXPECT_FALSE(CsvTable::read(::testing::TempDir() + "there-is-no-such.csv"));
+    EXPECT_FALSE(CsvTable::read(::testing::TempDir()));
 }
 
 }  // namespace

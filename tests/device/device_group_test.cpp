@@ -159,7 +159,7 @@ TEST_F(GroupOfTwo, NoneIsLeftWithAForceBecauseAnotherHasFailed) {
         Hardware& other = broken == &first ? second : first;
         broken->works = false;
         EXPECT_FALSE(group->read_positions(places));
-        EXPECT_FALSE(group->health().ok());
+        EXPECT_FALSE(group->health());
         ASSERT_TRUE(other.forces[0] != glm::dvec3(0));
         EXPECT_FALSE(group->write_forces(std::vector<glm::dvec3>(3, glm::dvec3(0))));
         for (const glm::dvec3& force : other.forces) EXPECT_EQ(force, glm::dvec3(0));
@@ -187,13 +187,13 @@ TEST_F(GroupOfTwo, ButtonsAreThoseOfAllAndItsAgeIsThatOfTheOldest) {
 }
 
 TEST_F(GroupOfTwo, IsOpenAsAWholeOrNotAtAll) {
-    ASSERT_TRUE(group->open().ok());
+    ASSERT_TRUE(group->open());
     EXPECT_TRUE(first.open && second.open);
     group->close();
     EXPECT_FALSE(first.open || second.open);
     second.plugged = false;
     const auto opened = group->open();
-    ASSERT_FALSE(opened.ok());
+    ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().message, "fake: gone");
     EXPECT_FALSE(first.open);
 }

@@ -303,12 +303,12 @@ TEST(ConnectedSystem, ThisMachinesIsReadWithoutFault) {
 
 TEST(DeviceCatalogue, HidDevicesAreThere) {
     const auto mouse = make_device("spacemouse:speed=0.2", {});
-    ASSERT_TRUE(mouse.ok());
+    ASSERT_TRUE(mouse);
     EXPECT_EQ((*mouse)->capabilities().axes_driven, 0);
     EXPECT_NE((*mouse)->name().find("no force"), std::string::npos);
     const auto wooden = make_device(
         std::string("woodenhaptics:file=") + TOUCHABLE_SOURCE_DIR + "/examples/woodenhaptics.json", {});
-    ASSERT_TRUE(wooden.ok());
+    ASSERT_TRUE(wooden);
     EXPECT_TRUE((*wooden)->capabilities().own_watchdog);
     EXPECT_EQ(make_device("spacemouse:force=1", {}).error().kind, ErrorKind::usage);
 }

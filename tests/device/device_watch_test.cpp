@@ -16,7 +16,7 @@ constexpr std::int64_t ms = 1'000'000;
 /// Hardware whose thread has its turn 0.3 ms after each tick of the reader.
 class Watched : public testing::Test {
 protected:
-    Watched() { EXPECT_TRUE(device.open().ok()); }
+    Watched() { EXPECT_TRUE(device.open()); }
     TickPace pace() {
         return {[this] {
                     now += 300'000;
@@ -41,7 +41,7 @@ protected:
 
 TEST_F(Watched, FiguresAreThoseOfItsTurns) {
     const auto figures = watch_device(device, times, pace(), 1001);
-    ASSERT_TRUE(figures.ok()) << figures.error().message;
+    ASSERT_TRUE(figures) << figures.error().message;
     EXPECT_EQ(figures->readings, 1001);
     EXPECT_NEAR(figures->seconds, 1.001, 1e-12);
     EXPECT_EQ(figures->without_place, 1) << "the first reading comes before the first report";
@@ -65,7 +65,7 @@ TEST_F(Watched, ASilenceShowsInTheFigures) {
         return steps();
     };
     const auto figures = watch_device(device, times, beat, 1000);
-    ASSERT_TRUE(figures.ok());
+    ASSERT_TRUE(figures);
     EXPECT_NEAR(figures->interval_s.greatest, 0.041, 1e-9);
     EXPECT_NEAR(figures->interval_s.median, 0.001, 1e-12);
     EXPECT_GE(figures->without_place, 19) << "older than 20 ms is no position";
@@ -75,7 +75,7 @@ TEST_F(Watched, ASilenceShowsInTheFigures) {
 TEST_F(Watched, StopsWhenItIsToldTo) {
     stops_at = 10;
     const auto figures = watch_device(device, times, pace(), 1000);
-    ASSERT_FALSE(figures.ok());
+    ASSERT_FALSE(figures);
     EXPECT_EQ(figures.error().kind, ErrorKind::interrupted);
 }
 
@@ -84,7 +84,7 @@ TEST(DeviceWatch, ADeviceThatFailsSaysWhy) {
     device.breaks_at = 5;
     const DriveTimes nothing(10);
     const auto figures = watch_device(device, nothing, device.pace(), 100);
-    ASSERT_FALSE(figures.ok());
+    ASSERT_FALSE(figures);
     EXPECT_EQ(figures.error().message, "bench device: broke");
 }
 
@@ -93,7 +93,7 @@ TEST(DeviceWatch, TheLongestCallIsWhatTheDeviceKeptItsReaderFor) {
     device.takes_ns = 40'000;
     const DriveTimes nothing(10);
     const auto figures = watch_device(device, nothing, device.pace(), 100);
-    ASSERT_TRUE(figures.ok());
+    ASSERT_TRUE(figures);
     EXPECT_NEAR(figures->longest_call_s, 40e-6, 1e-12);
 }
 
@@ -101,7 +101,7 @@ TEST(DriverCounts, OfReportsThatWereLeftOutAreTheDriversOrNone) {
     FakeHardware hardware;
     DrivenDevice device(std::make_unique<FakeDriver>(hardware),
                         {.clock = [] { return ms; }, .own_thread = false});
-    ASSERT_TRUE(device.open().ok());
+    ASSERT_TRUE(device.open());
     device.turn();
     EXPECT_EQ(device.facts().left_out, -1);
 }

@@ -21,20 +21,20 @@ void write_file(const fs::path& path, const std::string& text) {
 
 Error refusal_of(const std::string& keys) {
     const auto settings = read_falcon_settings(keys);
-    return settings.ok() ? Error{ErrorKind::internal, "taken"} : settings.error();
+    return settings ? Error{ErrorKind::internal, "taken"} : settings.error();
 }
 
 TEST(FalconKeys, AreForceStiffnessAndFirmware) {
     TemporaryFolder folder;
     write_file(folder / "image.bin", std::string(7318, 'x'));
     const auto plain = read_falcon_settings("");
-    ASSERT_TRUE(plain.ok());
+    ASSERT_TRUE(plain);
     EXPECT_EQ(plain->limits.max_force, 8);
     EXPECT_EQ(plain->limits.max_stiffness, 1000);
     EXPECT_TRUE(plain->firmware.empty());
     const auto set =
         read_falcon_settings("force=5,stiffness=0.5,firmware=" + (folder / "image.bin").string());
-    ASSERT_TRUE(set.ok()) << set.error().message;
+    ASSERT_TRUE(set) << set.error().message;
     EXPECT_EQ(set->limits.max_force, 5);
     EXPECT_EQ(set->limits.max_stiffness, 500);
     EXPECT_EQ(set->firmware, std::vector<std::byte>(7318, std::byte{'x'}));
@@ -90,23 +90,23 @@ TEST_F(Plugged, TheFirstOfItsKindIsFound) {
 
 TEST_F(Plugged, WhatIsMissingIsSaidInOneLine) {
     const auto absent = open_falcon(folders);
-    ASSERT_FALSE(absent.ok());
+    ASSERT_FALSE(absent);
     EXPECT_EQ(absent.error().kind, ErrorKind::device);
     EXPECT_NE(absent.error().message.find("0403:cb48"), std::string::npos);
     plug("1-1", "0403", "cb48", "1", "2");
     const auto no_node = open_falcon(folders);
-    ASSERT_FALSE(no_node.ok());
+    ASSERT_FALSE(no_node);
     EXPECT_NE(no_node.error().message.find("001/002: No such file"), std::string::npos)
         << no_node.error().message;
     write_file(folders.nodes / "001" / "002", "no USB device");
     const auto no_device = open_falcon(folders);
-    ASSERT_FALSE(no_device.ok());
+    ASSERT_FALSE(no_device);
     EXPECT_NE(no_device.error().message.find("Novint Falcon at "), std::string::npos);
     EXPECT_EQ(no_device.error().message.find('\n'), std::string::npos);
     if (geteuid() == 0) return;  // root may open anything
     fs::permissions(folders.nodes / "001" / "002", fs::perms::none);
     const auto forbidden = open_falcon(folders);
-    ASSERT_FALSE(forbidden.ok());
+    ASSERT_FALSE(forbidden);
     EXPECT_NE(forbidden.error().message.find("70-touchable.rules"), std::string::npos);
 }
 

@@ -52,15 +52,15 @@ protected:
     }
     void connect(FalconDriver& driver) {
         const auto connected = driver.connect([] { return false; });
-        ASSERT_TRUE(connected.ok()) << connected.error().message;
+        ASSERT_TRUE(connected) << connected.error().message;
     }
     /// As the device's thread does it.
     Result<bool> turn(FalconDriver& driver, const glm::dvec3& newtons = glm::dvec3(0.0)) {
-        if (auto sent = driver.send(std::span(&newtons, 1)); !sent.ok()) return sent.error();
+        if (auto sent = driver.send(std::span(&newtons, 1)); !sent) return sent.error();
         return driver.receive(sample, patience);
     }
     void home(FalconDriver& driver) {
-        for (int go = 0; go < 20 && !driver.prompt().empty(); ++go) ASSERT_TRUE(turn(driver).ok());
+        for (int go = 0; go < 20 && !driver.prompt().empty(); ++go) ASSERT_TRUE(turn(driver));
         ASSERT_EQ(driver.prompt(), "");
     }
     void move_to(const glm::dvec3& place) {
@@ -87,7 +87,7 @@ TEST_F(Falcon, OneThatRunsIsOnlyAsked) {
 TEST_F(Falcon, WithoutFirmwareItSaysHowToGiveIt) {
     falcon->has_firmware = false;
     const auto connected = driver_for()->connect([] { return false; });
-    ASSERT_FALSE(connected.ok());
+    ASSERT_FALSE(connected);
     EXPECT_EQ(connected.error().kind, ErrorKind::device);
     EXPECT_NE(connected.error().message.find("has no firmware"), std::string::npos);
     EXPECT_EQ(connected.error().hints.at(0).value, "falcon:firmware=FILE");
@@ -146,7 +146,7 @@ TEST_F(Falcon, LoadingThatNeverSucceedsSaysWhere) {
     const auto refused = [&] {
         falcon->blocks.clear();
         const auto connected = driver_for(falcon->image)->connect([] { return false; });
-        return connected.ok() ? std::string() : connected.error().message;
+        return connected ? std::string() : connected.error().message;
     };
     falcon->spoil_echo = [&](const std::string& block) {
         return block == "A" || falcon->blocks.size() % 3 != 0 ? block : block.substr(0, 10);
@@ -166,7 +166,7 @@ TEST_F(Falcon, AFileThatIsNotItsFirmwareIsNotTakenForIt) {
     falcon->has_firmware = false;
     falcon->image = some_image(2000);
     const auto connected = driver_for(some_image(1500))->connect([] { return false; });
-    ASSERT_FALSE(connected.ok());
+    ASSERT_FALSE(connected);
     EXPECT_NE(connected.error().message.find("is the file its firmware?"), std::string::npos);
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
 }
@@ -175,7 +175,7 @@ TEST_F(Falcon, LoadingIsGivenUpInTheMiddle) {
     falcon->has_firmware = false;
     falcon->image = some_image(8000);
     const auto connected = driver_for(falcon->image)->connect([this] { return falcon->blocks.size() >= 20; });
-    ASSERT_FALSE(connected.ok());
+    ASSERT_FALSE(connected);
     EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
     EXPECT_LT(falcon->blocks.size(), 25U);
 }
@@ -185,7 +185,7 @@ TEST_F(Falcon, BeforeItIsHomedThereIsNeitherPlaceNorForce) {
     auto driver = driver_for();
     connect(*driver);
     for (int go = 0; go < 30; ++go) {
-        ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+        ASSERT_TRUE(turn(*driver, {0, 0, 5}));
         EXPECT_TRUE(std::isnan(sample.metres[0].x));
         EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
         EXPECT_EQ(falcon->state, 9);  // homing, red
@@ -194,19 +194,19 @@ TEST_F(Falcon, BeforeItIsHomedThereIsNeitherPlaceNorForce) {
     falcon->homed = true;
     int reports = 0;
     while (std::isnan(sample.metres[0].x)) {
-        ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+        ASSERT_TRUE(turn(*driver, {0, 0, 5}));
         ASSERT_LE(++reports, 100);
         EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
     }
     EXPECT_EQ(reports, FalconDriver::homed_reports);  // one false report homes nothing
-    ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+    ASSERT_TRUE(turn(*driver, {0, 0, 5}));
     EXPECT_EQ(driver->prompt(), "");
     EXPECT_EQ(falcon->state, 3);  // homing, green
     EXPECT_LT(falcon->motors[0], 0);
     falcon->homed = false;
-    ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+    ASSERT_TRUE(turn(*driver, {0, 0, 5}));
     EXPECT_TRUE(std::isnan(sample.metres[0].x));
-    ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+    ASSERT_TRUE(turn(*driver, {0, 0, 5}));
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
 }
 
@@ -218,13 +218,13 @@ TEST_F(Falcon, PlacesButtonsAndForcesAreItsOwn) {
     for (const glm::dvec3& place :
          {glm::dvec3(0.0), glm::dvec3(0.02, -0.03, 0.01), glm::dvec3(-0.04, 0, -0.02)}) {
         move_to(place);
-        ASSERT_TRUE(turn(*driver).ok());
+        ASSERT_TRUE(turn(*driver));
         EXPECT_LT(glm::length(sample.metres[0] - place), 1e-4);  // a count
         EXPECT_EQ(sample.buttons, 5U);
     }
     move_to(glm::dvec3(0.0));
-    ASSERT_TRUE(turn(*driver).ok());
-    ASSERT_TRUE(turn(*driver, {0, 0, 8}).ok());
+    ASSERT_TRUE(turn(*driver));
+    ASSERT_TRUE(turn(*driver, {0, 0, 8}));
     for (const int word : falcon->motors) EXPECT_NEAR(word, -2019, 3);  // the middle is not at whole counts
 }
 
@@ -234,14 +234,14 @@ TEST_F(Falcon, EncodersThatFitNoPlaceGiveNone) {
     home(*driver);
     falcon->counts = {3000, -3000, 100};
     for (int go = 0; go < 300; ++go) {
-        ASSERT_TRUE(turn(*driver, {0, 0, 5}).ok());
+        ASSERT_TRUE(turn(*driver, {0, 0, 5}));
         EXPECT_TRUE(std::isnan(sample.metres[0].x));
         if (go == 0) continue;
         EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
     }
     EXPECT_NE(driver->prompt().find("cannot reach"), std::string::npos);
     move_to({0.01, 0, 0});
-    ASSERT_TRUE(turn(*driver).ok());
+    ASSERT_TRUE(turn(*driver));
     EXPECT_NEAR(sample.metres[0].x, 0.01, 1e-4);
     EXPECT_EQ(driver->prompt(), "");
 }
@@ -254,7 +254,7 @@ TEST_F(Falcon, AnAnswerThatComesLateLeavesNoLag) {
     falcon->empty_reads = 3;
     falcon->holds_next = true;
     const auto late = turn(*driver);
-    ASSERT_TRUE(late.ok());
+    ASSERT_TRUE(late);
     EXPECT_FALSE(*late);
     move_to({0, 0.02, 0});
     ASSERT_TRUE(*turn(*driver));  // both came; the newer counts
@@ -307,7 +307,7 @@ TEST_F(Falcon, ATurnWithFaultsGivesNoPlaceThatIsNotTheGrips) {
         move_to({x, 0, 0});
         sample.metres[0] = glm::dvec3(std::nan(""));
         const auto came = turn(*driver, {3, 0, 0});
-        ASSERT_TRUE(came.ok()) << go;
+        ASSERT_TRUE(came) << go;
         if (!*came) {
             ++none;
             continue;
@@ -332,7 +332,7 @@ TEST_F(Falcon, ItsLastBytesAreZeroForce) {
     connect(*driver);
     home(*driver);
     move_to(glm::dvec3(0.0));
-    for (int go = 0; go < 3; ++go) ASSERT_TRUE(turn(*driver, {8, 0, 0}).ok());
+    for (int go = 0; go < 3; ++go) ASSERT_TRUE(turn(*driver, {8, 0, 0}));
     EXPECT_NE(falcon->motors, (std::array<int, 3>{}));
     driver->disconnect();
     EXPECT_EQ(falcon->last_bytes(32), unpowered);
@@ -348,10 +348,10 @@ TEST_F(Falcon, UnpluggedInTheMiddleIsAnErrorAndNoMore) {
     home(*driver);
     falcon->plugged = false;
     const auto gone = turn(*driver, {1, 0, 0});
-    ASSERT_FALSE(gone.ok());
+    ASSERT_FALSE(gone);
     EXPECT_EQ(gone.error().message, "fake: was unplugged");
     driver->disconnect();
-    EXPECT_FALSE(driver->connect([] { return false; }).ok());
+    EXPECT_FALSE(driver->connect([] { return false; }));
     falcon->plugged = true;
     connect(*driver);
     EXPECT_NE(driver->prompt(), "");  // homing is believed anew
@@ -367,11 +367,11 @@ TEST_F(Falcon, OneThatDoesNotAnswerForAQuarterOfASecondIsGone) {
     falcon->silent = true;
     now += 250'000'000;
     const auto late = turn(*driver);
-    ASSERT_TRUE(late.ok()) << "it may still answer";
+    ASSERT_TRUE(late) << "it may still answer";
     EXPECT_FALSE(*late);
     now += 1'000'000;
     const auto gone = turn(*driver);
-    ASSERT_FALSE(gone.ok());
+    ASSERT_FALSE(gone);
     EXPECT_NE(gone.error().message.find("does not answer any more"), std::string::npos);
 }
 
@@ -381,8 +381,8 @@ TEST_F(Falcon, OneThatBabblesHoldsNobodyAndIsTakenForGone) {
     home(*driver);
     falcon->babbles = true;
     Result<bool> came = true;
-    for (int go = 0; go < 1000000 && came.ok(); ++go) came = turn(*driver);
-    EXPECT_FALSE(came.ok());
+    for (int go = 0; go < 1000000 && came; ++go) came = turn(*driver);
+    EXPECT_FALSE(came);
     driver->disconnect();
     EXPECT_EQ(falcon->last_bytes(32), unpowered);
 }
@@ -394,13 +394,13 @@ TEST_F(Falcon, OneThatLostItsPowerIsLoadedAgain) {
     home(*driver);
     falcon->pull_power();
     Result<bool> came = true;
-    for (int go = 0; go < 1000 && came.ok(); ++go) came = turn(*driver);
-    ASSERT_FALSE(came.ok());
+    for (int go = 0; go < 1000 && came; ++go) came = turn(*driver);
+    ASSERT_FALSE(came);
     EXPECT_NE(came.error().message.find("does not answer any more"), std::string::npos);
     driver->disconnect();
     connect(*driver);
     EXPECT_EQ(falcon->loaded, falcon->image);
-    ASSERT_TRUE(turn(*driver).ok());
+    ASSERT_TRUE(turn(*driver));
     EXPECT_NE(driver->prompt(), "");
 }
 
@@ -436,7 +436,7 @@ void wait_for(Condition&& condition) {
 TEST_F(Falcon, AsADeviceItIsLimpOnceNobodyWritesAndWhenItIsClosed) {
     move_to(glm::dvec3(0.0));
     DrivenDevice device(driver_for());
-    ASSERT_TRUE(device.open().ok());
+    ASSERT_TRUE(device.open());
     std::array<glm::dvec3, 1> place, force{glm::dvec3(0, 0, 5)};
     wait_for([&] { return device.read_positions(place) && !std::isnan(place[0].x); });
     EXPECT_LT(glm::length(place[0]), 1e-4);

@@ -65,7 +65,7 @@ private:
                                                .clock = [this] { return time_.now_ns(); },
                                                .own_thread = false});
         const auto opened = driven.open();
-        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        ASSERT_TRUE(opened) << opened.error().message;
         driven_ = &driven;
         for (int fault = 0; fault < faults_of_a_session && violation_.empty(); ++fault) {
             device_.tend(driven.prompt());
@@ -204,7 +204,7 @@ void expect_force_after_silence(FaultyDevice& device) {
             silence_s = std::max(silence_s, device.line.silence_s());
         }
     };
-    ASSERT_TRUE(driven.open().ok());
+    ASSERT_TRUE(driven.open());
     play(100, false);
     int returned = 0, waited = 0;
     for (std::int64_t ms = 10; ms <= 100; ms += 3) {

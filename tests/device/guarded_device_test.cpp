@@ -23,12 +23,12 @@ protected:
         setsockopt(line[0], SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
         hardware.zero_force_packet = ZeroForcePacket{line[1], {std::byte{'L'}}, {}, {std::byte{'M'}}};
         auto started = SafetyWatchdog::start();
-        ASSERT_TRUE(started.ok());
+        ASSERT_TRUE(started);
         watchdog = *started;
         device.emplace(
             std::make_unique<FakeDriver>(hardware),
             DrivenSettings{.watchdog = watchdog, .clock = [this] { return now; }, .own_thread = false});
-        ASSERT_TRUE(device->open().ok());
+        ASSERT_TRUE(device->open());
     }
     void TearDown() override {
         device.reset();
@@ -109,12 +109,12 @@ TEST_F(GuardedDevice, HasNoForceBesideNobody) {
     tick();
     EXPECT_FALSE(reads) << "it has failed, and is not looked for";
     const auto health = device->health();
-    ASSERT_FALSE(health.ok());
+    ASSERT_FALSE(health);
     EXPECT_EQ(health.error().message,
               "fake: the process that leaves devices unpowered when this program cannot (safety-watchdog, " +
                   std::to_string(watchdog->process()) +
                   ") is gone; there is no force without it: start the program again");
-    EXPECT_FALSE(device->open().ok());
+    EXPECT_FALSE(device->open());
     EXPECT_EQ(hardware.force, glm::dvec3(0));
 }
 

@@ -23,7 +23,7 @@ std::string refusal_of(const std::string& text) {
 
 TEST(HandOptions, ReadsNumbersAndWordsAndFallsBackToDefaults) {
     const Result<HandOptions> options = HandOptions::parse("hand 'test'", "columns=a+b,seed=7", keys);
-    ASSERT_TRUE(options.ok());
+    ASSERT_TRUE(options);
     EXPECT_EQ(options->number("seed"), 7);
     EXPECT_EQ(options->number("speed"), 0.1);
     EXPECT_EQ(options->words("columns"), "a+b");

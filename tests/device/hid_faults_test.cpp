@@ -128,7 +128,7 @@ private:
         Result<void> send(std::span<const std::byte> report) override { return reports_.send(report); }
         Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) override {
             auto came = reports_.receive(room, patience);
-            if (came.ok()) to_.looked_ns_ = to_.time.now_ns();
+            if (came) to_.looked_ns_ = to_.time.now_ns();
             return came;
         }
 

@@ -61,7 +61,7 @@ TEST(HidTransport, WhatIsNoHidDeviceIsRefusedInALine) {
     const TemporaryFile file("plain", "text");
     for (const std::string& node : {std::string("/dev/hidraw-none"), file.path(), std::string("/dev/null")}) {
         const auto opened = HidTransport::open(node);
-        ASSERT_FALSE(opened.ok()) << node;
+        ASSERT_FALSE(opened) << node;
         EXPECT_EQ(opened.error().kind, ErrorKind::device);
         EXPECT_TRUE(opened.error().message.starts_with(node + ": ")) << opened.error().message;
         EXPECT_EQ(opened.error().message.find('\n'), std::string::npos);

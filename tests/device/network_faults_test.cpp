@@ -81,9 +81,9 @@ private:
         /// A network that is cut says nothing of it.
         bool send(std::span<const std::byte> datagram) override {
             const auto packet = decode_network_packet(datagram);
-            EXPECT_TRUE(packet.ok());
+            EXPECT_TRUE(packet);
             if (!network_.line.passes()) return network_.line.fault() == Fault::unplugged;
-            network_.line.went_out(packet.ok() ? glm::length(packet->vectors[0]) : 1e9);
+            network_.line.went_out(packet ? glm::length(packet->vectors[0]) : 1e9);
             return true;
         }
         Result<void> settle(const std::optional<UdpAddress>& peer) override {

@@ -48,8 +48,8 @@ public:
         for (pollfd waited_for{socket_, POLLIN, 0}; poll(&waited_for, 1, 2000) == 1;) {
             const auto came = recv(socket_, room, sizeof room, 0);
             const auto packet = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
-            if (packet.ok() && packet->sequence == sequence_) force_ = packet->vectors[0];
-            if (packet.ok() && packet->sequence == sequence_ && poll(&waited_for, 1, 0) == 0) return force_;
+            if (packet && packet->sequence == sequence_) force_ = packet->vectors[0];
+            if (packet && packet->sequence == sequence_ && poll(&waited_for, 1, 0) == 0) return force_;
         }
         ADD_FAILURE() << "no answer";
         return force_;
@@ -71,7 +71,7 @@ protected:
         DrivenDevice device(std::make_unique<NetworkDriver>(NetworkSettings{
                                 .listen = "127.0.0.1", .port = port, .fingers = 1, .limits = {1e6, 1e6}}),
                             {.clock = [&] { return now; }, .own_thread = false});
-        EXPECT_TRUE(device.open().ok());
+        EXPECT_TRUE(device.open());
         FarHand hand(port, {.mass = 0.5, .damping = 5, .friction = 0, .quantum = 0, .hand_stiffness = 300});
         const double rest = -3 / stiffness;  // deep where the wall pushes back with 3 N
         hand.handle().put({0, 0, rest}, {0, 0, -0.0005});

@@ -20,7 +20,7 @@ class Pointer : public ::testing::Test {
 protected:
     using Places = std::array<glm::dvec3, 3>;
 
-    void SetUp() override { ASSERT_TRUE(device.open().ok()); }
+    void SetUp() override { ASSERT_TRUE(device.open()); }
     Places read() {
         Places places;
         EXPECT_TRUE(device.read_positions(places));
@@ -46,7 +46,7 @@ TEST_F(Pointer, TakesNoForceAndHasNoPlaceWhileItIsClosed) {
     EXPECT_FALSE(push());
     Places places;
     EXPECT_FALSE(device.read_positions(places));
-    ASSERT_TRUE(device.open().ok());
+    ASSERT_TRUE(device.open());
     EXPECT_TRUE(push());
 }
 
@@ -65,12 +65,12 @@ TEST_F(Pointer, AForceThatIsNotFiniteEndsItWithAReasonUntilOpenedAgain) {
         EXPECT_FALSE(push());
         Places places;
         EXPECT_FALSE(device.read_positions(places));
-        ASSERT_FALSE(device.health().ok());
+        ASSERT_FALSE(device.health());
         EXPECT_EQ(device.health().error().kind, ErrorKind::device);
         EXPECT_EQ(device.health().error().message,
                   "pointer was given a force that is not finite; open it again");
-        ASSERT_TRUE(device.open().ok());
-        EXPECT_TRUE(device.health().ok());
+        ASSERT_TRUE(device.open());
+        EXPECT_TRUE(device.health());
     }
 }
 
@@ -239,7 +239,7 @@ TEST_F(Pointer, OpeningAgainBeginsAway) {
     intend({{0.02, 0, -0.005}});
     read_for(2000);
     device.close();
-    ASSERT_TRUE(device.open().ok());
+    ASSERT_TRUE(device.open());
     EXPECT_LT(glm::length(read()[0] - camera), 1e-3);
 }
 

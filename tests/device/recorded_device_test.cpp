@@ -35,8 +35,8 @@ private:
 
 std::unique_ptr<ReplayDriver> replay(const std::string& text, nanoseconds& time) {
     auto driver = read_recorded_device(text, std::make_unique<HandClock>(time));
-    EXPECT_TRUE(driver.ok()) << (driver.ok() ? "" : driver.error().message);
-    EXPECT_TRUE((*driver)->connect({}).ok());
+    EXPECT_TRUE(driver) << (driver ? "" : driver.error().message);
+    EXPECT_TRUE((*driver)->connect({}));
     return std::move(*driver);
 }
 
@@ -44,7 +44,7 @@ std::string refusal(const std::string& log) {
     const TemporaryFile file("device.csv", log);
     nanoseconds time{0};
     const auto driver = read_recorded_device(file.path(), std::make_unique<HandClock>(time));
-    if (driver.ok()) return "accepted";
+    if (driver) return "accepted";
     EXPECT_EQ(driver.error().kind, ErrorKind::input);
     EXPECT_TRUE(driver.error().message.starts_with(file.path() + ": ")) << driver.error().message;
     return driver.error().message.substr(file.path().size() + 2);
@@ -70,7 +70,7 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_FALSE(*driver->receive(sample, microseconds(400)));
     EXPECT_EQ(time, milliseconds(700) + microseconds(400)) << "it waits no longer than it is told";
     const glm::dvec3 pushes[2] = {{0, 0, 9}, {0, 0, 9}};
-    EXPECT_TRUE(driver->send(pushes).ok());
+    EXPECT_TRUE(driver->send(pushes));
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_NEAR(static_cast<double>(time.count()), 701e6, 2);
     EXPECT_EQ(sample.metres[0], glm::dvec3(0.11, 0.2, 0.3)) << "forces move nothing";
@@ -85,8 +85,8 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_TRUE(driver->is_over());
     EXPECT_FALSE(*driver->receive(sample, milliseconds(5)));
     driver->disconnect();
-    EXPECT_FALSE(driver->receive(sample, milliseconds(5)).ok());
-    ASSERT_TRUE(driver->connect({}).ok()) << "and again from the start";
+    EXPECT_FALSE(driver->receive(sample, milliseconds(5)));
+    ASSERT_TRUE(driver->connect({})) << "and again from the start";
     EXPECT_FALSE(driver->is_over());
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_EQ(sample.metres[0], glm::dvec3(0.1, 0.2, 0.3));
@@ -118,7 +118,7 @@ TEST(RecordedDevice, KeysFollowTheFile) {
     for (const std::string& text :
          {std::string(), std::string(":force=4"), file.path() + ":fingers=2", file.path() + ":force=0"}) {
         const auto refused = read_recorded_device(text, std::make_unique<HandClock>(time));
-        ASSERT_FALSE(refused.ok()) << text;
+        ASSERT_FALSE(refused) << text;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     }
 }
@@ -160,7 +160,7 @@ TEST(RecordedDevice, FaultyLogsAreRefusedByLineAndColumn) {
     EXPECT_EQ(refusal(many), "line 12, column 'time_s' has the same time in more than ten rows");
     nanoseconds time{0};
     const auto nowhere = read_recorded_device("there-is-no-such.csv", std::make_unique<HandClock>(time));
-    ASSERT_FALSE(nowhere.ok());
+    ASSERT_FALSE(nowhere);
     EXPECT_EQ(nowhere.error().kind, ErrorKind::input);
 }
 
@@ -179,8 +179,8 @@ TEST(RecordedDevice, IsADeviceLikeAnyOther) {
         log += std::to_string(0.001 * tick) + ",0,0.25,0.5,-0.125,3,1,0,0,0,0\n";
     const TemporaryFile file("device.csv", log);
     const auto device = make_device("recorded:" + file.path(), {});
-    ASSERT_TRUE(device.ok());
-    ASSERT_TRUE((*device)->open().ok());
+    ASSERT_TRUE(device);
+    ASSERT_TRUE((*device)->open());
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     bool seen = false, ended = false;
     glm::dvec3 place, push(0, 0, 5);
@@ -195,7 +195,7 @@ TEST(RecordedDevice, IsADeviceLikeAnyOther) {
         ended = seen && std::isnan(place.x) && !(*device)->prompt().empty();
     }
     EXPECT_TRUE(ended);
-    EXPECT_TRUE((*device)->health().ok());
+    EXPECT_TRUE((*device)->health());
 }
 
 /// The block of Python under "Logs" in docs/devices.md.

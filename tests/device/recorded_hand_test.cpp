@@ -37,7 +37,7 @@ TEST(RecordedMotion, LinearDataIsResampledExactly) {
     const TemporaryFile file(
         "line.csv", "t_s,x\n0,1\n0.0007,1.0021\n0.0031,1.0093\n0.0040,1.012\n0.0059,1.0177\n0.0100,1.03\n");
     const auto motion = read_motion(file.path(), {.columns = {"x"}, .scale = 0.5});
-    ASSERT_TRUE(motion.ok()) << motion.error().message;
+    ASSERT_TRUE(motion) << motion.error().message;
     ASSERT_EQ(motion->size(), 11u);
     for (std::size_t tick = 0; tick < motion->size(); ++tick) {
         const glm::dvec3& p = (*motion)[tick];
@@ -55,7 +55,7 @@ TEST(RecordedMotion, RowsThatFallOnTicksAreKeptToTheBit) {
     }
     const TemporaryFile file("rows.csv", text);
     const auto motion = read_motion(file.path(), {.columns = {"x"}, .scale = 0.001});
-    ASSERT_TRUE(motion.ok());
+    ASSERT_TRUE(motion);
     ASSERT_EQ(motion->size(), 21u);
     for (int tick = 0; tick <= 20; ++tick) {
         const int row = 2 * tick;
@@ -66,7 +66,7 @@ TEST(RecordedMotion, RowsThatFallOnTicksAreKeptToTheBit) {
 TEST(RecordedMotion, RateStandsInForTimes) {
     const TemporaryFile file("bare.csv", "0\n1\n2\n3\n4\n5\n");
     const auto motion = read_motion(file.path(), {.columns = {"1"}, .rate = 2000});
-    ASSERT_TRUE(motion.ok());
+    ASSERT_TRUE(motion);
     ASSERT_EQ(motion->size(), 3u);
     EXPECT_EQ((*motion)[1].z, -2);
     EXPECT_EQ((*motion)[2].z, -4);
@@ -90,7 +90,7 @@ TEST(RecordedMotion, SpatialMotionIsLaidFlatCentredAndScaled) {
     }
     const TemporaryFile file("ellipse.csv", text);
     const auto motion = read_motion(file.path(), {.columns = {"x", "y", "z"}, .extent = 0.04});
-    ASSERT_TRUE(motion.ok()) << motion.error().message;
+    ASSERT_TRUE(motion) << motion.error().message;
     EXPECT_EQ(motion->size(), 1001u);
     glm::dvec3 least(1), greatest(-1);
     for (const glm::dvec3& p : *motion) {
@@ -139,7 +139,7 @@ TEST(RecordedHand, HoldsItsLastPositionAfterItsEnd) {
     const TemporaryFile file("short.csv", "t_s,x\n0,0\n0.005,0.01\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x", 1, workspace, probe);
-    ASSERT_TRUE(hand.ok()) << hand.error().message;
+    ASSERT_TRUE(hand) << hand.error().message;
     ASSERT_EQ((*hand)->ticks(), 6);
     glm::dvec3 last{}, later{};
     (*hand)->goals_at(5, probe, {&last, 1});
@@ -151,7 +151,7 @@ TEST(RecordedHand, OneColumnMovesAlongZAtThePicturesCentre) {
     const TemporaryFile file("press.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x,contact=0.25", 1, workspace, probe);
-    ASSERT_TRUE(hand.ok());
+    ASSERT_TRUE(hand);
     const std::vector<glm::dvec3> goals = goals_of(**hand, probe);
     const glm::dvec3 centre = probe.unproject(319.5, 239.5, 800);
     for (const glm::dvec3& goal : goals) EXPECT_EQ(glm::dvec2(goal), glm::dvec2(centre));
@@ -173,7 +173,7 @@ TEST(RecordedHand, ContactIsTheShareAskedFor) {
             const FakeProbe probe = slanted_view();
             auto hand = make_hand("csv:" + file.path() + ":columns=x+y+z,contact=" + std::to_string(contact),
                                   fingers, workspace, probe);
-            ASSERT_TRUE(hand.ok()) << hand.error().message;
+            ASSERT_TRUE(hand) << hand.error().message;
             EXPECT_NEAR(share_under(goals_of(**hand, probe), probe), contact, 0.01);
         }
     }
@@ -184,13 +184,13 @@ TEST(RecordedHand, AMotionInSceneCoordinatesIsTakenAsItIs) {
     const TemporaryFile file("goals.csv", "t_s,x,y,z\n0,12,-7,-700\n0.002,14,-7,-900\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x+y+z,space=scene", 1, workspace, probe);
-    ASSERT_TRUE(hand.ok()) << hand.error().message;
+    ASSERT_TRUE(hand) << hand.error().message;
     EXPECT_EQ(goals_of(**hand, probe),
               (std::vector<glm::dvec3>{{12, -7, -700}, {13, -7, -800}, {14, -7, -900}}));
     for (const char* wrong : {"columns=z,space=scene", "columns=x+y+z,space=scene,scale=2",
                               "columns=x+y+z,space=scene,contact=0.5", "columns=x+y+z,space=moon"}) {
         const auto refused = make_hand("csv:" + file.path() + ":" + wrong, 1, workspace, probe);
-        ASSERT_FALSE(refused.ok()) << wrong;
+        ASSERT_FALSE(refused) << wrong;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     }
 }
@@ -201,8 +201,8 @@ TEST(RecordedHand, GoalsDeeperThanTheirLimitAreRaisedAlongTheirRays) {
     const std::string words = "csv:" + file.path() + ":columns=x+y+z,space=scene";
     auto limited = make_hand(words + ",depth=4", 1, workspace, probe),
          free = make_hand(words, 1, workspace, probe);
-    ASSERT_TRUE(limited.ok()) << limited.error().message;
-    ASSERT_TRUE(free.ok());
+    ASSERT_TRUE(limited) << limited.error().message;
+    ASSERT_TRUE(free);
     const auto raised = goals_of(**limited, probe), as_they_are = goals_of(**free, probe);
     EXPECT_EQ(raised[0], as_they_are[0]) << "in front of the surface";
     EXPECT_EQ(raised[2], as_they_are[2]) << "outside the picture";
@@ -220,7 +220,7 @@ TEST(RecordedHand, FingersKeepTheirCircle) {
     const TemporaryFile file("press.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe probe = slanted_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x,spread=0.03", 4, workspace, probe);
-    ASSERT_TRUE(hand.ok());
+    ASSERT_TRUE(hand);
     const std::vector<glm::dvec3> goals = goals_of(**hand, probe);
     for (std::size_t tick = 0; tick < 100; tick += 10) {
         const glm::dvec3 across = (goals[4 * tick] - goals[4 * tick + 2]) * workspace.metres_per_scene_unit;
@@ -234,7 +234,7 @@ TEST(RecordedHand, WithoutAnySurfaceItMovesAboutTheDevicesCentre) {
     const TemporaryFile file("press.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe nothing = camera_view([](double, double) { return std::optional<double>(); });
     auto hand = make_hand("csv:" + file.path() + ":columns=x", 2, workspace, nothing);
-    ASSERT_TRUE(hand.ok());
+    ASSERT_TRUE(hand);
     for (const glm::dvec3& goal : goals_of(**hand, nothing)) EXPECT_NEAR(goal.z, -800, 100);
 }
 
@@ -242,16 +242,16 @@ TEST(RecordedHand, StaysInFrontOfTheCamera) {
     const TemporaryFile file("long.csv", "t_s,x\n0,-9\n0.1,9\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x,contact=0.01", 1, workspace, probe);
-    ASSERT_TRUE(hand.ok());
+    ASSERT_TRUE(hand);
     for (const glm::dvec3& goal : goals_of(**hand, probe)) EXPECT_LT(goal.z, 0);
 }
 
 TEST(RecordedHand, FileNamesMayHoldColons) {
     const TemporaryFile file("a:b:c.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe probe = flat_view();
-    EXPECT_TRUE(make_hand("csv:" + file.path() + ":columns=x", 1, workspace, probe).ok());
+    EXPECT_TRUE(make_hand("csv:" + file.path() + ":columns=x", 1, workspace, probe));
     const auto missing = make_hand("csv:no:such.csv:columns=x", 1, workspace, probe);
-    ASSERT_FALSE(missing.ok());
+    ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().kind, ErrorKind::input);
     EXPECT_TRUE(missing.error().message.starts_with("no:such.csv: ")) << missing.error().message;
 }
@@ -265,7 +265,7 @@ TEST_P(RealRecording, LiesUnderTheFirstFrameForSixTenthsOfItsGoals) {
     for (const FakeProbe& probe : {flat_view(), slanted_view()}) {
         for (const int fingers : {1, 5}) {
             auto hand = make_hand("csv:" + recordings + GetParam(), fingers, workspace, probe);
-            ASSERT_TRUE(hand.ok()) << hand.error().message;
+            ASSERT_TRUE(hand) << hand.error().message;
             const std::vector<glm::dvec3> goals = goals_of(**hand, probe);
             EXPECT_GT(*(*hand)->ticks(), 4000);
             EXPECT_NEAR(share_under(goals, probe), 0.6, 0.02) << fingers << " fingers";
@@ -302,7 +302,7 @@ TEST(RecordedMotion, WipingLiesFlatAndFortyEightMillimetresWide) {
     const std::string file = recordings + "epfl_wiping/circular_wiping_dataset_0.csv";
     TOUCHABLE_NEEDS_DATA(file);
     const auto motion = read_motion(file, {.columns = {"x_m", "y_m", "z_m"}, .extent = 0.048});
-    ASSERT_TRUE(motion.ok()) << motion.error().message;
+    ASSERT_TRUE(motion) << motion.error().message;
     EXPECT_EQ(motion->size(), 12595u);
     glm::dvec3 least(1), greatest(-1), mean(0), variance(0);
     for (const glm::dvec3& p : *motion) {

@@ -44,9 +44,9 @@ std::string zero_force_packet_of_one_that(End&& ends) {
         ::close(device[0]);
         ::close(2);  // what the runtime says of such an end is not the test's
         auto watchdog = SafetyWatchdog::start();
-        if (!watchdog.ok()) _exit(1);
+        if (!watchdog) _exit(1);
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept.ok() || !kept->set_packet({device[1], bytes_of("zero"), {}}).ok()) _exit(1);
+        if (!kept || !kept->set_packet({device[1], bytes_of("zero"), {}})) _exit(1);
         for (int force = 0; force < 100; ++force)
             if (::send(device[1], "force", 5, 0) != 5) _exit(1);
         ends(*kept);
@@ -98,7 +98,7 @@ TEST(SafetyWatchdog, KeepsTheNewestPacket) {
     EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
                   int other[2];
                   if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, other) != 0) _exit(1);
-                  if (!kept.set_packet({other[1], bytes_of("other"), {}}).ok()) _exit(1);
+                  if (!kept.set_packet({other[1], bytes_of("other"), {}})) _exit(1);
                   ::close(other[1]);
                   raise(SIGKILL);
               }),
@@ -108,20 +108,20 @@ TEST(SafetyWatchdog, KeepsTheNewestPacket) {
 
 TEST(SafetyWatchdog, RefusesAWordThatIsTooLong) {
     auto watchdog = SafetyWatchdog::start();
-    ASSERT_TRUE(watchdog.ok());
+    ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
-    ASSERT_TRUE(kept.ok());
-    EXPECT_FALSE(kept->set_packet({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}).ok());
+    ASSERT_TRUE(kept);
+    EXPECT_FALSE(kept->set_packet({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}));
 }
 
 TEST(SafetyWatchdog, KeepsAFewDevicesAndHasRoomAgainAfterwards) {
     auto watchdog = SafetyWatchdog::start();
-    ASSERT_TRUE(watchdog.ok());
+    ASSERT_TRUE(watchdog);
     for (int again = 0; again < 3; ++again) {
         std::vector<SafetyWatchdog::Kept> kept;
         for (int device = 0; device < SafetyWatchdog::most_devices; ++device) {
             auto one = SafetyWatchdog::keep(*watchdog);
-            ASSERT_TRUE(one.ok()) << device;
+            ASSERT_TRUE(one) << device;
             kept.push_back(std::move(*one));
         }
         EXPECT_EQ(SafetyWatchdog::keep(*watchdog).error().kind, ErrorKind::device);

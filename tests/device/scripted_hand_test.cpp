@@ -197,7 +197,7 @@ TEST(ScriptedHand, WanderFindsASurfaceThatHasMovedAway) {
     };
     const FakeProbe before = patch(280), after = patch(440);
     Result<std::unique_ptr<Hand>> hand = make_hand("wander:extent=1", 1, workspace, before);
-    ASSERT_TRUE(hand.ok());
+    ASSERT_TRUE(hand);
     glm::dvec3 goal{};
     int under = 0;
     for (int tick = 0; tick < 40000; ++tick) {

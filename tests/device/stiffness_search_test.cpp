@@ -21,7 +21,7 @@ constexpr double period = 0.001;
 /// That the search found it within its step, and 5 % for what theory leaves out.
 void expect_found(BenchDevice& device, double boundary) {
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_TRUE(found.ok()) << found.error().message;
+    ASSERT_TRUE(found) << found.error().message;
     EXPECT_LE(found->quiet, 1.05 * boundary);
     EXPECT_GE(found->quiet, boundary / std::sqrt(2.0) / 1.05);
     EXPECT_NEAR(found->shaking / found->quiet, std::sqrt(2.0), 1e-9);
@@ -51,7 +51,7 @@ TEST(StiffnessSearch, FindsGilsBoundWhereForcesComeLate) {
 TEST(StiffnessSearch, StaysBelowTheBoundWhereEncodersAreCoarse) {
     BenchDevice device({.mass = 0.5, .damping = 5, .quantum = 60e-6, .hand_stiffness = 0});
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_TRUE(found.ok());
+    ASSERT_TRUE(found);
     EXPECT_LT(found->quiet, 0.5 * 2 * 5 / period) << "without friction it shakes by a quantum for ever";
     EXPECT_FALSE(found->why.empty());
 }
@@ -60,7 +60,7 @@ TEST(StiffnessSearch, EndsAtTheDevicesOwnLimit) {
     BenchDevice device({.mass = 0.5, .damping = 20, .hand_stiffness = 0});
     device.limit = {2, 1234};
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_TRUE(found.ok());
+    ASSERT_TRUE(found);
     EXPECT_EQ(found->quiet, 1234);
     EXPECT_EQ(found->shaking, 0);
     EXPECT_EQ(found->most_force, 1) << "half of what it bears";
@@ -70,7 +70,7 @@ TEST(StiffnessSearch, EndsAtTheDevicesOwnLimit) {
 TEST(StiffnessSearch, SaysWhereFrictionHeldItStill) {
     BenchDevice device({.mass = 0.5, .damping = 5, .friction = 2, .hand_stiffness = 0});
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_TRUE(found.ok());
+    ASSERT_TRUE(found);
     EXPECT_FALSE(found->moved);
 }
 
@@ -78,7 +78,7 @@ TEST(StiffnessSearch, RefusesADeviceWithoutForce) {
     BenchDevice device({});
     device.driven = 0;
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_FALSE(found.ok());
+    ASSERT_FALSE(found);
     EXPECT_EQ(found.error().kind, ErrorKind::usage);
     EXPECT_EQ(device.longest, 0);
 }
@@ -141,7 +141,7 @@ private:
 TEST(StiffnessSearch, NudgesByAThirdOfTheForceForTenMilliseconds) {
     ScriptedHandle device([](int) { return 0.0; });
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_TRUE(found.ok()) << found.error().message;
+    ASSERT_TRUE(found) << found.error().message;
     EXPECT_EQ(found->most_force, 1.5);
     EXPECT_FALSE(found->moved);
     EXPECT_NEAR(device.longest, 0.5, 1e-12);
@@ -152,7 +152,7 @@ TEST(StiffnessSearch, NudgesByAThirdOfTheForceForTenMilliseconds) {
 TEST(StiffnessSearch, LetsGoOfAHandleThatIsThreeMillimetresAway) {
     ScriptedHandle device([](int ticks) { return 0.00002 * ticks; });
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_TRUE(found.ok()) << found.error().message;
+    ASSERT_TRUE(found) << found.error().message;
     EXPECT_EQ(found->quiet, 0);
     EXPECT_EQ(found->why, "it went 3 mm away");
     EXPECT_LE(device.farthest, 0.003);
@@ -165,7 +165,7 @@ TEST(StiffnessSearch, LetsGoOfAHandleWhoseSwingsDouble) {
     ScriptedHandle device(
         [](int ticks) { return (0.0001 + 0.000001 * ticks) * std::sin(2 * std::acos(-1.0) * ticks / 20); });
     const auto found = find_stiffness(device, device.pace());
-    ASSERT_TRUE(found.ok()) << found.error().message;
+    ASSERT_TRUE(found) << found.error().message;
     EXPECT_EQ(found->why, "its swings doubled");
     EXPECT_GE(device.farthest, 0.0002);
     EXPECT_LE(device.farthest, 0.00023) << "at once";
@@ -178,9 +178,9 @@ TEST(SpringTrial, EndsWithoutForce) {
     SpringTrial trial(device, pace, 1.5);
     for (const double stiffness : {1000.0, 18'000.0}) {  // 10 000 is the bound
         const auto rest = trial.wait_for_rest();
-        ASSERT_TRUE(rest.ok());
+        ASSERT_TRUE(rest);
         const auto verdict = trial.try_spring(stiffness, *rest);
-        ASSERT_TRUE(verdict.ok());
+        ASSERT_TRUE(verdict);
         EXPECT_EQ(verdict->quiet, stiffness < 10'000);
         EXPECT_EQ(device.asked, glm::dvec3(0)) << stiffness;
         EXPECT_GT(device.longest, 0.4) << "there was a force to end";
@@ -211,7 +211,7 @@ TEST(StiffnessSearch, DoesNotPushWhatDoesNotRest) {
         int reads_ = 0;
     } device;
     const auto found = find_stiffness(device, {[] { return true; }, [] { return std::int64_t{0}; }});
-    ASSERT_FALSE(found.ok());
+    ASSERT_FALSE(found);
     EXPECT_EQ(found.error().kind, ErrorKind::device);
     EXPECT_NE(found.error().message.find("does not stay still"), std::string::npos) << found.error().message;
     EXPECT_FALSE(device.pushed);

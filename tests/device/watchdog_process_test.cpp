@@ -101,20 +101,20 @@ public:
 private:
     [[noreturn]] static void live(int device, int told, Way way, int beside) {
         auto watchdog = SafetyWatchdog::start();
-        if (!watchdog.ok()) _exit(1);
+        if (!watchdog) _exit(1);
         std::optional<SafetyWatchdog::Kept> other;  // which is spoken to first
         if (beside >= 0) {
             auto also_kept = SafetyWatchdog::keep(*watchdog);
-            if (!also_kept.ok() || !also_kept->set_packet({beside, word("last"), {}, {}}).ok()) _exit(1);
+            if (!also_kept || !also_kept->set_packet({beside, word("last"), {}, {}})) _exit(1);
             other.emplace(std::move(*also_kept));
         }
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept.ok() || !kept->set_packet({device, word("last"), {}, word("meanwhile")}).ok()) _exit(1);
+        if (!kept || !kept->set_packet({device, word("last"), {}, word("meanwhile")})) _exit(1);
         const pid_t guardian = (*watchdog)->process();
         if (write(told, &guardian, sizeof guardian) != sizeof guardian) _exit(1);
         for (int force = 0;; ++force) {
             const auto beat = kept->beat();
-            if (!beat.ok() || (other && !other->beat().ok())) _exit(2);
+            if (!beat || (other && !other->beat())) _exit(2);
             ::send(device, *beat ? "force" : "anew", *beat ? 5 : 4, 0);
             if (way == Way::aborts && force == 100) std::abort();
             usleep(1000);
@@ -232,15 +232,15 @@ TEST(WatchdogProcess, OutlivesWhatIsSentToTheWholeGroup) {
 
 TEST(WatchdogProcess, IsNotEndedByWhatEndsPrograms) {
     auto watchdog = SafetyWatchdog::start();
-    ASSERT_TRUE(watchdog.ok());
+    ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
-    ASSERT_TRUE(kept.ok());
-    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << "it has begun";
+    ASSERT_TRUE(kept);
+    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << "it has begun";
     for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) {
         kill((*watchdog)->process(), signal);
-        EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << signal;
+        EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << signal;
     }
-    EXPECT_TRUE((*watchdog)->health().ok());
+    EXPECT_TRUE((*watchdog)->health());
 }
 
 std::string contents(pid_t process, const char* what) {
@@ -251,16 +251,16 @@ std::string contents(pid_t process, const char* what) {
 /// The device is in nobody's care then, and must have no force.
 TEST(WatchdogProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
     auto watchdog = SafetyWatchdog::start();
-    ASSERT_TRUE(watchdog.ok());
+    ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
-    ASSERT_TRUE(kept.ok());
+    ASSERT_TRUE(kept);
     const pid_t process = (*watchdog)->process();
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
-    ASSERT_TRUE(kept->set_packet({ends[1], word("zero"), {}, {}}).ok());
+    ASSERT_TRUE(kept->set_packet({ends[1], word("zero"), {}, {}}));
     ::close(ends[1]);
     kill(process, SIGSTOP);
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
     kill(process, SIGCONT);
     char byte = 0;
     EXPECT_EQ(recv(ends[0], &byte, 1, 0), 0) << "it obeys, and lets go of what it held";
@@ -270,9 +270,9 @@ TEST(WatchdogProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
     };
     while (!sleeps()) usleep(1000);  // it has answered
     kill(process, SIGSTOP);
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
     kill(process, SIGCONT);
-    EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << "it is relied on again";
+    EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << "it is relied on again";
     ::close(ends[0]);
 }
 
@@ -304,10 +304,10 @@ TEST(WatchdogProcess, HoldsNothingOpenThatItDoesNotNeed) {
     int ends[2];
     ASSERT_EQ(pipe(ends), 0);
     auto watchdog = SafetyWatchdog::start();
-    ASSERT_TRUE(watchdog.ok());
+    ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
-    ASSERT_TRUE(kept.ok());
-    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok()) << "it has begun";
+    ASSERT_TRUE(kept);
+    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << "it has begun";
     ::close(ends[1]);
     pollfd end{ends[0], POLLIN, 0};
     EXPECT_EQ(poll(&end, 1, 0), 1);
@@ -380,37 +380,37 @@ TEST(WatchdogProcess, SpeaksTwice) {
 
 TEST(WatchdogProcess, ThatItIsGoneIsKnown) {
     auto watchdog = SafetyWatchdog::start();
-    ASSERT_TRUE(watchdog.ok());
+    ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
-    ASSERT_TRUE(kept.ok());
-    EXPECT_TRUE(kept->beat().ok());
+    ASSERT_TRUE(kept);
+    EXPECT_TRUE(kept->beat());
     kill((*watchdog)->process(), SIGKILL);
     siginfo_t ended{};
     ASSERT_EQ(waitid(P_PID, static_cast<id_t>((*watchdog)->process()), &ended, WEXITED | WNOWAIT), 0);
     const auto beat = kept->beat();
-    ASSERT_FALSE(beat.ok());
+    ASSERT_FALSE(beat);
     EXPECT_EQ(beat.error().kind, ErrorKind::device);
     EXPECT_NE(beat.error().message.find("(safety-watchdog, " + std::to_string((*watchdog)->process()) +
                                         ") is gone"),
               std::string::npos)
         << beat.error().message;
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
 }
 
 TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
     auto watchdog = SafetyWatchdog::start();
-    ASSERT_TRUE(watchdog.ok());
+    ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
-    ASSERT_TRUE(kept.ok());
-    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}).ok());
+    ASSERT_TRUE(kept);
+    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}));
     kill((*watchdog)->process(), SIGSTOP);
     int beats = 0;
     Result<bool> beat = true;
-    for (; beat.ok() && beats < 10'000; ++beats) {
+    for (; beat && beats < 10'000; ++beats) {
         usleep(1000);
         beat = kept->beat();
     }
-    ASSERT_FALSE(beat.ok());
+    ASSERT_FALSE(beat);
     EXPECT_EQ(beat.error().kind, ErrorKind::device);
     EXPECT_NE(beat.error().message.find("(safety-watchdog, " + std::to_string((*watchdog)->process()) +
                                         ") stands still; there is no force without it"),
@@ -418,8 +418,8 @@ TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
         << beat.error().message;
     EXPECT_GE(beats, 50) << "a busy machine may keep it waiting for a while";
     kill((*watchdog)->process(), SIGCONT);
-    EXPECT_FALSE(kept->beat().ok()) << "nobody relies on it again";
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}).ok());
+    EXPECT_FALSE(kept->beat()) << "nobody relies on it again";
+    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
 }
 
 /// Whether it was known to be stopped or not. (In a process of its own, which would hang.)
@@ -428,7 +428,7 @@ TEST(WatchdogProcess, AStoppedOneDoesNotKeepTheProgramFromItsEnd) {
     if (program == 0) {
         alarm(30);
         auto watchdog = SafetyWatchdog::start();
-        if (!watchdog.ok()) _exit(1);
+        if (!watchdog) _exit(1);
         const pid_t process = (*watchdog)->process();
         kill(process, SIGSTOP);
         watchdog->reset();

@@ -76,7 +76,7 @@ struct Bench {
     /// As the device's thread does.
     Result<bool> turn(const glm::dvec3& newtons) {
         const std::array<glm::dvec3, 1> forces{newtons};
-        if (auto sent = driver->send(forces); !sent.ok()) return sent.error();
+        if (auto sent = driver->send(forces); !sent) return sent.error();
         return driver->receive(sample, std::chrono::microseconds(5000));
     }
     bool has_place() const { return !std::isnan(sample.metres[0].x); }

@@ -63,13 +63,13 @@ TEST(WoodenDriver, TenThousandFaultsNeverLeaveAForce) {
     while (faults < 10'000) {
         faulty = false;
         bench.wire->plug_in();
-        ASSERT_TRUE(bench.connect().ok());
-        ASSERT_TRUE(bench.turn(glm::dvec3(0)).ok());
+        ASSERT_TRUE(bench.connect());
+        ASSERT_TRUE(bench.turn(glm::dvec3(0)));
         for (bool held = true; held && faults < 10'000;) {
             faulty = random() % 2 == 0;
             bench.board->pressed = random() % 20 == 0 || bench.board->pressed;
             const bool knew = bench.has_place();
-            held = bench.turn({newton(random), newton(random), newton(random)}).ok();
+            held = bool(bench.turn({newton(random), newton(random), newton(random)}));
             if (!knew) {
                 ASSERT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
             }
@@ -100,7 +100,7 @@ TEST(WoodenDriver, AHandThatLetsGoOrIsPulledOutIsLimp) {
                                 return std::unique_ptr<ReportTransport>(std::make_unique<FakeReports>(wire));
                             }),
                         {.away_s = 10, .look_again_s = 0.001});
-    ASSERT_TRUE(device.open().ok());
+    ASSERT_TRUE(device.open());
     const std::array<glm::dvec3, 1> push{glm::dvec3(0, 1, 0)};
     std::array<glm::dvec3, 1> place{};
     const auto pushed = [&] { return word_at(wire->last_sent(), 5) == 788; };

@@ -78,7 +78,7 @@ private:
     void publish() {
         const std::int64_t time = some_time();
         const bool expected = model_.acquired && model_.is_later(time);
-        ASSERT_EQ(timeline_.publish(number_, time).ok(), expected);
+        ASSERT_EQ(bool(timeline_.publish(number_, time)), expected);
         if (!expected) return;
         model_.acquired = false;
         record(time, content_);
@@ -86,7 +86,7 @@ private:
     void republish() {
         const std::int64_t time = some_time();
         const Result<bool> done = timeline_.republish(number_, time);
-        ASSERT_EQ(done.ok(), !model_.all.empty() && model_.is_later(time));
+        ASSERT_EQ(bool(done), !model_.all.empty() && model_.is_later(time));
         if (!done) return;
         ASSERT_EQ(*done, model_.may_republish());
         if (*done) record(time, model_.all.back().content);

@@ -26,8 +26,8 @@ bool publish(SurfaceTimeline& timeline, std::int64_t n) {
 }
 bool republish(SurfaceTimeline& timeline, std::int64_t n) {
     const Result<bool> done = timeline.republish(n, n * ms);
-    EXPECT_TRUE(done.ok());
-    return done.ok() && *done;
+    EXPECT_TRUE(done);
+    return done && *done;
 }
 
 void expect_pair(const FramePair& pair, std::int64_t prev, std::int64_t next, double blend) {

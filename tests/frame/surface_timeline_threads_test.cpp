@@ -46,10 +46,10 @@ std::int64_t write_until(const std::atomic<bool>& stop, const Run& run, SurfaceT
         bool done = false;
         if (run.is_repeat(number)) {
             const Result<bool> republished = timeline.republish(number, number * interval);
-            done = republished.ok() && *republished;
+            done = republished && *republished;
         } else if (SurfaceFrame* slot = timeline.acquire()) {
             run.fill(*slot, number);
-            done = timeline.publish(number, number * interval).ok();
+            done = bool(timeline.publish(number, number * interval));
         }
         if (done)
             ++number;

@@ -53,7 +53,7 @@ bool parse_camera_colour(std::string_view bytes) {
         (*picture.bytes)[k] = static_cast<std::uint8_t>(stored[k % stored.size()]);
     ColourConverter converter;
     const auto plane = converter.rgb(picture, format);
-    require(is_coded || plane.ok(), "a whole picture is refused");
+    require(is_coded || plane, "a whole picture is refused");
     if (!is_taken(plane)) return false;
     require(plane->view.channels == 3 && plane->view.bytes_per_sample == 1, "is not RGB of 8 bits");
     require(is_coded || (plane->view.width == format.width && plane->view.height == format.height),

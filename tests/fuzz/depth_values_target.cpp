@@ -58,7 +58,7 @@ bool parse_depth_values(std::string_view bytes) {
     if (values.needs_looks(picture)) {
         values.look(picture);
         if (!is_taken(values.settle(scene))) return false;
-        require(validate(scene).ok(), "a settled scene cannot be");
+        require(bool(validate(scene)), "a settled scene cannot be");
     }
     const Image codes = values.codes(picture);
     require(codes.width == picture.image.width && codes.channels == 1, "codes are not the picture's");

@@ -75,8 +75,7 @@ bool parse_falcon_loading(std::string_view bytes) {
     std::array<std::byte, 70> firmware;  // two blocks
     for (std::size_t k = 0; k < firmware.size(); ++k) firmware[k] = static_cast<std::byte>(k);
     const auto loaded = load_falcon_firmware(transport, firmware, {}, [] { return false; });
-    require(loaded.ok() || loaded.error().kind == ErrorKind::device,
-            "what a device says is no device's error");
+    require(loaded || loaded.error().kind == ErrorKind::device, "what a device says is no device's error");
     return is_taken(loaded);
 }
 

@@ -52,7 +52,7 @@ Found found_in(const std::string& bytes, std::size_t piece) {
         while (true) {
             const auto frameset = parser.next();
             if (!is_taken(frameset)) found.refusal = frameset.error().message;
-            if (!frameset.ok() || !*frameset) break;
+            if (!frameset || !*frameset) break;
             const FramesetHeader& header = (*frameset)->header;
             require((*frameset)->payload->size() == header.payload_bytes(), "not the bytes that it says");
             require(header.metres_per_unit > 0 && header.metres_per_unit <= 1, "a unit cannot be");

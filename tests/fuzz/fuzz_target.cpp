@@ -143,7 +143,7 @@ bool is_clip(const Result<std::unique_ptr<ClipReader>>& clip) {
         if (!frame->has_value()) return number > 0;
         const RawFrame& raw = **frame;
         require(raw.number == number, "a frame has another number");
-        require(validate(reader.scene()).ok(), "a clip's scene cannot be");
+        require(bool(validate(reader.scene())), "a clip's scene cannot be");
         require(!raw.depth.empty(), "a frame has no depth");
         check_plane(raw.depth, reader.scene(), reader.scene().depth.kind == DepthCodingKind::hue ? 3 : 1);
         check_plane(raw.colour, reader.scene(), 3);

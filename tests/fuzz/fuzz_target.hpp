@@ -67,8 +67,8 @@ enum class Quotes { file, typed };
 void require_readable(const Error& error, Quotes quotes = Quotes::file);
 template <class T>
 bool is_taken(const Result<T>& result, Quotes quotes = Quotes::file) {
-    if (!result.ok()) require_readable(result.error(), quotes);
-    return result.ok();
+    if (!result) require_readable(result.error(), quotes);
+    return bool(result);
 }
 /// A picture has the samples that its size says.
 bool is_picture(const Result<StoredImage>& picture);

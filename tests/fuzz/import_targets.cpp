@@ -35,7 +35,7 @@ bool parse_camera_file(std::string_view bytes) {
 bool parse_depthkit(std::string_view bytes) {
     const auto scene = read_depthkit_metadata(file_of(bytes, "clip.Metadata.asset"));
     if (!is_taken(scene)) return false;
-    require(validate(*scene).ok(), "a scene cannot be");
+    require(bool(validate(*scene)), "a scene cannot be");
     return true;
 }
 

@@ -55,7 +55,7 @@ bool parse_labels(std::string_view bytes) {
         require(at && *at <= k, "a corner without its label");
     }
     (void)is_taken(labels->fits(640, 480, 100));
-    require(labels->fits(16385, 16385, std::numeric_limits<std::int64_t>::max()).ok(),
+    require(bool(labels->fits(16385, 16385, std::numeric_limits<std::int64_t>::max())),
             "a label beyond the largest clip");
     return true;
 }

@@ -7,10 +7,10 @@ namespace {
 
 bool parse_names(std::string_view bytes) {
     const auto names = parse_segment_names(bytes, "names");
-    if (!names.ok()) return false;
+    if (!names) return false;
     const std::string text = segment_names_to_json(*names);
     const auto again = parse_segment_names(text, "again");
-    require(again.ok(), "names that were written are refused");
+    require(bool(again), "names that were written are refused");
     require(segment_names_to_json(*again) == text, "names come back as others");
     return true;
 }
@@ -37,14 +37,14 @@ SegmentStore small_segments() {
 
 bool parse_history(std::string_view bytes) {
     auto brush = MaterialBrush::begin(small_segments());
-    require(brush.ok(), "a brush does not begin");
-    if (!brush->repeat(bytes, "history").ok()) return false;
+    require(bool(brush), "a brush does not begin");
+    if (!brush->repeat(bytes, "history")) return false;
     const std::string history = brush->history();
     auto again = MaterialBrush::begin(small_segments());
-    require(again->repeat(history, "again").ok(), "a history that was written is refused");
+    require(bool(again->repeat(history, "again")), "a history that was written is refused");
     require(again->history() == history, "a history comes back as another");
-    while (brush->undo().ok()) continue;
-    while (brush->redo().ok()) continue;
+    while (brush->undo()) continue;
+    while (brush->redo()) continue;
     return true;
 }
 

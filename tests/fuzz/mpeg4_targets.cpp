@@ -23,7 +23,7 @@ void require_same_nodes(const mpeg4::SceneTree& scene) {
     (void)is_taken(mpeg4::described_by(*nodes, 64, 48, 8));
     const auto again = mpeg4::clip_nodes_of(mpeg4::scene_of(*nodes, 64, 48));
     if (nodes->focal_length == 0 && nodes->pixel_width == 0) return;  // a DepthImage is written as a Depth
-    require(again.ok(), again.ok() ? "" : "nodes that were written are refused: " + again.error().message);
+    require(bool(again), again ? "" : "nodes that were written are refused: " + again.error().message);
     require(again->depth == nodes->depth && again->colour == nodes->colour &&
                 again->haptic == nodes->haptic && again->height == nodes->height &&
                 again->near == nodes->near && again->far == nodes->far &&
@@ -36,7 +36,7 @@ void require_same_text(const mpeg4::SceneTree& scene) {
     const std::string text = mpeg4::scene_text(scene);
     if (text.size() > (std::size_t{1} << 20)) return;
     const auto again = mpeg4::parse_scene_text(text);
-    require(again.ok(), again.ok() ? "" : "a scene that was written is refused: " + again.error().message);
+    require(bool(again), again ? "" : "a scene that was written is refused: " + again.error().message);
     require(mpeg4::scene_text(*again) == text, "a scene is another one when it is read again");
 }
 
@@ -47,7 +47,7 @@ void require_same_bytes(const mpeg4::SceneTree& scene) {
     if (!is_taken(bytes) || bytes->size() > (std::size_t{60} << 10)) return;
     const auto again = mpeg4::decode_scene(*bytes, config);
     if (!is_taken(again)) return;  // of a string longer than one may be
-    require(mpeg4::encode_scene(*again, config).ok(), "a scene that was decoded cannot be encoded");
+    require(bool(mpeg4::encode_scene(*again, config)), "a scene that was decoded cannot be encoded");
     require(*mpeg4::encode_scene(*again, config) == *bytes,
             "a scene is another one when it is decoded again");
 }

@@ -62,7 +62,7 @@ const Registered exr_tiled_target{{.name = "exr_tiled", .parse = parse_picture<d
 /// All of a rendering together, and each by itself.
 bool parse_exr_layers(std::string_view bytes) {
     const auto whole = decode_exr(bytes, "picture", {true, true});
-    if (whole.ok() && whole->beside)
+    if (whole && whole->beside)
         for (const auto* beside : {&whole->beside->colour, &whole->beside->materials})
             if (*beside) (void)is_picture(Result<StoredImage>(**beside));
     const bool has_colour = is_picture(decode_exr_colour(bytes, "picture"));

@@ -50,7 +50,7 @@ bool parse_recording_and_mended(std::string_view bytes) {
 bool parse_playback_script(std::string_view bytes) {
     const auto commands = parse_playback(bytes, "script");
     if (!is_taken(commands)) return false;
-    require(validate(*commands).ok(), "commands that were read will not do");
+    require(bool(validate(*commands)), "commands that were read will not do");
     (void)in_words(*commands);
     return true;
 }

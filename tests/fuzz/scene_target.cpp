@@ -14,10 +14,10 @@ bool parse_scene_file(std::string_view bytes) {
         require(scene.error().message.starts_with("scene.json"), "a scene is refused without its name");
         return false;
     }
-    require(validate(*scene).ok(), "a scene that was read cannot be");
+    require(bool(validate(*scene)), "a scene that was read cannot be");
     const std::string text = scene_to_json(*scene);
     const auto again = parse_scene(text, "again");
-    require(again.ok(), again.ok() ? "" : "a scene that was written is refused: " + again.error().message);
+    require(bool(again), again ? "" : "a scene that was written is refused: " + again.error().message);
     require(scene_to_json(*again) == text, "a scene is another one when it is read again");
     return true;
 }

@@ -28,10 +28,10 @@ bool parse_stream(std::string_view bytes) {
     auto clip = open_stream_clip(source);
     bool taken = is_taken(clip);
     constexpr std::int64_t most_frames = 200;  // each of those missing between is given
-    for (std::int64_t number = 0; clip.ok() && number < most_frames; ++number) {
+    for (std::int64_t number = 0; clip && number < most_frames; ++number) {
         const auto frame = (*clip)->next();
         taken = is_taken(frame) && taken;
-        if (!frame.ok() || !*frame) break;
+        if (!frame || !*frame) break;
         require((*frame)->number == number, "frames are not numbered one by one");
         const Scene& scene = (*clip)->scene();
         require((*frame)->depth.width == scene.width && (*frame)->depth.height == scene.height,

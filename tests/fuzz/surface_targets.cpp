@@ -37,7 +37,7 @@ bool parse_gltf_clip(std::string_view bytes) {
         const std::vector<std::uint8_t> samples(std::size_t{side} * side * 3, 200);
         const auto put = [&](const char* name, int channels) {
             const PlaneView plane{samples.data(), std::ptrdiff_t{side} * channels, side, side, 1, channels};
-            return write_png(file_of("", name), plane).ok();
+            return bool(write_png(file_of("", name), plane));
         };
         const Target seeds{.name = "mp4_clip", .parse = nullptr};
         file_of(seeds_of(seeds).front().bytes, "planes.mp4");

@@ -61,7 +61,7 @@ bool parse_settings(std::string_view bytes) {
     const SettingsFile kept(file);
     for (const std::string& aside : {file.string() + ".broken"}) std::filesystem::remove(aside);
     const auto written = file_of("{}", "again.json");
-    require(SettingsFile(written).write(kept.read()).ok(), "settings cannot be written");
+    require(bool(SettingsFile(written).write(kept.read())), "settings cannot be written");
     const SettingsFile again(written);
     require(again.message().empty(), "settings that were written are not right: " + again.message());
     require(again.read() == kept.read(), "settings are others when they are read again");

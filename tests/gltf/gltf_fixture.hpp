@@ -38,7 +38,7 @@ protected:
     }
     void expect_refused(const std::string& words) const {
         const auto clip = open();
-        ASSERT_FALSE(clip.ok()) << words;
+        ASSERT_FALSE(clip) << words;
         EXPECT_NE(clip.error().message.find(words), std::string::npos) << clip.error().message;
         EXPECT_EQ(clip.error().message.find('\n'), std::string::npos);
         EXPECT_EQ(clip.error().message.find(file.string()), 0U) << clip.error().message;

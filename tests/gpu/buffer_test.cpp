@@ -67,7 +67,7 @@ TEST_F(Buffer, TooMuchOrNothingIsRefusedWithItsName) {
     for (const std::size_t bytes : {std::size_t{0}, std::size_t{1} << 50U, ~std::size_t{0}})
         for (const GpuMemory memory : {GpuMemory::device, GpuMemory::shared}) {
             const auto buffer = GpuBuffer::create(*gpu, "too much", bytes, memory);
-            ASSERT_FALSE(buffer.ok());
+            ASSERT_FALSE(buffer);
             EXPECT_EQ(buffer.error().kind, ErrorKind::gpu);
             EXPECT_NE(buffer.error().message.find("'too much'"), std::string::npos) << buffer.error().message;
         }

@@ -24,13 +24,13 @@ const std::vector<GpuFacts> four = {
 
 std::size_t chosen(const std::vector<GpuFacts>& gpus, const char* request) {
     const auto index = choose_gpu(gpus, request);
-    EXPECT_TRUE(index.ok()) << (index.ok() ? "" : index.error().message);
-    return index.ok() ? *index : gpus.size();
+    EXPECT_TRUE(index) << (index ? "" : index.error().message);
+    return index ? *index : gpus.size();
 }
 
 void expect_refused(const std::vector<GpuFacts>& gpus, const char* request, const char* why) {
     const auto index = choose_gpu(gpus, request);
-    ASSERT_FALSE(index.ok()) << *index;
+    ASSERT_FALSE(index) << *index;
     EXPECT_EQ(index.error().kind, ErrorKind::gpu);
     EXPECT_NE(index.error().message.find(why), std::string::npos) << index.error().message;
     for (const GpuFacts& facts : gpus) {

@@ -40,7 +40,7 @@ TEST(Patience, IsAMinuteWithASoftwareGpu) {
 TEST_F(Device, IsListedUnderItsName) {
     const auto gpus = must(list_gpus());
     const auto chosen = choose_gpu(gpus, "auto");
-    ASSERT_TRUE(chosen.ok());
+    ASSERT_TRUE(chosen);
     EXPECT_EQ(gpus[*chosen].name, gpu->facts().name);
     GpuOptions by_index;
     by_index.request = std::to_string(*chosen);
@@ -51,7 +51,7 @@ TEST_F(Device, OneThatIsNotThereIsRefused) {
     GpuOptions options;
     options.request = "the fastest of all";
     const auto opened = GpuDevice::open(options);
-    ASSERT_FALSE(opened.ok());
+    ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().kind, ErrorKind::gpu);
     EXPECT_NE(opened.error().message.find(gpu->facts().name), std::string::npos) << opened.error().message;
 }
@@ -76,11 +76,11 @@ TEST_F(Device, ALostOneTakesNoMoreWork) {
     gpu->lose();
     EXPECT_TRUE(gpu->lost());
     const auto late = std::move(during).submit();
-    ASSERT_FALSE(late.ok());
+    ASSERT_FALSE(late);
     EXPECT_EQ(late.error().kind, ErrorKind::gpu);
     EXPECT_NE(late.error().message.find("lost"), std::string::npos);
-    EXPECT_FALSE(GpuCommands::begin(gpu, "after").ok());
-    EXPECT_FALSE(submitted.wait().ok());
+    EXPECT_FALSE(GpuCommands::begin(gpu, "after"));
+    EXPECT_FALSE(submitted.wait());
     EXPECT_TRUE(submitted.done()) << "what had completed stays completed";
 }
 
@@ -152,9 +152,9 @@ TEST(WithoutDrivers, AnEmptyListAndAClearRefusal) {
     const auto gpus = list_gpus();
     const auto opened = GpuDevice::open();
 
-    ASSERT_TRUE(gpus.ok()) << gpus.error().message;
+    ASSERT_TRUE(gpus) << gpus.error().message;
     EXPECT_TRUE(gpus->empty());
-    ASSERT_FALSE(opened.ok());
+    ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().kind, ErrorKind::gpu);
     EXPECT_NE(opened.error().message.find("install a driver"), std::string::npos) << opened.error().message;
 }

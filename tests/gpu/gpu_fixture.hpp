@@ -23,7 +23,7 @@ protected:
         GpuOptions options;
         options.validation = true;
         auto opened = GpuDevice::open(options);
-        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        ASSERT_TRUE(opened) << opened.error().message;
         gpu = std::move(*opened);
         messages = gpu->messages();
     }
@@ -42,12 +42,12 @@ protected:
 /// The value; where there is none, the test fails with the reason.
 template <class T>
 T must(Result<T> result) {
-    if (!result.ok()) throw std::runtime_error(result.error().message);
+    if (!result) throw std::runtime_error(result.error().message);
     return std::move(*result);
 }
 
 inline void must(const Result<void>& result) {
-    if (!result.ok()) throw std::runtime_error(result.error().message);
+    if (!result) throw std::runtime_error(result.error().message);
 }
 
 }  // namespace touchable::test

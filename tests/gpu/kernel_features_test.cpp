@@ -129,7 +129,7 @@ TEST(KernelLayouts, AreReadOfEveryComputeKernelAndOfWhatGpuProgramBinds) {
             continue;
         ++kernels;
         const auto layout = read_spirv(words_of(kernel));
-        ASSERT_TRUE(layout.ok()) << kernel << ": " << layout.error().message;
+        ASSERT_TRUE(layout) << kernel << ": " << layout.error().message;
         EXPECT_FALSE(layout->other_sets) << kernel;
         std::uint32_t next = 0;
         for (const auto& [number, kind] : layout->bindings) {

@@ -38,19 +38,19 @@ TEST(Spirv, SpecialisationConstantsSetTheGroupSize) {
 
 TEST(Spirv, BrokenWordsAreRefusedAndNeverReadBeyond) {
     const std::vector<std::uint32_t> whole(std::begin(mix_words_spv), std::end(mix_words_spv));
-    EXPECT_FALSE(read_spirv({}).ok());
+    EXPECT_FALSE(read_spirv({}));
     std::size_t refused = 0;
     for (std::size_t length = 0; length < whole.size(); ++length) {
         const std::vector<std::uint32_t> cut(whole.begin(),
                                              whole.begin() + static_cast<std::ptrdiff_t>(length));
-        refused += !read_spirv(cut).ok();
+        refused += !read_spirv(cut);
     }
     EXPECT_GT(refused, whole.size() / 4);
     for (std::size_t at = 0; at < whole.size(); ++at)
         for (const std::uint32_t word : {0U, 0xFFFFFFFFU, whole[at] + 0x10000U, whole[at] ^ 1U}) {
             auto bent = whole;
             bent[at] = word;
-            (void)read_spirv(bent).ok();  // whatever it says, it comes back
+            (void)read_spirv(bent);  // whatever it says, it comes back
         }
 }
 
@@ -58,7 +58,7 @@ class Program : public GpuTest {
 protected:
     void expect_refused(const GpuLayout& layout, const char* why) {
         const auto program = GpuProgram::create(*gpu, "mix_words", mix_words_spv, layout);
-        ASSERT_FALSE(program.ok()) << why;
+        ASSERT_FALSE(program) << why;
         EXPECT_EQ(program.error().kind, ErrorKind::internal);
         EXPECT_NE(program.error().message.find("kernel mix_words"), std::string::npos);
         EXPECT_NE(program.error().message.find(why), std::string::npos) << program.error().message;
@@ -92,7 +92,7 @@ TEST_F(Program, EveryWrongLayoutIsRefusedByName) {
 TEST_F(Program, ConstantsThatTheKernelHasNotAreRefused) {
     const std::uint32_t constants[] = {1};
     const auto program = GpuProgram::create(*gpu, "mix_words", mix_words_spv, right, constants);
-    ASSERT_FALSE(program.ok());
+    ASSERT_FALSE(program);
     EXPECT_NE(program.error().message.find("no specialisation constant 0"), std::string::npos);
 }
 
@@ -100,7 +100,7 @@ TEST_F(Program, GroupsLargerThanTheDevicesAreRefused) {
     const std::uint32_t wide[] = {1U << 20U, 1, 3};
     const auto program = GpuProgram::create(*gpu, "spec_group", spec_group_spv,
                                             {0, {storage_buffer}, {1U << 20U, 1, 1}}, wide);
-    ASSERT_FALSE(program.ok());
+    ASSERT_FALSE(program);
     EXPECT_EQ(program.error().kind, ErrorKind::gpu);
     EXPECT_NE(program.error().message.find("kernel spec_group"), std::string::npos)
         << program.error().message;

@@ -339,7 +339,7 @@ std::string difference(const SpirvLayout& kernel, const GpuLayout& believed, std
 std::string layout_fault(std::span<const std::uint32_t> spirv, const GpuLayout& layout,
                          std::span<const std::uint32_t> constants) {
     const auto kernel = read_spirv(spirv, constants);
-    return kernel.ok() ? difference(*kernel, layout, constants.size()) : kernel.error().message;
+    return kernel ? difference(*kernel, layout, constants.size()) : kernel.error().message;
 }
 
 }  // namespace touchable

@@ -227,17 +227,17 @@ TEST(TouchSolver, RefusesWhatItsMetricCannotMeasure) {
     for (const TouchMetric metric : {TouchMetric::pixel, TouchMetric::scaled}) {
         SmallField wall(9, 9, 100.0);
         settings.metric = metric;
-        EXPECT_TRUE(TouchSolver::create(wall.scene, settings).ok());
+        EXPECT_TRUE(TouchSolver::create(wall.scene, settings));
         wall.scene.camera.fy = 401;
         EXPECT_NE(TouchSolver::create(wall.scene, settings).error().message.find("401"), std::string::npos);
         wall.scene.camera.fy = 400;
         wall.scene.depth.kind = DepthCodingKind::metric;
-        EXPECT_FALSE(TouchSolver::create(wall.scene, settings).ok());
+        EXPECT_FALSE(TouchSolver::create(wall.scene, settings));
     }
     SmallField wall(9, 9, 100.0);
     settings = {};
     settings.metres_per_scene_unit = 0;
-    EXPECT_FALSE(TouchSolver::create(wall.scene, settings).ok());
+    EXPECT_FALSE(TouchSolver::create(wall.scene, settings));
 }
 
 TEST(ForceHash, IsXxh64OfLittleEndianDoublesWithOneZero) {

@@ -262,7 +262,7 @@ TEST(HostileInput, AFrameThatIsMissingOrOfAnotherSizeEndsTheForceWithoutAJump) {
 }
 
 TEST(GuardSettings, WhatNoGuardCanKeepIsRefusedAndAGuardOfItExertsNoForce) {
-    EXPECT_TRUE(validate(GuardSettings{}).ok());
+    EXPECT_TRUE(validate(GuardSettings{}));
     const double nan = Limits::quiet_NaN(), inf = Limits::infinity();
     std::vector<std::pair<GuardSettings, const char*>> refused;
     const auto refuse = [&](const char* word, auto spoil) {
@@ -291,7 +291,7 @@ TEST(GuardSettings, WhatNoGuardCanKeepIsRefusedAndAGuardOfItExertsNoForce) {
     }();
     for (const auto& [settings, word] : refused) {
         const auto checked = validate(settings);
-        ASSERT_FALSE(checked.ok()) << word;
+        ASSERT_FALSE(checked) << word;
         EXPECT_NE(checked.error().message.find(word), std::string::npos) << checked.error().message;
         FingerGuard guard(settings, 0.001);
         for (int tick = 0; tick < 150; ++tick) {

@@ -25,8 +25,7 @@ std::size_t allocations_in_ticks(MakeBuilder make_builder) {
     scene.filter.fill_holes = 1;
     std::vector<SurfaceFrame> frames(2);
     const auto builder = make_builder(scene);
-    for (int n : {0, 1})
-        EXPECT_TRUE(builder->build(content->frame(n), frames[static_cast<std::size_t>(n)]).ok());
+    for (int n : {0, 1}) EXPECT_TRUE(builder->build(content->frame(n), frames[static_cast<std::size_t>(n)]));
     TouchSettings settings;
     settings.metres_per_scene_unit = *scene.device_metres_per_unit;
     settings.stribeck_speed = 0.05;

@@ -49,8 +49,8 @@ public:
     HeightField field(double blend = 0) const { return {scene, pair(blend)}; }
 
     /// One tick of one finger.
-    Contact touch(FingerState& finger, const glm::dvec3& goal, double blend = 0,
-                  TouchSettings settings = {}, int ticks = 1) const {
+    Contact touch(FingerState& finger, const glm::dvec3& goal, double blend = 0, TouchSettings settings = {},
+                  int ticks = 1) const {
         settings.metres_per_scene_unit = 0.001;
         Contact contact;
         const auto solver = TouchSolver::create(scene, settings);

@@ -121,7 +121,7 @@ TEST_F(Stribeck, RefusesASpeedThatIsNone) {
         TouchSettings settings;
         settings.stribeck_speed = speed;
         const auto made = TouchSolver::create(wall.scene, settings);
-        ASSERT_FALSE(made.ok());
+        ASSERT_FALSE(made);
         EXPECT_NE(made.error().message.find("Stribeck"), std::string::npos);
     }
 }

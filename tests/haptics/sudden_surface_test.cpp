@@ -204,7 +204,7 @@ public:
         slot->width = slot->height = 33;
         slot->coding = stage_.field.scene.depth;
         slot->vertices = std::make_unique<ExactVertices>(33, 33, std::vector<double>(33 * 33, depth));
-        ASSERT_TRUE(timeline.publish(n, stage_.field.scene.rate.time_ns(n)).ok());
+        ASSERT_TRUE(timeline.publish(n, stage_.field.scene.rate.time_ns(n)));
     }
     void tick(std::int64_t tick, const dvec3& goal) {
         FramePair pair;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "haptics_cpu/world_space.hpp"
 #include "haptics_cpu/surface_carry.hpp"
+#include "haptics_cpu/world_space.hpp"
 #include "tests/frame/random.hpp"
 #include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"

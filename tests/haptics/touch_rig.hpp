@@ -31,7 +31,7 @@ public:
     void load(std::int64_t number, Depth depth, SurfaceFrame& frame) {
         if (depth == Depth::exact) return content_->exact_frame(number, frame);
         const auto built = make_cpu_builder(scene_)->build(content_->frame(number), frame);
-        ASSERT_TRUE(built.ok());
+        ASSERT_TRUE(built);
     }
 
     /// One tick of one finger (or the same goal for all).

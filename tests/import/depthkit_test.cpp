@@ -207,7 +207,7 @@ TEST(Depthkit, MetadataThatDoNotFitAreRefusedByName) {
     for (const auto& [text, words] : cases) {
         write_depthkit(folder, noise(1), text);
         const auto clip = open_clip(folder / "Clip.mov");
-        ASSERT_FALSE(clip.ok()) << words.front();
+        ASSERT_FALSE(clip) << words.front();
         EXPECT_EQ(clip.error().kind, ErrorKind::input);
         EXPECT_TRUE(message(clip).starts_with((folder / "Clip.Metadata.asset").string() + ": "))
             << message(clip);

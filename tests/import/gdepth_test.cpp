@@ -215,7 +215,7 @@ TEST(GdepthJpeg, WhatIsMissingOrWrongIsSaid) {
     };
     for (const auto& [bytes, word] : cases) {
         const auto clip = open_bytes(folder, bytes);
-        ASSERT_FALSE(clip.ok()) << word;
+        ASSERT_FALSE(clip) << word;
         EXPECT_EQ(clip.error().kind, ErrorKind::input);
         EXPECT_TRUE(message(clip).starts_with((folder / "still.jpg").string() + ": ")) << message(clip);
         EXPECT_NE(message(clip).find(word), std::string::npos) << word << " in: " << message(clip);

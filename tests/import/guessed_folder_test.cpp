@@ -328,7 +328,7 @@ TEST_F(GuessedFolder, GreyPicturesAreDepthWhereSomebodySaysSo) {
     std::filesystem::rename(folder / "vis_depth", folder / "out");
     for (const char* n : {"0", "1", "2"}) colour("out/rgb/frame_" + std::string(n) + ".png");
     const auto refused = guess_folder(folder / "out", {});
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("a preset says so"), std::string::npos);
     SourceDescription known;
     known.preset = "relative-inverse";

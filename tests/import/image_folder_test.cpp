@@ -466,7 +466,7 @@ TEST(ImageFolder, WhatIsAskedForMustMakeSense) {
     const TemporaryFolder bare;
     EXPECT_NE(message(open_clip(bare.path())).find("describe them with a scene file"), std::string::npos);
     const auto twice = open_clip(folder / "scene.json", folder / "scene.json");
-    ASSERT_FALSE(twice.ok());
+    ASSERT_FALSE(twice);
     EXPECT_EQ(twice.error().kind, ErrorKind::usage);
     write_bytes(folder / "plain.json", scene_to_json(small_scene(columns, rows)));
     EXPECT_TRUE(message(open_clip(folder / "plain.json"))

@@ -44,10 +44,10 @@ Shape {
 class SceneTextClips : public ::testing::Test {
 protected:
     void SetUp() override {
-        ASSERT_TRUE(write_png(folder / "depth.png", painted(1, 2).view()).ok());
-        ASSERT_TRUE(write_png(folder / "colour.png", painted(3, 3).view()).ok());
-        ASSERT_TRUE(write_png(folder / "haptic.png", painted(3, 5).view()).ok());
-        ASSERT_TRUE(write_png(folder / "height.png", painted(1, 7).view()).ok());
+        ASSERT_TRUE(write_png(folder / "depth.png", painted(1, 2).view()));
+        ASSERT_TRUE(write_png(folder / "colour.png", painted(3, 3).view()));
+        ASSERT_TRUE(write_png(folder / "haptic.png", painted(3, 5).view()));
+        ASSERT_TRUE(write_png(folder / "height.png", painted(1, 7).view()));
     }
     Result<std::unique_ptr<ClipReader>> open(const std::string& text) {
         write_bytes(folder / "scene.bt", text);
@@ -234,10 +234,10 @@ TEST_F(WrittenSceneText, PicturesThatAreMissingOrOthersAreNamed) {
         std::filesystem::rename(folder / "aside", picture(role));
     }
     const Image other{7, 5, 1, 3, Samples(105, 9)};
-    ASSERT_TRUE(write_png(picture("haptic"), other.view()).ok());
+    ASSERT_TRUE(write_png(picture("haptic"), other.view()));
     EXPECT_TRUE(says_of_it(**open_clip(file), "haptic is 7x5: resampled"));
     const Image small{7, 5, 2, 1, Samples(70, 1)};
-    ASSERT_TRUE(write_png(picture("depth"), small.view()).ok());
+    ASSERT_TRUE(write_png(picture("depth"), small.view()));
     EXPECT_NE(message(open_clip(file)).find("is 7x5, but the scene is 23x14"), std::string::npos)
         << message(open_clip(file));
 }

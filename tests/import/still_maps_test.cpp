@@ -93,7 +93,7 @@ protected:
     }
     void expect_refused(const std::string& name, const std::string& text, const std::string& words) {
         const auto map = read(name, text);
-        ASSERT_FALSE(map.ok()) << text;
+        ASSERT_FALSE(map) << text;
         EXPECT_NE(map.error().message.find(words), std::string::npos) << map.error().message;
         EXPECT_EQ(map.error().message.find('\n'), std::string::npos);
     }
@@ -340,8 +340,8 @@ TEST_F(StillMapsTest, GreyIsStiffnessAlone) {
     expect_range((*clip)->scene().haptic.static_friction, 0.4, 0.4);
     EXPECT_TRUE(has_note((*clip)->notes(), "haptic is grey"));
     write_bytes(folder / "m.jpg", "\xff\xd8\xff");
-    EXPECT_FALSE(with_still_maps(small_clip(folder, true), {folder / "m.jpg", {}}).ok());
-    EXPECT_FALSE(with_still_maps(small_clip(folder, true), {{}, folder / "gone.png"}).ok());
+    EXPECT_FALSE(with_still_maps(small_clip(folder, true), {folder / "m.jpg", {}}));
+    EXPECT_FALSE(with_still_maps(small_clip(folder, true), {{}, folder / "gone.png"}));
 }
 
 TEST_F(StillMapsTest, HeightsAreAsHighAsTheSceneSaysOrALevel) {

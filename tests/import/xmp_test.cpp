@@ -118,7 +118,7 @@ TEST(JpegXmp, PiecesThatDoNotFitAreRefused) {
     };
     for (const auto& [segments, word] : cases) {
         const auto xmp = read_jpeg_xmp(jpeg_around(main_packet() + segments), "x.jpg");
-        ASSERT_FALSE(xmp.ok()) << word;
+        ASSERT_FALSE(xmp) << word;
         EXPECT_EQ(xmp.error().kind, ErrorKind::input);
         EXPECT_TRUE(message(xmp).starts_with("x.jpg: ")) << message(xmp);
         EXPECT_NE(message(xmp).find(word), std::string::npos) << message(xmp);

@@ -11,8 +11,8 @@ namespace {
 
 SegmentNames parsed(const std::string& text) {
     const auto names = parse_segment_names(text, "n.json");
-    EXPECT_TRUE(names.ok()) << names.error().message;
-    return names.ok() ? *names : SegmentNames{};
+    EXPECT_TRUE(names) << names.error().message;
+    return names ? *names : SegmentNames{};
 }
 
 TEST(SegmentNames, AreReadWithTheirMaterialsAndOwnValues) {
@@ -68,7 +68,7 @@ TEST(SegmentNames, AreRefusedInWords) {
     const auto refused = [](const std::string& segments, const std::string& why) {
         const auto names =
             parse_segment_names("{\"touchable_segments\": 1, \"segments\": " + segments + "}", "n.json");
-        ASSERT_FALSE(names.ok()) << segments;
+        ASSERT_FALSE(names) << segments;
         EXPECT_EQ(names.error().kind, ErrorKind::input);
         EXPECT_TRUE(names.error().message.starts_with("n.json: ")) << names.error().message;
         EXPECT_NE(names.error().message.find(why), std::string::npos) << names.error().message;
@@ -94,10 +94,10 @@ TEST(SegmentNames, AreRefusedInWords) {
     refused("3", "a list");
     refused("[], \"cuts\": [{\"frame\": 0, \"stroke\": [[1, 2]]}]", "cuts[0].stroke");
     refused("[], \"cuts\": [{\"frame\": -1, \"stroke\": [[1, 2], [3, 4]]}]", "cuts[0].frame");
-    EXPECT_FALSE(parse_segment_names("{", "n.json").ok());
-    EXPECT_FALSE(parse_segment_names(R"({"touchable_segments": 2, "segments": []})", "n.json").ok());
+    EXPECT_FALSE(parse_segment_names("{", "n.json"));
+    EXPECT_FALSE(parse_segment_names(R"({"touchable_segments": 2, "segments": []})", "n.json"));
     EXPECT_FALSE(
-        parse_segment_names(R"({"touchable_segments": 1, "otherwise": "x", "segments": []})", "n.json").ok());
+        parse_segment_names(R"({"touchable_segments": 1, "otherwise": "x", "segments": []})", "n.json"));
 }
 
 }  // namespace

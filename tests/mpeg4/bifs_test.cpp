@@ -11,16 +11,16 @@ namespace {
 
 std::vector<std::uint8_t> encoded(const SceneTree& scene) {
     auto bytes = encode_scene(scene, config_for(scene, 64, 48));
-    EXPECT_TRUE(bytes.ok()) << (bytes.ok() ? "" : bytes.error().message);
-    return bytes.ok() ? *bytes : std::vector<std::uint8_t>();
+    EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().message);
+    return bytes ? *bytes : std::vector<std::uint8_t>();
 }
 
 /// Encoded, decoded and written again.
 std::string through_bits(std::string_view text) {
     const SceneTree scene = scene_from(text);
     const auto decoded = decode_scene(encoded(scene), config_for(scene, 64, 48));
-    EXPECT_TRUE(decoded.ok()) << (decoded.ok() ? "" : decoded.error().message);
-    return decoded.ok() ? scene_text(*decoded) : "";
+    EXPECT_TRUE(decoded) << (decoded ? "" : decoded.error().message);
+    return decoded ? scene_text(*decoded) : "";
 }
 std::string as_written(std::string_view text) {
     return scene_text(scene_from(text));
@@ -50,8 +50,8 @@ TEST(Bifs, StillsAreTheBytesOfGpacsEncoder) {
 TEST(Bifs, NamesPrototypesByTheirFields) {
     const auto decoded = [](std::string_view bytes, const BifsConfig& config) {
         auto scene = decode_scene(bytes_of_hex(bytes), config);
-        EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
-        return scene.ok() ? *scene : SceneTree();
+        EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+        return scene ? *scene : SceneTree();
     };
     const BifsConfig still{.prototype_id_bits = 2}, image{.version = 1};
     EXPECT_FALSE(decoded(nameless_still_bytes, still).has_names);
@@ -88,7 +88,7 @@ TEST(Bifs, WhatIsThePapersOwnHasNoBinaryForm) {
     const auto refusal = [](std::string_view text) {
         const SceneTree scene = scene_from(text);
         const auto bytes = encode_scene(scene, config_for(scene, 64, 48));
-        return bytes.ok() ? std::string("no error") : bytes.error().message;
+        return bytes ? std::string("no error") : bytes.error().message;
     };
     EXPECT_EQ(refusal("Group { children [ Shape { geometry Depth {} } ] }"),
               "Group: Shape: Depth: MPEG-4 has no such node; a PROTO could define it");
@@ -103,12 +103,12 @@ TEST(Bifs, ASceneThatIsCutIsRefused) {
     const auto bytes = encoded(scene);
     for (std::size_t length = 0; length + 1 < bytes.size(); ++length) {
         const auto decoded = decode_scene(std::span(bytes).first(length), config_for(scene, 64, 48));
-        ASSERT_FALSE(decoded.ok()) << length;
+        ASSERT_FALSE(decoded) << length;
         EXPECT_EQ(decoded.error().kind, ErrorKind::input);
     }
     auto longer = bytes;
     longer.push_back(0);
-    EXPECT_TRUE(decode_scene(longer, config_for(scene, 64, 48)).ok());
+    EXPECT_TRUE(decode_scene(longer, config_for(scene, 64, 48)));
 }
 
 TEST(Bifs, DamageNamesItsBit) {
@@ -119,9 +119,9 @@ TEST(Bifs, DamageNamesItsBit) {
         auto damaged = bytes;
         damaged[bit / 8] = static_cast<std::uint8_t>(damaged[bit / 8] ^ (128 >> bit % 8));
         const auto decoded = decode_scene(damaged, config_for(scene, 64, 48));
-        if (decoded.ok()) {
+        if (decoded) {
             ++opened;
-            EXPECT_TRUE(parse_scene_text(scene_text(*decoded)).ok()) << scene_text(*decoded);
+            EXPECT_TRUE(parse_scene_text(scene_text(*decoded))) << scene_text(*decoded);
         } else {
             ++refused;
             const std::string& why = decoded.error().message;
@@ -136,7 +136,7 @@ TEST(Bifs, DamageNamesItsBit) {
 TEST(Bifs, LimitsHold) {
     const auto refusal = [](std::vector<std::uint8_t> bytes, BifsConfig config = {.prototype_id_bits = 2}) {
         const auto decoded = decode_scene(bytes, config);
-        return decoded.ok() ? std::string("no error") : decoded.error().message;
+        return decoded ? std::string("no error") : decoded.error().message;
     };
     EXPECT_EQ(refusal(std::vector<std::uint8_t>(70'000)),
               "the scene has 70000 bytes: must be 64 KiB at most");
@@ -144,7 +144,7 @@ TEST(Bifs, LimitsHold) {
     std::string deep;
     for (int k = 0; k < 40; ++k) deep += "Group { children [ ";
     const auto text = parse_scene_text(deep);
-    ASSERT_FALSE(text.ok());
+    ASSERT_FALSE(text);
     EXPECT_NE(text.error().message.find("more than 32 deep"), std::string::npos) << text.error().message;
     // Group { children [ Group { children [ ..., each 13 bits: new, 3D, 17, unnamed, mask, children, list,
     // value.
@@ -181,7 +181,7 @@ TEST(Bifs, NumbersThatFourBytesCannotHoldAreRefused) {
     size = std::array{1.0F, std::numeric_limits<float>::infinity()};
     scene.root = std::make_shared<Node>(Node{.type = "Group", .fields = {{"children", {scene.root}}}});
     const auto refused = encode_scene(scene, config_for(scene, 64, 48));
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().message, "Group: Shape: Rectangle: has a number that four bytes cannot hold");
 }
 
@@ -197,11 +197,11 @@ TEST(Bifs, ConfigurationsComeBack) {
          {BifsConfig{.version = 1, .node_id_bits = 3, .width = 640, .height = 480},
           BifsConfig{.node_id_bits = 9, .route_id_bits = 2, .prototype_id_bits = 4}}) {
         const auto read = decode_config(encode_config(config), config.object_type());
-        ASSERT_TRUE(read.ok()) << read.error().message;
+        ASSERT_TRUE(read) << read.error().message;
         EXPECT_EQ(encode_config(*read), encode_config(config));
     }
-    EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{1}, 2).ok());
-    EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{8, 0x38, 2, 0, 1, 0x80}, 3).ok());
+    EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{1}, 2));
+    EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{8, 0x38, 2, 0, 1, 0x80}, 3));
 }
 
 }  // namespace

@@ -65,13 +65,13 @@ geometry Depth {
 
 ClipNodes nodes_from(std::string_view text) {
     auto nodes = clip_nodes_of(scene_from(text));
-    EXPECT_TRUE(nodes.ok()) << (nodes.ok() ? "" : nodes.error().message);
-    return nodes.ok() ? *nodes : ClipNodes();
+    EXPECT_TRUE(nodes) << (nodes ? "" : nodes.error().message);
+    return nodes ? *nodes : ClipNodes();
 }
 
 std::string layout_refusal(std::string_view text) {
     const auto nodes = clip_nodes_of(scene_from(text));
-    return nodes.ok() ? "no error" : nodes.error().message;
+    return nodes ? "no error" : nodes.error().message;
 }
 
 void expect_range(const PropertyRange& range, double min, double max) {
@@ -97,7 +97,7 @@ TEST(ClipNodes, ThePapersSceneIsRead) {
 
 TEST(ClipNodes, ThePapersPrintIsRefused) {
     const auto printed = parse_scene_text(printed_scene);
-    ASSERT_FALSE(printed.ok());
+    ASSERT_FALSE(printed);
     EXPECT_EQ(printed.error().message, "line 7, column 3: Shape: has no field \"hapticSurface\"");
 }
 
@@ -169,7 +169,7 @@ TEST(ClipNodes, RefusesUnknownNamelessPrototypes) {
         scene_from("PROTO Proto1 [ field SFFloat field0 1 ] { Rectangle {} } Shape { geometry Proto1 {} }");
     scene.has_names = false;
     const auto nodes = clip_nodes_of(scene);
-    ASSERT_FALSE(nodes.ok());
+    ASSERT_FALSE(nodes);
     EXPECT_EQ(nodes.error().message,
               "Shape: its geometry must be a Depth (the scene is encoded without names, so a PROTO is known "
               "by the types of its fields alone; MP4Box -def writes names)");

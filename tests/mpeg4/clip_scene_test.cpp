@@ -115,13 +115,13 @@ TEST(ClipScene, NodesOfPicturesHaveASceneFileOnlyWhereTheyCannotSayAll) {
         // By text and by bytes it stays the same.
         const SceneTree tree = scene_of(nodes, 64, 48);
         const auto read = clip_nodes_of(scene_from(scene_text(tree)));
-        ASSERT_TRUE(read.ok()) << read.error().message;
+        ASSERT_TRUE(read) << read.error().message;
         EXPECT_EQ(read->scene_file, nodes.scene_file);
         const BifsConfig config = config_for(tree, 64, 48);
         const auto bytes = encode_scene(tree, config);
-        ASSERT_TRUE(bytes.ok()) << bytes.error().message;
+        ASSERT_TRUE(bytes) << bytes.error().message;
         const auto decoded = decode_scene(*bytes, config);
-        ASSERT_TRUE(decoded.ok()) << decoded.error().message;
+        ASSERT_TRUE(decoded) << decoded.error().message;
         EXPECT_EQ(clip_nodes_of(*decoded)->scene_file, nodes.scene_file);
     }
 }
@@ -132,7 +132,7 @@ TEST(ClipScene, AWorldInfoOfOthersSaysNothing) {
         const auto nodes = clip_nodes_of(
             scene_from("Group { children [ " + std::string(world) +
                        R"( Shape { geometry Depth { texture ImageTexture { url "d.png" } } } ] })"));
-        ASSERT_TRUE(nodes.ok()) << nodes.error().message;
+        ASSERT_TRUE(nodes) << nodes.error().message;
         EXPECT_EQ(nodes->scene_file, "");
     }
 }
@@ -140,7 +140,7 @@ TEST(ClipScene, AWorldInfoOfOthersSaysNothing) {
 TEST(ClipScene, NodesDescribeTheClipThatTheyCameFrom) {
     const Scene scene = papers_clip();
     const auto described = described_by(mpeg4::nodes_from(scene), 64, 48, 8);
-    ASSERT_TRUE(described.ok()) << described.error().message;
+    ASSERT_TRUE(described) << described.error().message;
     EXPECT_EQ(described->scene.depth.near, 10);
     EXPECT_EQ(described->scene.depth.far, 200);
     EXPECT_EQ(described->scene.height_coding.max_height, 2);
@@ -148,7 +148,7 @@ TEST(ClipScene, NodesDescribeTheClipThatTheyCameFrom) {
     EXPECT_EQ(described->scene.camera.cy, scene.camera.cy);
     Scene same = scene;
     const auto taken = take_nodes(mpeg4::nodes_from(scene), same);
-    ASSERT_TRUE(taken.ok());
+    ASSERT_TRUE(taken);
     EXPECT_FALSE(*taken);
 }
 
@@ -163,7 +163,7 @@ TEST(ClipScene, ADepthImageOverAnotherCameraStands) {
     nodes.angle_x = 2 * std::atan(32.0 / 80);
     nodes.angle_y = 2 * std::atan(24.0 / 80);
     const auto taken = take_nodes(nodes, scene);
-    ASSERT_TRUE(taken.ok()) << taken.error().message;
+    ASSERT_TRUE(taken) << taken.error().message;
     EXPECT_TRUE(*taken);
     EXPECT_NEAR(scene.camera.fx, 80, 1e-9);
     EXPECT_NEAR(scene.camera.fy, 80, 1e-9);
@@ -178,7 +178,7 @@ TEST(ClipScene, AnotherHeightIsTakenInTheScenesUnits) {
     ClipNodes nodes = mpeg4::nodes_from(scene);
     EXPECT_NEAR(nodes.max_height, 3 / (190.0 / 255), 1e-12);
     nodes.max_height *= 2;
-    ASSERT_TRUE(take_nodes(nodes, scene).ok());
+    ASSERT_TRUE(take_nodes(nodes, scene));
     EXPECT_EQ(scene.height_coding.units, HeightUnits::world);
     EXPECT_NEAR(scene.height_coding.max_height, 6, 1e-12);
 }

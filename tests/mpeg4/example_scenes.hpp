@@ -76,8 +76,8 @@ inline constexpr std::string_view nameless_depth_image_still_bytes =
 
 inline SceneTree scene_from(std::string_view text) {
     auto scene = parse_scene_text(text);
-    EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
-    return scene.ok() ? std::move(*scene) : SceneTree();
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    return scene ? std::move(*scene) : SceneTree();
 }
 
 inline std::string hex(const std::vector<std::uint8_t>& bytes) {

@@ -41,7 +41,7 @@ std::optional<SceneStream> by_gpac(const std::string& text) {
 TEST(Gpac, EncodesTheSameBytes) {
     if (std::system("command -v MP4Box >/dev/null") != 0) GTEST_SKIP() << "GPAC is not installed";
     const auto paper = clip_nodes_of(scene_from(still_scene));
-    ASSERT_TRUE(paper.ok());
+    ASSERT_TRUE(paper);
     for (const std::string& text :
          {std::string(prototype_scene), std::string(depth_image_scene), still_scene,
           std::string(depth_image_still_scene), scene_text(scene_of(*paper, 64, 48))}) {
@@ -49,7 +49,7 @@ TEST(Gpac, EncodesTheSameBytes) {
         ASSERT_TRUE(gpac) << text;
         const SceneTree scene = scene_from(text);
         const auto ours = encode_scene(scene, config_for(scene, 64, 48));
-        ASSERT_TRUE(ours.ok()) << ours.error().message;
+        ASSERT_TRUE(ours) << ours.error().message;
         EXPECT_EQ(hex(gpac->scene), hex(*ours)) << text;
     }
 }

@@ -56,8 +56,8 @@ SceneStream stream() {
 
 std::vector<Box> parsed(BytesView bytes) {
     auto boxes = boxes_in(bytes);
-    EXPECT_TRUE(boxes.ok());
-    return boxes.ok() ? *boxes : std::vector<Box>();
+    EXPECT_TRUE(boxes);
+    return boxes ? *boxes : std::vector<Box>();
 }
 
 std::vector<std::string> types(BytesView bytes) {
@@ -75,7 +75,7 @@ protected:
     void SetUp() override {
         const Bytes before = movie();
         auto made = with_scene_stream(before, stream(), 1, moov_at);
-        ASSERT_TRUE(made.ok()) << made.error().message;
+        ASSERT_TRUE(made) << made.error().message;
         bytes = std::move(*made);
         boxes = parsed(bytes);
         ASSERT_EQ(boxes.size(), 2);
@@ -152,26 +152,26 @@ TEST_F(Written, ObjectsAreEnabled) {
 
 TEST_F(Written, FindsFirstSamples) {
     const auto scene = first_sample_of(moov, 6);
-    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(scene->at, moov_at + 8);
     EXPECT_EQ(scene->bytes, prototype_bytes.size() / 2 + 1);
     EXPECT_EQ(scene->count, 1);
     for (const auto& [track, words] :
          {std::pair{1, "track 1 (\"vide\") has no sample"}, {9, "has no track 9"}}) {
         const auto none = first_sample_of(moov, static_cast<std::uint32_t>(track));
-        ASSERT_FALSE(none.ok());
+        ASSERT_FALSE(none);
         EXPECT_EQ(none.error().message, words);
     }
 }
 
 TEST_F(Written, ComesBack) {
     const auto again = read_again(moov);
-    ASSERT_TRUE(again.ok()) << again.error().message;
+    ASSERT_TRUE(again) << again.error().message;
     ASSERT_TRUE(again->has_value());
     EXPECT_EQ((*again)->objects, stream().objects);
     EXPECT_EQ(encode_config((*again)->config), encode_config(stream().config));
     const auto scene = decode_scene((*again)->scene, (*again)->config);
-    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(scene_text(*scene), scene_text(scene_from(prototype_scene)));
 }
 
@@ -182,13 +182,12 @@ TEST_F(Written, DamageIsRefusedOrLeavesAScene) {
         damaged[at] = static_cast<std::uint8_t>(damaged[at] ^ 0xFF);
         const auto again = read_scene_stream(
             damaged, [](std::uint64_t, std::uint64_t count) { return Result<Bytes>(Bytes(count)); });
-        refused += again.ok() ? 0 : 1;
+        refused += again ? 0 : 1;
     }
     EXPECT_GT(refused, 20);
     for (std::size_t length = 0; length < moov.size(); ++length) {
         const auto again = read_again(moov.first(length));
-        EXPECT_TRUE(!again.ok() || length >= moov.size() - 8 || !again->has_value() ||
-                    (*again)->objects.empty())
+        EXPECT_TRUE(!again || length >= moov.size() - 8 || !again->has_value() || (*again)->objects.empty())
             << length;
     }
 }
@@ -196,7 +195,7 @@ TEST_F(Written, DamageIsRefusedOrLeavesAScene) {
 TEST(SceneStream, AMovieWithoutOneHasNone) {
     const auto none = read_scene_stream(
         movie(), [](std::uint64_t, std::uint64_t) { return Result<Bytes>(input_error("nothing")); });
-    ASSERT_TRUE(none.ok());
+    ASSERT_TRUE(none);
     EXPECT_FALSE(none->has_value());
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 std::string refusal(std::string_view text) {
     const auto scene = parse_scene_text(text);
-    return scene.ok() ? "no error" : scene.error().message;
+    return scene ? "no error" : scene.error().message;
 }
 
 TEST(SceneText, IsReadAsItIsWritten) {

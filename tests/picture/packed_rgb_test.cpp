@@ -120,7 +120,7 @@ TEST(RgbConverter, GivesTheBitsOfSwscaleForEverySizeAndKeepsNothingOfFramesBefor
                 const Look look{width, height, format, range, AVCOL_SPC_BT709};
                 const FramePtr frame = noise(look, ++seed);
                 const auto rgb = converter.converted(*frame);
-                ASSERT_TRUE(rgb.ok()) << rgb.error().message;
+                ASSERT_TRUE(rgb) << rgb.error().message;
                 ASSERT_EQ(pixels_of(**rgb), by_swscale(*frame, look)) << text_of(look);
             }
 }
@@ -129,15 +129,15 @@ TEST(RgbConverter, IsAsBeforeAfterAFrameThatCannotBeConverted) {
     RgbConverter converter;
     const FramePtr frame = noise({}, 1);
     const auto before = converter.converted(*frame);
-    ASSERT_TRUE(before.ok());
+    ASSERT_TRUE(before);
     // Nobody fills one of these; what matters is its format.
     const FramePtr other(av_frame_alloc());
     other->width = frame->width;
     other->height = frame->height;
     other->format = AV_PIX_FMT_VAAPI;
-    EXPECT_FALSE(converter.converted(*other).ok());
+    EXPECT_FALSE(converter.converted(*other));
     const auto after = converter.converted(*frame);
-    ASSERT_TRUE(after.ok());
+    ASSERT_TRUE(after);
     EXPECT_EQ(pixels_of(**after), pixels_of(**before));
 }
 
@@ -167,7 +167,7 @@ TEST(RgbConverter, MovesBytesOfEveryOrderOfChannels) {
                     }
             RgbConverter converter;
             const auto rgb = converter.converted(*frame);
-            ASSERT_TRUE(rgb.ok()) << rgb.error().message;
+            ASSERT_TRUE(rgb) << rgb.error().message;
             ASSERT_EQ(pixels_of(**rgb), expected) << text_of({width, 5, format});
             ASSERT_EQ(rgb_exact(*frame).samples, expected) << text_of({width, 5, format});
         }

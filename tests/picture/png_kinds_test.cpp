@@ -177,7 +177,7 @@ std::string refusal_of_four_bits(const std::string& depth, std::vector<RawFrame>
     auto reader = open_clip(folder / "scene.json");
     if (!reader) return reader.error().message;
     auto read = read_all(**reader);
-    if (frames && read.ok()) *frames = *read;
+    if (frames && read) *frames = *read;
     return message(read);
 }
 

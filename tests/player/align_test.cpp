@@ -33,7 +33,7 @@ protected:
     void write(const char* name, int number, const PlaneView& plane) const {
         std::array<char, 32> file{};
         std::snprintf(file.data(), file.size(), "%s%03d.png", name, number);
-        EXPECT_TRUE(write_png(pictures() / file.data(), plane).ok());
+        EXPECT_TRUE(write_png(pictures() / file.data(), plane));
     }
     /// How much the force changes from frame to frame, RMS, N: 1 s after the finger came to rest.
     double pulse(const std::string& align) const {
@@ -106,11 +106,11 @@ TEST_F(PumpingFolder, OfAClipOfOursIsAlignedByWhateverWritesItAnew) {
         0);
     const auto hash_of_depth = [&](const std::string& file, DepthAlignment alignment) {
         auto clip = open_clip(file, {}, {}, Colour::wanted, {}, alignment);
-        EXPECT_TRUE(clip.ok()) << file;
+        EXPECT_TRUE(clip) << file;
         ByteHash hash;
-        while (clip.ok()) {
+        while (clip) {
             const auto frame = (*clip)->next();
-            if (!frame.ok() || !*frame) break;
+            if (!frame || !*frame) break;
             const PlaneView& depth = (*frame)->depth;
             for (int y = 0; y < depth.height; ++y) hash.add(depth.row(y), std::size_t{2} * depth.width);
         }

@@ -24,7 +24,7 @@ protected:
                 image.samples.push_back(static_cast<std::uint8_t>(depth & 255));
                 image.samples.push_back(static_cast<std::uint8_t>(depth >> 8));
             }
-        EXPECT_TRUE(write_png(folder / "my.png", image.view()).ok());
+        EXPECT_TRUE(write_png(folder / "my.png", image.view()));
     }
     std::string picture() const { return folder / "my.png"; }
     const Words camera{"--intrinsics", "50,50", "--depth-unit", "0.001"};
@@ -134,7 +134,7 @@ TEST_F(BarePicture, OfManyPixelsTakesMemoryForThemAlone) {
         image.samples[k] = static_cast<std::uint8_t>(depth & 255);
         image.samples[k + 1] = static_cast<std::uint8_t>(depth >> 8);
     }
-    ASSERT_TRUE(write_png_to(picture(), image.view(), picture(), PngEffort::quick).ok());
+    ASSERT_TRUE(write_png_to(picture(), image.view(), picture(), PngEffort::quick));
     image = {};
     const Outcome told = run({"info", picture()}, camera);
     EXPECT_EQ(told.code, 0) << told.err;

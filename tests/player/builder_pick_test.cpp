@@ -28,7 +28,7 @@ BuilderChoice::Load load_of(int width, int height, int median, int fingers) {
     options.bits = 16;
     BuilderChoice::Load load;
     auto source = make_scene("moving", options);
-    EXPECT_TRUE(source.ok());
+    EXPECT_TRUE(source);
     load.scene = (*source)->scene();
     load.scene.filter.median = median;
     load.fingers = fingers;

@@ -29,7 +29,7 @@ ForceTable pressing(std::size_t ticks, ForceAt force_at) {
 TEST(CompareForces, ARunIsTheSameAsItself) {
     const ForceTable a = pressing(600, [](double t) { return glm::dvec3(0, t, 1); });
     const auto same = compare_forces(a, a);
-    ASSERT_TRUE(same.ok());
+    ASSERT_TRUE(same);
     EXPECT_EQ(same->both, 600);
     EXPECT_EQ(same->difference_n.max, 0);
     EXPECT_EQ(same->direction_degrees.max, 0);
@@ -43,7 +43,7 @@ TEST(CompareForces, DirectionAndLengthAreToldApart) {
     const ForceTable b =
         pressing(300, [&](double) { return 1.5 * glm::dvec3(std::sin(turned), 0, std::cos(turned)); });
     const auto c = compare_forces(a, b);
-    ASSERT_TRUE(c.ok());
+    ASSERT_TRUE(c);
     EXPECT_NEAR(c->direction_degrees.mean, 10, 1e-9);
     EXPECT_NEAR(c->longer_n, 0.5, 1e-12);
     const double apart = std::sqrt(4 + 2.25 - 2 * 2 * 1.5 * std::cos(turned));
@@ -60,7 +60,7 @@ TEST(CompareForces, AHumIsFoundInItsBand) {
             return glm::dvec3(0, 0.1 * std::sin(2 * std::numbers::pi * hz * t), 1);
         });
         const auto c = compare_forces(humming, quiet);
-        ASSERT_TRUE(c.ok());
+        ASSERT_TRUE(c);
         EXPECT_EQ(c->noise_windows, 4);
         for (std::size_t k = 0; k < ForceComparison::noise_bands.size(); ++k) {
             const double rms = 0.1 / std::numbers::sqrt2;
@@ -77,7 +77,7 @@ TEST(CompareForces, WhoTouchesIsCounted) {
     b.samples[1].goal = a.samples[1].goal;
     a.samples[3].goal.x += 1e-9;
     const auto c = compare_forces(a, b);
-    ASSERT_TRUE(c.ok());
+    ASSERT_TRUE(c);
     EXPECT_EQ(c->both, 1);
     EXPECT_EQ(c->only_b, 1);
     EXPECT_EQ(c->only_a, 1);

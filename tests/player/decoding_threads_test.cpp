@@ -23,7 +23,7 @@ protected:
     std::unique_ptr<ClipReader> open() const {
         auto reader = open_clip(file());
         EXPECT_EQ(message(reader), "");
-        return reader.ok() ? std::move(*reader) : nullptr;
+        return reader ? std::move(*reader) : nullptr;
     }
     void expect_frames(ClipReader& reader, int from, int to) const {
         for (int n = from; n < to; ++n) {

@@ -217,7 +217,7 @@ protected:
         std::byte room[1024];
         for (ssize_t came; (came = recv(socket_, room, sizeof room, 0)) > 0;) {
             const auto answer = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
-            if (answer.ok()) largest_ = std::max(largest_, glm::length(answer->vectors[0]));
+            if (answer) largest_ = std::max(largest_, glm::length(answer->vectors[0]));
         }
     }
     ~CheckAtATerminal() override { close(socket_); }

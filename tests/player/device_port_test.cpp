@@ -27,7 +27,7 @@ protected:
     HeldDevice() : content_(std::move(make_scene("plane", {.width = 16, .height = 12})).value()) {
         content_->exact_frame(0, frame_);
         pair_.prev = pair_.next = {0, 0, &frame_};
-        EXPECT_TRUE(device_.open().ok());
+        EXPECT_TRUE(device_.open());
     }
     bool read(std::int64_t tick) { return port_->read_goals(tick, {content_->scene(), pair_}, goals_); }
 
@@ -72,7 +72,7 @@ TEST_F(HeldDevice, TicksThatWereSkippedPassForTheHandleToo) {
     ASSERT_TRUE(read(30));
     const double once = goals_[0].z;
     SimulatedDevice other(2, device_.limits(), {.damping = 20, .hand_stiffness = 250});
-    ASSERT_TRUE(other.open().ok());
+    ASSERT_TRUE(other.open());
     const auto port = make_port(hand_, other, {0.001, {0, 0, -1000}});
     for (int tick = 0; tick <= 30; ++tick) {
         ASSERT_TRUE(port->read_goals(tick, {content_->scene(), pair_}, goals_));

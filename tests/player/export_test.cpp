@@ -19,8 +19,8 @@ using Words = std::vector<std::string>;
 
 Image image_of(const std::string& file) {
     auto image = read_image(file);
-    EXPECT_TRUE(image.ok()) << file;
-    return image.ok() ? *image : Image{};
+    EXPECT_TRUE(image) << file;
+    return image ? *image : Image{};
 }
 
 int differing(const PlaneView& a, const PlaneView& b) {
@@ -44,7 +44,7 @@ protected:
     std::string out(const std::string& name = "") const { return folder / ("out/" + name); }
     RawFrame frame(int number) const {
         auto reader = open_clip(clip());
-        for (int n = 0; n < number; ++n) EXPECT_TRUE((*reader)->next().ok());
+        for (int n = 0; n < number; ++n) EXPECT_TRUE((*reader)->next());
         return (*reader)->next()->value();
     }
 
@@ -82,13 +82,13 @@ TEST_F(Export, CodesOfWordsInAnotherOrderAreDescribedAsCodes) {
     for (std::size_t k = 0; k < words.size(); ++k)
         words[k] = static_cast<std::uint16_t>((800 + k % 500) << 3);
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(words.data());
-    ASSERT_TRUE(write_png(folder / "sun.png", PlaneView{bytes, 144, 72, 48, 2, 1}).ok());
+    ASSERT_TRUE(write_png(folder / "sun.png", PlaneView{bytes, 144, 72, 48, 2, 1}));
     ASSERT_EQ(
         run_touchable({"export", folder / "sun.png", "--preset", "sun", "--frame", "0", "--out", out()}).code,
         0);
     EXPECT_EQ(image_of(out("depth.png")).view().sample(7, 0), 807);
     auto again = open_clip(out());
-    ASSERT_TRUE(again.ok()) << again.error().message;
+    ASSERT_TRUE(again) << again.error().message;
     EXPECT_EQ((*again)->next()->value().depth.sample(7, 0), 807);
     EXPECT_EQ(file_contents(out("codes.json")).find("rotated"), std::string::npos);
 }
@@ -101,11 +101,11 @@ TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
                       .code,
                   0);
         const auto written = read_scene_file(out("scene.json"));
-        ASSERT_TRUE(written.ok()) << written.error().message;
+        ASSERT_TRUE(written) << written.error().message;
         const Scene& scene = written->scene;
         EXPECT_EQ(scene.filter, (FilterSettings{5, 2}));
         SurfaceFrame built;
-        ASSERT_TRUE(make_reference_builder(scene)->build(frame(0), built).ok());
+        ASSERT_TRUE(make_reference_builder(scene)->build(frame(0), built));
         const Image codes = image_of(out("codes.png"));
         int different = 0;
         for (int y = 0; y < 48; ++y)
@@ -211,11 +211,11 @@ TEST_F(Export, CodesWithoutTerracesAreFiner) {
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--terraces", "auto"}).code,
               0);
     const auto written = read_scene_file(out("scene.json"));
-    ASSERT_TRUE(written.ok()) << written.error().message;
+    ASSERT_TRUE(written) << written.error().message;
     const Scene& scene = written->scene;
     EXPECT_EQ(scene.filter.terraces, TerraceRemoval::on) << "what the clip's first frames decided";
     SurfaceFrame built;
-    ASSERT_TRUE(make_reference_builder(scene)->build(frame(0), built).ok());
+    ASSERT_TRUE(make_reference_builder(scene)->build(frame(0), built));
     const Image codes = image_of(out("codes.png"));
     int finer = 0;
     for (int y = 0; y < 64; ++y)
@@ -267,8 +267,8 @@ TEST_F(Export, FrameFeelsAsInItsClipThoughItsOwnDepthSuggestsAnotherScale) {
     scene["rate"] = {1000, 1};  // a hand begins far above, and finds frame 1
     scene["folder"] = {{"depth", "d%d.png"}};
     std::ofstream(folder / "two.json") << scene;
-    ASSERT_TRUE(write_png(folder / "d0.png", step_in_the_middle(20).view()).ok());
-    ASSERT_TRUE(write_png(folder / "d1.png", step_in_the_middle(220).view()).ok());
+    ASSERT_TRUE(write_png(folder / "d0.png", step_in_the_middle(20).view()));
+    ASSERT_TRUE(write_png(folder / "d1.png", step_in_the_middle(220).view()));
     const Words hand{"--hand", "press:depth=3", "--seconds", "0.9", "--fingers", "2"};
     const auto hash = [&](const std::string& touched) {
         Words words{touched};

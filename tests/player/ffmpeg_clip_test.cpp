@@ -36,13 +36,13 @@ TEST(FfmpegClip, MadeByTheCommandOfThePageHoldsEveryValue) {
     ASSERT_EQ(std::system((run + " >ffmpeg.log 2>&1").c_str()), 0) << file_contents(pictures / "ffmpeg.log");
 
     auto made = open_clip(pictures / "clip.mkv"), before = open_clip(folder / "globe.mkv");
-    ASSERT_TRUE(made.ok()) << made.error().message;
+    ASSERT_TRUE(made) << made.error().message;
     EXPECT_EQ((*made)->frame_count(), 7);
     const auto map = read_image(pictures / "haptic.png");
-    ASSERT_TRUE(map.ok());
+    ASSERT_TRUE(map);
     for (int n = 0; n < 7; ++n) {
         const auto is = (*made)->next(), was = (*before)->next();
-        ASSERT_TRUE(is.ok()) << is.error().message;
+        ASSERT_TRUE(is) << is.error().message;
         ASSERT_TRUE(*is && *was);
         EXPECT_EQ((*is)->time_ns, (*was)->time_ns);
         EXPECT_TRUE(same_samples((*is)->depth, (*was)->depth)) << n;

@@ -37,7 +37,7 @@ protected:
     void write(const char* name, int number, const PlaneView& plane) const {
         std::array<char, 32> file{};
         std::snprintf(file.data(), file.size(), "%s_%03d.png", name, number);
-        EXPECT_TRUE(write_png(folder_ / file.data(), plane).ok());
+        EXPECT_TRUE(write_png(folder_ / file.data(), plane));
     }
     Outcome run(Words words, bool filled = true) const {
         if (filled) words.insert(words.end(), {"--fill-from-motion", "on"});
@@ -111,7 +111,7 @@ TEST_F(RecordedTable, ShowsWhatIsFilled) {
                                    "--builder", builder, "--overwrite"});
         ASSERT_EQ(drawn.code, 0) << drawn.err;
         const auto seen = read_image(picture);
-        ASSERT_TRUE(seen.ok());
+        ASSERT_TRUE(seen);
         auto opened = open_clip(scene());
         ASSERT_EQ(message(opened), "");
         const auto clip = filled(std::move(*opened));

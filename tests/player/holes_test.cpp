@@ -28,7 +28,7 @@ protected:
         view.height = height;
         view.bytes_per_sample = 2;
         view.stride = 2 * width;
-        EXPECT_TRUE(write_png(folder / "depth.png", view).ok());
+        EXPECT_TRUE(write_png(folder / "depth.png", view));
         std::ofstream(hand_file()) << "t_s,x,y,z\n0,20,0,-950\n0.2,20,0,-1030\n0.7,-80,0,-1030\n"
                                       "1.5,-80,10,-1030\n2,20,10,-1030\n2.2,20,10,-950\n";
     }

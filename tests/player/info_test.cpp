@@ -155,13 +155,13 @@ TEST(Info, GlobesSceneIsTheOneDocumented) {
     const std::size_t chapter = page.find("## A generated clip"), begin = page.find('{', chapter);
     ASSERT_NE(chapter, std::string::npos);
     auto documented = parse_scene(page.substr(begin, page.find("```", begin) - begin), "scene_file.md");
-    ASSERT_TRUE(documented.ok()) << documented.error().message;
+    ASSERT_TRUE(documented) << documented.error().message;
     documented->unstated.rate = false;  // the clip states the default
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1"}).code, 0);
     const auto reader = open_clip(clip);
-    ASSERT_TRUE(reader.ok());
+    ASSERT_TRUE(reader);
     EXPECT_EQ(scene_to_json(*documented), scene_to_json((*reader)->described()));
 }
 

@@ -97,7 +97,7 @@ TEST(LiveCameraWords, AreReadOrRefused) {
              {"replay:a,stall=2,resume=2", "resume must be a moment after stall"},
              {"replay:a,resume=2", "resume must be a moment after stall"}}) {
         const auto refused = read_live_camera(words);
-        ASSERT_FALSE(refused.ok()) << words;
+        ASSERT_FALSE(refused) << words;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
         EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
     }

@@ -43,19 +43,18 @@ private:
 TEST(LiveSession, SaysOfTwoFaultsTheOneThatEndedIt) {
     const TemporaryFolder folder;
     const std::string clip = folder / "clip.mkv";
-    ASSERT_TRUE(
-        write_generated_clip("globe", clip, {.width = 32, .height = 24, .properties = true}, 30).ok());
+    ASSERT_TRUE(write_generated_clip("globe", clip, {.width = 32, .height = 24, .properties = true}, 30));
     SessionOptions options;
     options.clip.file = clip;
     options.live = true;
     const auto setup = setup_from_options(options);
-    ASSERT_TRUE(setup.ok()) << setup.error().message;
+    ASSERT_TRUE(setup) << setup.error().message;
     TouchSetup& s = **setup;
     PulledOut port;
     FailsThen sink(port);
     TouchSink* const sinks[] = {&sink};
     LiveSession session(s.scene, *s.feed, port, *s.solver, s.settings);
-    ASSERT_TRUE(session.run(sinks).ok()) << "what was touched until then counts";
+    ASSERT_TRUE(session.run(sinks)) << "what was touched until then counts";
     ASSERT_TRUE(sink.has_failed);
     ASSERT_TRUE(session.facts().failure);
     EXPECT_EQ(session.facts().failure->kind, ErrorKind::device) << session.facts().failure->message;

@@ -33,7 +33,7 @@ public:
     DoomedBuilder(const Scene& scene, std::shared_ptr<GpuDevice> device, Doom doom, std::int64_t at)
         : device_(std::move(device)), doom_(doom), at_(at) {
         auto made = make_vulkan_builder(scene, device_);
-        if (!made.ok()) throw std::runtime_error(made.error().message);
+        if (!made) throw std::runtime_error(made.error().message);
         builder_ = std::move(*made);
     }
     std::string_view name() const override { return builder_->name(); }
@@ -70,7 +70,7 @@ Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<Surface
     const Scene scene = scene_in(*reader);
     SurfaceFeed feed(std::move(reader), std::move(builder), scene);
     const auto first = feed.pair_at(0);
-    EXPECT_TRUE(first.ok());
+    EXPECT_TRUE(first);
     const HeightField field(scene, *first);
     TouchSessionSettings settings;
     settings.fingers = 3;
@@ -78,13 +78,13 @@ Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<Surface
     const Workspace workspace = default_workspace(scene.width, scene.camera.fx, scene.depth.near);
     settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
     auto hand = make_hand("wander", settings.fingers, workspace, FieldProbe(field));
-    EXPECT_TRUE(hand.ok());
+    EXPECT_TRUE(hand);
     const auto solver = TouchSolver::create(scene, settings.touch);
-    EXPECT_TRUE(solver.ok());
+    EXPECT_TRUE(solver);
     TouchFigures figures;
     const std::array<TouchSink*, 1> sinks{&figures};
     const auto ran = TouchSession(scene, feed, **hand, *solver, settings).run(sinks);
-    EXPECT_TRUE(ran.ok()) << ran.error().message;
+    EXPECT_TRUE(ran) << ran.error().message;
     EXPECT_GT(figures.to_json()["finger_contact_pct"].get<double>(), 20) << "hardly a test of forces";
     return {figures.force_hash(), feed.frames(), figures.ticks()};
 }
@@ -95,7 +95,7 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
     make_clip("moving", folder / "clip.mkv", {"--size", "160x120", "--frames", std::to_string(frames)});
     const auto reader = [&] {
         auto opened = open_clip(folder / "clip.mkv", std::nullopt);
-        EXPECT_TRUE(opened.ok());
+        EXPECT_TRUE(opened);
         return std::move(*opened);
     };
     auto whole = reader();
@@ -109,7 +109,7 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
                                         {Doom::hangs, 0},
                                         {Doom::hangs, 11}}) {
         auto device = GpuDevice::open();
-        ASSERT_TRUE(device.ok()) << device.error().message;
+        ASSERT_TRUE(device) << device.error().message;
         std::vector<std::string> told;
         const Touched run = touched_with(
             reader(), make_fallback_builder(std::make_unique<DoomedBuilder>(scene, *device, doom, lost_at),
@@ -126,11 +126,11 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
 TEST(LostGpu, IsHandedOutToNobodyElse) {
     RunGpu gpu("auto");
     const auto first = gpu.open();
-    ASSERT_TRUE(first.ok()) << first.error().message;
+    ASSERT_TRUE(first) << first.error().message;
     EXPECT_EQ(*gpu.open(), *first) << "one for all";
     (*first)->lose();
     const auto second = gpu.open();
-    ASSERT_TRUE(second.ok()) << second.error().message;
+    ASSERT_TRUE(second) << second.error().message;
     EXPECT_FALSE((*second)->lost());
     EXPECT_EQ(*gpu.open(), *second);
     EXPECT_EQ(gpu.name(), (*second)->facts().name);
@@ -155,12 +155,12 @@ void expect_a_picture_by_any_painter(const std::function<void(GpuDevice&)>& spoi
     const TemporaryFolder folder;
     make_clip("globe", folder / "clip.mkv", {"--size", "72x48", "--frames", "1"});
     auto reader = open_clip(folder / "clip.mkv", std::nullopt);
-    ASSERT_TRUE(reader.ok());
+    ASSERT_TRUE(reader);
     const auto raw = (*reader)->next();
-    ASSERT_TRUE(raw.ok() && *raw);
+    ASSERT_TRUE(raw && *raw);
     const Scene& scene = (*reader)->scene();
     SurfaceFrame surface;
-    ASSERT_TRUE(make_cpu_builder(scene)->build(**raw, surface).ok());
+    ASSERT_TRUE(make_cpu_builder(scene)->build(**raw, surface));
     const FramePair still{{0, 0, &surface}, {0, 0, &surface}, 0};
     for (const char* painter : {"auto", "raster"}) {
         RunGpu gpu("auto");
@@ -169,12 +169,12 @@ void expect_a_picture_by_any_painter(const std::function<void(GpuDevice&)>& spoi
         options.painter = painter;
         options.size = "96x54";
         auto order = order_picture(options, Existing::keep, {}, gpu);
-        ASSERT_TRUE(order.ok() && *order);
+        ASSERT_TRUE(order && *order);
         EXPECT_FALSE((*order)->painter->gpu_name().empty());
         spoil(**gpu.open());
         const auto drawn = (*order)->deliver(HeightField(scene, still), still, (*raw)->colour, {});
         const bool any = options.painter == "auto";
-        EXPECT_EQ(drawn.ok(), any);
+        EXPECT_EQ(bool(drawn), any);
         EXPECT_EQ(std::filesystem::exists(*options.file), any);
         if (any) {
             EXPECT_EQ((*order)->painter->name(), "cpu");

@@ -39,8 +39,8 @@ protected:
         fs::create_directory(at("wall"));
         for (int n = 0; n < frames; ++n) {
             const std::string number = std::to_string(n) + ".png";
-            EXPECT_TRUE(write_png(at("wall/depth_" + number), depth.view()).ok());
-            EXPECT_TRUE(write_png(at("wall/colour_" + number), colour.view()).ok());
+            EXPECT_TRUE(write_png(at("wall/depth_" + number), depth.view()));
+            EXPECT_TRUE(write_png(at("wall/colour_" + number), colour.view()));
         }
         std::ofstream(at("wall/scene.json")) << R"({"touchable_scene": 1, "width": 96, "height": 64,
             "camera": {"fx": 400, "fy": 400, "cx": 47.5, "cy": 31.5}, "device_metres_per_unit": 0.0005,
@@ -70,7 +70,7 @@ protected:
     }
     std::array<int, 3> haptic_at(const std::string& name, int x, int y) const {
         auto clip = open_clip(at(name));
-        EXPECT_TRUE(clip.ok()) << name;
+        EXPECT_TRUE(clip) << name;
         const auto first = (*clip)->next();
         const PlaneView& haptic = (*first)->haptic;
         return {haptic.sample(x, y, 0), haptic.sample(x, y, 1), haptic.sample(x, y, 2)};
@@ -199,7 +199,7 @@ TEST_F(Materials, AreTheSameBytesAgainAndFromWhatWasSaved) {
     // The same by a map: values of grey here, a palette's indices elsewhere.
     Image map{wide, high, 1, 1, {}};
     for (int k = 0; k < wide * high; ++k) map.samples.push_back(k % wide < 40 ? 1 : 2);
-    ASSERT_TRUE(write_png(at("map.png"), map.view()).ok());
+    ASSERT_TRUE(write_png(at("map.png"), map.view()));
     std::ofstream(at("map.json")) << R"({"touchable_segments": 1, "segments": [
         {"name": "table", "material": "wood", "index": 1}, {"name": "mat", "material": "foam", "index": 2}]})";
     run("mapped.mkv", {"--segments", at("map.json"), "--map", at("map.png"), "--save", at("found.json")});
@@ -215,10 +215,10 @@ TEST_F(Materials, BecomeAMapOfOneFrameThatLiesUnderTheClip) {
     EXPECT_NE(done.out.find("static friction 1.34 becomes 1"), std::string::npos) << done.out;
     EXPECT_EQ(done.out.find("guess"), std::string::npos) << done.out;
     auto clip = open_clip(at("wall.mkv"));
-    ASSERT_TRUE(clip.ok());
+    ASSERT_TRUE(clip);
     const auto& ranges = (*clip)->scene().haptic;
     const auto map = read_image(at("map.png"));
-    ASSERT_TRUE(map.ok());
+    ASSERT_TRUE(map);
     const auto felt = [&](int x, int y) {
         const PlaneView view = map->view();
         return ranges.at(static_cast<std::uint8_t>(view.sample(x, y, 0)),

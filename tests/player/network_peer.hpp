@@ -50,7 +50,7 @@ public:
             if (came < 0 && errno == ECONNREFUSED) continue;
             if (came < 0) break;
             const auto packet = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));
-            if (packet.ok()) return *packet;
+            if (packet) return *packet;
         }
         return std::nullopt;
     }

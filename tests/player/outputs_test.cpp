@@ -206,7 +206,7 @@ TEST(NewFile, KeepsAFileThatCameMeanwhile) {
     EXPECT_TRUE(names_in(folder.path()).empty());
     std::ofstream(folder / "a") << "theirs";
     const auto refused = file.commit();
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("is there by now"), std::string::npos);
     EXPECT_EQ(file_contents(folder / "a"), "theirs");
     EXPECT_EQ(names_in(folder.path()), Words{"a"});
@@ -218,7 +218,7 @@ TEST(NewFile, ReplacesALinkAndNotWhatItLeadsTo) {
     fs::create_symlink(folder / "theirs", folder / "a");
     NewFile file(folder / "a");
     std::ofstream(file.path()) << "ours";
-    ASSERT_TRUE(file.commit().ok());
+    ASSERT_TRUE(file.commit());
     EXPECT_EQ(file_contents(folder / "theirs"), "theirs");
     EXPECT_EQ(file_contents(folder / "a"), "ours");
     EXPECT_FALSE(fs::is_symlink(folder / "a"));

@@ -35,8 +35,8 @@ protected:
     }
     Image image() const {
         auto read = read_image(file());
-        EXPECT_TRUE(read.ok());
-        return read.ok() ? *read : Image{};
+        EXPECT_TRUE(read);
+        return read ? *read : Image{};
     }
     /// Nothing was drawn, and one line says why.
     void expect_refused(const Outcome& outcome, int code, const std::string& why) const {
@@ -99,7 +99,7 @@ TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
     const Outcome done = touch({"--painter", "raster", "--gpu", "0", "--verbose"});
     EXPECT_EQ(done.code, 0) << done.err;
     const auto gpus = list_gpus();
-    ASSERT_TRUE(gpus.ok());
+    ASSERT_TRUE(gpus);
     EXPECT_NE(done.out.find("by the raster painter on " + gpus->at(0).name), std::string::npos) << done.out;
     const auto report =
         test::touch({clip(), "--seconds", "0.5", "--picture", file(), "--painter", "raster", "--gpu", "0"});

@@ -13,7 +13,7 @@ using Verb = PlaybackVerb;
 constexpr std::int64_t ms = 1'000'000;
 
 PlaybackClock clock_of(std::vector<PlaybackCommand> commands) {
-    EXPECT_TRUE(validate(commands).ok());
+    EXPECT_TRUE(validate(commands));
     return PlaybackClock({30, 1}, std::move(commands));
 }
 
@@ -162,7 +162,7 @@ TEST(PlaybackClock, RefusesWhatIsNoCommand) {
         {{5, static_cast<Verb>(7), 0, 0}, "no command"}};
     for (const auto& [command, fragment] : wrong) {
         const auto refused = validate({{5, Verb::play, 0, 0}, command});
-        ASSERT_FALSE(refused.ok()) << fragment;
+        ASSERT_FALSE(refused) << fragment;
         EXPECT_NE(refused.error().message.find("command 2: "), std::string::npos) << refused.error().message;
         EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
     }

@@ -112,7 +112,7 @@ std::vector<PressedTick> pressed(const std::string& script, std::int64_t ticks,
     const auto solver = TouchSolver::create(scene, settings.touch);
     PressedTicks taken(PlaybackClock(scene.rate, settings.playback));
     TouchSink* const sinks[] = {&taken};
-    EXPECT_TRUE(TouchSession(scene, feed, hand, *solver, settings).run(sinks).ok());
+    EXPECT_TRUE(TouchSession(scene, feed, hand, *solver, settings).run(sinks));
     EXPECT_EQ(taken.ticks.size(), static_cast<std::size_t>(ticks));
     return taken.ticks;
 }
@@ -171,7 +171,7 @@ TEST(Playback, APausedSurfaceStandsStill) {
 /// Codes of the earlier frame at a moment.
 std::vector<std::uint16_t> codes_at(SurfaceFeed& feed, const MediaMoment& moment) {
     const auto pair = feed.pair_at(moment);
-    EXPECT_TRUE(pair.ok()) << pair.error().message;
+    EXPECT_TRUE(pair) << pair.error().message;
     const SurfaceFrame& frame = *pair->prev.frame;
     return {frame.codes.data(), frame.codes.data() + frame.codes.size()};
 }
@@ -195,7 +195,7 @@ protected:
         for (std::int64_t n = 0; n <= last; ++n) {
             const auto raw = reader.next();
             if (n < first) continue;
-            EXPECT_TRUE(builder->build(**raw, out).ok());
+            EXPECT_TRUE(builder->build(**raw, out));
         }
         return {out.codes.data(), out.codes.data() + out.codes.size()};
     }
@@ -316,7 +316,7 @@ TEST(PlaybackScript, RefusesALineByItsNumber) {
         {"1 loop 2 1", "a loop must be 0.1 s or longer"}};
     for (const auto& [text, fragment] : wrong) {
         const auto refused = parse_playback(text, "a.txt");
-        ASSERT_FALSE(refused.ok()) << text;
+        ASSERT_FALSE(refused) << text;
         EXPECT_EQ(refused.error().kind, ErrorKind::input);
         EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
     }

@@ -39,14 +39,14 @@ protected:
 TEST_F(Plot, DrawsForcesAndWays) {
     ASSERT_EQ(run_touchable({"plot", forces(), picture()}).code, 0);
     const auto over_time = read_image(picture());
-    ASSERT_TRUE(over_time.ok());
+    ASSERT_TRUE(over_time);
     EXPECT_GT(over_time->width, 800);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "2", "--out", folder / "frame"}).code, 0);
     const Outcome again =
         run_touchable({"plot", forces(), picture(), "--over", folder / "frame", "--overwrite"});
     ASSERT_EQ(again.code, 0) << again.err;
     const auto over_depth = read_image(picture());
-    ASSERT_TRUE(over_depth.ok());
+    ASSERT_TRUE(over_depth);
     EXPECT_NE(over_depth->samples, over_time->samples);
 }
 
@@ -68,7 +68,7 @@ TEST_F(Plot, LeavesOutFingersThatNobodyLed) {
     ASSERT_EQ(run_touchable({"plot", folder / "one.csv", folder / "one.png"}).code, 0);
     ASSERT_EQ(run_touchable({"plot", folder / "five.csv", folder / "five.png"}).code, 0);
     const auto one = read_image(folder / "one.png"), five = read_image(folder / "five.png");
-    ASSERT_TRUE(one.ok() && five.ok());
+    ASSERT_TRUE(one && five);
     EXPECT_EQ(one->samples, five->samples);
 }
 

@@ -152,7 +152,7 @@ TEST_F(PluggedCamera, AFilmWhoseDiskBecomesFullReplaysUpToThere) {
     }();
     said = ::testing::internal::GetCapturedStdout();
     const std::string warned = ::testing::internal::GetCapturedStderr();
-    EXPECT_EQ(ran.ok() ? ErrorKind::internal : ran.error().kind, ErrorKind::input);
+    EXPECT_EQ(ran ? ErrorKind::internal : ran.error().kind, ErrorKind::input);
     EXPECT_NE(message(ran).find("; it is kept, and replays, up to "), std::string::npos) << message(ran);
     EXPECT_NE(
         warned.find("touchable: warning: the film of --record: " + film.string() + ": the disk is full"),
@@ -293,7 +293,7 @@ TEST(PluggedCameraWords, AreReadOrRefused) {
              {"v4l2:a,fps=0", "fps takes 0.1 to 1000 frames/s"},
              {"v4l2:a,jitter=2", "unknown key 'jitter'"}}) {
         const auto refused = read_live_camera(words);
-        ASSERT_FALSE(refused.ok()) << words;
+        ASSERT_FALSE(refused) << words;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
         EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
     }

@@ -26,20 +26,20 @@ protected:
         options.width = 16;
         options.height = 12;
         const auto source = make_scene("plane", options);
-        EXPECT_TRUE(make_reference_builder((*source)->scene())->build((*source)->frame(0), surface_).ok());
+        EXPECT_TRUE(make_reference_builder((*source)->scene())->build((*source)->frame(0), surface_));
         pair_.prev = {7, 233'333'333, &surface_};
         pair_.next = {8, 266'666'666, &surface_};
         pair_.epoch = 2;
         const HeightField field((*source)->scene(), pair_);
         auto recording = RecordingFile::create(file(), 2, Existing::replace);
-        EXPECT_TRUE(recording.ok());
+        EXPECT_TRUE(recording);
         for (std::int64_t tick = 0; tick < 4; ++tick) {
             const auto k = static_cast<std::size_t>(tick);
             const TouchTick one{tick,      times_[k],  pair_, field.blend(), goals_[k],
                                 contacts_, forces_[k], {},    0.001};
-            EXPECT_TRUE((*recording)->take(one).ok());
+            EXPECT_TRUE((*recording)->take(one));
         }
-        EXPECT_TRUE((*recording)->finish(facts_, playback_).ok());
+        EXPECT_TRUE((*recording)->finish(facts_, playback_));
         bytes_ = file_contents(file());
     }
     std::string file() const { return folder / "run.rec"; }
@@ -51,7 +51,7 @@ protected:
     }
     void expect_refused(const std::string& bytes, const std::string& fragment) const {
         const auto read_back = read(bytes);
-        ASSERT_FALSE(read_back.ok());
+        ASSERT_FALSE(read_back);
         EXPECT_EQ(read_back.error().kind, ErrorKind::input);
         EXPECT_NE(read_back.error().message.find(fragment), std::string::npos) << read_back.error().message;
     }
@@ -83,7 +83,7 @@ void expect_same_bits(const glm::dvec3& a, const glm::dvec3& b) {
 
 TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
     const auto whole = read(bytes_);
-    ASSERT_TRUE(whole.ok()) << whole.error().message;
+    ASSERT_TRUE(whole) << whole.error().message;
     ASSERT_EQ(whole->size(), 1U);
     const RecordedPart* const recording = &whole->front();
     EXPECT_EQ(recording->fingers, 2);
@@ -137,16 +137,16 @@ TEST_F(RecordingFormat, AnyChangedByteIsNoticed) {
             std::string damaged = bytes_;
             damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
             const auto recording = read(damaged);
-            ASSERT_FALSE(recording.ok()) << "byte " << at << " bit " << bit;
+            ASSERT_FALSE(recording) << "byte " << at << " bit " << bit;
             EXPECT_EQ(recording.error().kind, ErrorKind::input);
         }
 }
 
 TEST_F(RecordingFormat, AnyMissingOrAddedByteIsNoticed) {
     for (std::size_t size = 0; size < bytes_.size(); ++size)
-        ASSERT_FALSE(read(bytes_.substr(0, size)).ok()) << size << " bytes";
-    EXPECT_FALSE(read(bytes_ + '\0').ok());
-    EXPECT_FALSE(read(bytes_ + bytes_).ok());
+        ASSERT_FALSE(read(bytes_.substr(0, size))) << size << " bytes";
+    EXPECT_FALSE(read(bytes_ + '\0'));
+    EXPECT_FALSE(read(bytes_ + bytes_));
 }
 
 // A right hash does not make numbers right.
@@ -191,7 +191,7 @@ class PartsOfARecording : public RecordingFormat {
 protected:
     PartsOfARecording() {
         auto recording = RecordingFile::create(file(), 2, Existing::replace);
-        EXPECT_TRUE(recording.ok());
+        EXPECT_TRUE(recording);
         take(**recording, 0);
         take(**recording, 1);
         (*recording)->end_part({{"name", "first"}}, playback_);
@@ -199,7 +199,7 @@ protected:
         (*recording)->end_part({{"name", "second"}}, {});
         (*recording)->end_part({{"name", "none"}}, playback_);
         take(**recording, 2);
-        EXPECT_TRUE((*recording)->finish({{"name", "third"}}, {}).ok());
+        EXPECT_TRUE((*recording)->finish({{"name", "third"}}, {}));
         bytes_ = file_contents(file());
         for (std::size_t at = bytes_.find("TOUCHREC"); at != std::string::npos;
              at = bytes_.find("TOUCHREC", at + 1))
@@ -207,17 +207,15 @@ protected:
         begins_.push_back(bytes_.size());
     }
     void take(RecordingFile& recording, std::size_t k) const {
-        EXPECT_TRUE(recording
-                        .take({static_cast<std::int64_t>(k),
-                               times_[k],
-                               pair_,
-                               0,
-                               goals_[k],
-                               contacts_,
-                               forces_[k],
-                               {},
-                               0.001})
-                        .ok());
+        EXPECT_TRUE(recording.take({static_cast<std::int64_t>(k),
+                                    times_[k],
+                                    pair_,
+                                    0,
+                                    goals_[k],
+                                    contacts_,
+                                    forces_[k],
+                                    {},
+                                    0.001}));
     }
     std::string part(std::size_t k) const { return bytes_.substr(begins_[k], begins_[k + 1] - begins_[k]); }
 
@@ -226,7 +224,7 @@ protected:
 
 TEST_F(PartsOfARecording, AreReadInTheirOrder) {
     const auto recording = read(bytes_);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     ASSERT_EQ(recording->size(), 3U);
     const std::vector<std::size_t> ticks{2, 1, 1};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -245,7 +243,7 @@ TEST_F(PartsOfARecording, AreReadInTheirOrder) {
 }
 
 TEST_F(PartsOfARecording, AreRefusedWhereOneIsMissingOrDamaged) {
-    EXPECT_TRUE(read(part(0) + part(1) + part(2)).ok()) << "as it was";
+    EXPECT_TRUE(read(part(0) + part(1) + part(2))) << "as it was";
     for (const std::string& bytes :
          {part(0), part(1), part(2), part(0) + part(1), part(1) + part(2), part(0) + part(2),
           part(1) + part(0) + part(2), part(0) + part(0) + part(1) + part(2)})
@@ -253,8 +251,8 @@ TEST_F(PartsOfARecording, AreRefusedWhereOneIsMissingOrDamaged) {
     for (std::size_t at = 0; at < bytes_.size(); at += 3) {
         std::string damaged = bytes_;
         damaged[at] = static_cast<char>(damaged[at] ^ 4);
-        ASSERT_FALSE(read(damaged).ok()) << "byte " << at;
-        ASSERT_FALSE(read(bytes_.substr(0, at)).ok()) << at << " bytes";
+        ASSERT_FALSE(read(damaged)) << "byte " << at;
+        ASSERT_FALSE(read(bytes_.substr(0, at))) << at << " bytes";
     }
 }
 
@@ -279,7 +277,7 @@ TEST_F(PartsOfARecording, AreKeptUpToWhereTheDiskBecameFull) {
         {
             const FullDisk full(room);
             auto recording = RecordingFile::create(place, 2, Existing::keep, Pace::wall_clock);
-            ASSERT_TRUE(recording.ok());
+            ASSERT_TRUE(recording);
             take(**recording, 0);
             take(**recording, 1);
             (*recording)->end_part({{"name", "first"}}, playback_);
@@ -288,17 +286,17 @@ TEST_F(PartsOfARecording, AreKeptUpToWhereTheDiskBecameFull) {
             take(**recording, 2);
             finished = (*recording)->finish({{"name", "third"}}, {});
         }
-        EXPECT_EQ(finished.ok(), room == bytes_.size()) << room;
+        EXPECT_EQ(bool(finished), room == bytes_.size()) << room;
         if (!std::filesystem::exists(place)) {
             EXPECT_EQ(kept_before, 0U) << room;
             continue;
         }
         const auto recording = read_recording(place);
-        ASSERT_TRUE(recording.ok()) << room << ": " << recording.error().message;
+        ASSERT_TRUE(recording) << room << ": " << recording.error().message;
         const std::size_t kept = ticks_of(*recording);
         EXPECT_GE(kept, kept_before) << room;
         kept_before = kept;
-        if (finished.ok()) continue;
+        if (finished) continue;
         EXPECT_NE(finished.error().message.find("; it is kept, and replays, up to 0.24"), std::string::npos)
             << finished.error().message;
         ForceHash forces;
@@ -313,7 +311,7 @@ TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {
     const TemporaryFolder empty;
     {
         auto recording = RecordingFile::create(empty / "run.rec", 1, Existing::keep);
-        ASSERT_TRUE(recording.ok());
+        ASSERT_TRUE(recording);
         EXPECT_FALSE(std::filesystem::exists(empty / "run.rec")) << "no name until it is complete";
     }
     EXPECT_TRUE(names_in(empty.path()).empty());

@@ -26,12 +26,12 @@ TEST_F(Relief, GivesAClipThatIsFeltOtherwise) {
     EXPECT_NE(run.out.find("colour  every value kept (h264)"), std::string::npos) << run.out;
     EXPECT_NE(run.out.find("relief: the largest height stands for details of"), std::string::npos) << run.out;
     auto clip = open_clip(at("relief.mkv"));
-    ASSERT_TRUE(clip.ok()) << clip.error().message;
+    ASSERT_TRUE(clip) << clip.error().message;
     // The globe's radius is 32 mm of the hand.
     EXPECT_NEAR((*clip)->scene().height_coding.max_height * *(*clip)->scene().device_metres_per_unit, 0.002,
                 1e-9);
     const auto first = (*clip)->next();
-    ASSERT_TRUE(first.ok() && *first);
+    ASSERT_TRUE(first && *first);
     EXPECT_FALSE((*first)->height.empty());
     // One that has relief already gets another.
     const Outcome again = run_touchable({"relief", at("relief.mkv"), at("relief.mkv")});
@@ -40,9 +40,9 @@ TEST_F(Relief, GivesAClipThatIsFeltOtherwise) {
         run_touchable({"relief", at("relief.mkv"), at("other.mkv"), "--amount", "0", "--invert"});
     ASSERT_EQ(other.code, 0) << other.err;
     auto flat = open_clip(at("other.mkv"));
-    ASSERT_TRUE(flat.ok());
+    ASSERT_TRUE(flat);
     const auto level = (*flat)->next();
-    ASSERT_TRUE(level.ok() && *level);
+    ASSERT_TRUE(level && *level);
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 96; ++x) EXPECT_EQ((*level)->height.sample(x, y), 128);
 }
@@ -112,7 +112,7 @@ TEST_F(Relief, IsOfTheWorldWhereThatIsSaid) {
         run_touchable({"relief", at("globe.mkv"), at("relief.mkv"), "--max-height", "2", "--of-world"});
     ASSERT_EQ(run.code, 0) << run.err;
     auto clip = open_clip(at("relief.mkv"));
-    ASSERT_TRUE(clip.ok()) << clip.error().message;
+    ASSERT_TRUE(clip) << clip.error().message;
     EXPECT_NEAR((*clip)->scene().height_coding.max_height * (*clip)->scene().metres_per_unit, 0.002, 1e-9);
 }
 

@@ -157,7 +157,7 @@ TEST(SenderWords, AreReadOrRefusedAndStartNothing) {
              {"tcp://", "right would be an address in numbers"},
              {"tcp://a.b:1", "right would be an address in numbers"}}) {
         const auto refused = read_live_camera(words);
-        ASSERT_FALSE(refused.ok()) << words;
+        ASSERT_FALSE(refused) << words;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
         EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
     }

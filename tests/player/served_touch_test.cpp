@@ -26,8 +26,8 @@ protected:
     ServedTouch() { make_clip("moving", clip, {"--size", "64x48", "--frames", "20", "--rate", "100"}); }
     std::unique_ptr<ServedClip> serve(std::vector<std::string> options) const {
         auto served = ServedClip::start(clip, std::move(options), folder / "served.json");
-        EXPECT_TRUE(served.ok()) << served.error().message;
-        return served.ok() ? std::move(*served) : nullptr;
+        EXPECT_TRUE(served) << served.error().message;
+        return served ? std::move(*served) : nullptr;
     }
     std::string hash_of(const std::string& what) const {
         return force_hash({what, "--fingers", "2", "--seconds", "0.19"});
@@ -97,11 +97,11 @@ TEST_F(ServedTouch, ANetworkThatFailsLetsTheHandGoAndGivesItBack) {
     const std::string plane = folder / "plane.mkv";
     make_clip("globe", plane, {"--size", "64x48", "--frames", "1", "--rate", "30"});
     auto served = ServedClip::start(plane, {"tcp://127.0.0.1:0", "--loop"}, folder / "served.json");
-    ASSERT_TRUE(served.ok()) << served.error().message;
+    ASSERT_TRUE(served) << served.error().message;
     const std::string address = (*served)->address();
     const int port = std::stoi(address.substr(address.rfind(':') + 1));
     const auto relay = Relay::open(Relay::Kind::tcp, port);
-    ASSERT_TRUE(relay.ok()) << relay.error().message;
+    ASSERT_TRUE(relay) << relay.error().message;
 
     SessionOptions options;
     options.live = options.start_buried = true;
@@ -110,7 +110,7 @@ TEST_F(ServedTouch, ANetworkThatFailsLetsTheHandGoAndGivesItBack) {
     options.camera = "stream:tcp://127.0.0.1:" + std::to_string((*relay)->port());
     options.clip.take(*read_live_camera(*options.camera));
     const auto setup = setup_from_options(options);
-    ASSERT_TRUE(setup.ok()) << setup.error().message;
+    ASSERT_TRUE(setup) << setup.error().message;
     TouchSetup& s = **setup;
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
@@ -134,7 +134,7 @@ TEST_F(ServedTouch, ANetworkThatFailsLetsTheHandGoAndGivesItBack) {
         << "after a connection that broke";
     session.stop();
     thread.join();
-    EXPECT_TRUE(ran.ok()) << ran.error().message;
+    EXPECT_TRUE(ran) << ran.error().message;
     EXPECT_FALSE(session.facts().failure);
     EXPECT_EQ(reader.stream_figures()->torn, 0);
     EXPECT_LE(watch.largest_change, 0.035 * settings.guard.max_force);

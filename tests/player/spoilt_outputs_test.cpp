@@ -62,7 +62,7 @@ TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheRecordingKeepsTheForcesAndTheRecordi
     EXPECT_LE(fs::file_size(record), kibibytes * 1024);
     EXPECT_GT(fs::file_size(record) + two_ticks, kibibytes * 1024) << "there was room for more";
     const auto recording = read_recording(record);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%.3f",
                   1e-9 * static_cast<double>(recording->front().ticks.back().time_ns));
@@ -109,7 +109,7 @@ TEST_F(SpoiltOutput, APipeThatNobodyReadsEndsALiveRunWithItsNameAndKeepsTheRest)
         << live.err;
     EXPECT_TRUE(says(live.err, " ticks are missing")) << live.err;
     const auto recording = read_recording(record);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     const auto ticks = std::ssize(recording->front().ticks);
     EXPECT_GE(ticks, 4000);
     EXPECT_LE(ticks, 4200) << "as soon as that many wait";

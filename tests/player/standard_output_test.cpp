@@ -55,7 +55,7 @@ constexpr std::size_t much = 300'000;
 TEST(StandardOutput, AReaderWhoTakesALittleNowAndThenDoesNotHoldALiveRun) {
     PipedOutput pipe;
     StandardOutput output(Pace::wall_clock, 300ms);
-    ASSERT_TRUE(output.write(std::string(much, 'x')).ok());
+    ASSERT_TRUE(output.write(std::string(much, 'x')));
     std::atomic<bool> over{false};
     std::thread reader([&] {
         while (!over) {  // a quarter of what is the least
@@ -67,7 +67,7 @@ TEST(StandardOutput, AReaderWhoTakesALittleNowAndThenDoesNotHoldALiveRun) {
     const auto done = output.finish();
     over = true;
     reader.join();
-    ASSERT_FALSE(done.ok()) << "it went on as long as anything was read";
+    ASSERT_FALSE(done) << "it went on as long as anything was read";
     EXPECT_EQ(done.error().kind, ErrorKind::input);
     EXPECT_TRUE(output.reader_lags());
 }
@@ -75,14 +75,14 @@ TEST(StandardOutput, AReaderWhoTakesALittleNowAndThenDoesNotHoldALiveRun) {
 TEST(StandardOutput, AReaderWhoReadsGetsAllOfALiveRun) {
     PipedOutput pipe;
     StandardOutput output(Pace::wall_clock, 1h);
-    ASSERT_TRUE(output.write(std::string(much, 'x')).ok());
+    ASSERT_TRUE(output.write(std::string(much, 'x')));
     std::size_t heard = 0;
     std::thread reader([&] {
         while (heard < much) heard += pipe.read(10'000);
     });
     const auto done = output.finish();
     reader.join();
-    EXPECT_TRUE(done.ok());
+    EXPECT_TRUE(done);
     EXPECT_EQ(heard, much);
 }
 
@@ -91,7 +91,7 @@ TEST(StandardOutput, AReaderWhoReadsGetsAllOfALiveRun) {
     alarm(60);
     PipedOutput pipe;
     StandardOutput output(Pace::wall_clock, 1h);
-    if (!output.write(std::string(much, 'x')).ok()) std::_Exit(2);
+    if (!output.write(std::string(much, 'x'))) std::_Exit(2);
     const int full = pipe.waiting();
     std::thread person([&] {
         (void)pipe.read(static_cast<std::size_t>(full));
@@ -100,7 +100,7 @@ TEST(StandardOutput, AReaderWhoReadsGetsAllOfALiveRun) {
     });
     const auto done = output.finish();
     person.join();
-    std::_Exit(!done.ok() && done.error().kind == ErrorKind::interrupted ? 0 : 1);
+    std::_Exit(!done && done.error().kind == ErrorKind::interrupted ? 0 : 1);
 }
 
 TEST(StandardOutput, ALiveRunThatWaitsAtItsEndEndsWhenItIsAskedTo) {
@@ -113,13 +113,13 @@ TEST(StandardOutput, WhatSomebodyEndedIsGivenStill) {
             alarm(60);
             PipedOutput pipe;
             StandardOutput output(Pace::wall_clock, 1h);
-            if (!output.write(std::string(much, 'x')).ok()) std::_Exit(2);
+            if (!output.write(std::string(much, 'x'))) std::_Exit(2);
             request_stop();
             std::size_t heard = 0;
             std::thread reader([&] {
                 while (heard < much) heard += pipe.read(10'000);
             });
-            const bool is_whole = output.finish().ok();
+            const bool is_whole = bool(output.finish());
             reader.join();
             std::_Exit(is_whole && heard == much ? 0 : 1);
         },

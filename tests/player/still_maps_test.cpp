@@ -17,7 +17,7 @@ protected:
         make_clip("globe", clip(), {"--size", "64x48", "--frames", "4"});
         Image grey{32, 24, 1, 1, {}};
         for (int k = 0; k < 32 * 24; ++k) grey.samples.push_back(static_cast<std::uint8_t>(k * 7 % 256));
-        EXPECT_TRUE(write_png(folder / "s.png", grey.view()).ok());
+        EXPECT_TRUE(write_png(folder / "s.png", grey.view()));
         std::ofstream(folder / "m.x3d")
             << "<X3D><Scene><HapticTexturesSurface useRelativeValues='false' minStiffness='300' "
                "maxStiffness='900' "

@@ -53,8 +53,8 @@ protected:
                                                                                                         : 30);
                 }
             const std::string number = "000" + std::to_string(k) + ".png";
-            EXPECT_TRUE(write_png(folder / ("depth_" + number), depth.view()).ok());
-            EXPECT_TRUE(write_png(folder / ("color_" + number), colour.view()).ok());
+            EXPECT_TRUE(write_png(folder / ("depth_" + number), depth.view()));
+            EXPECT_TRUE(write_png(folder / ("color_" + number), colour.view()));
         }
         return folder.string();
     }
@@ -91,7 +91,7 @@ TEST_F(Verify, TellsOfColourThatIsBesideDepthAndWhere) {
     EXPECT_EQ(names(json), std::set<std::string>{"registration"}) << json;
     EXPECT_NEAR(json["measures"]["colour_edges"]["right"].get<double>(), 3, 0.01);
     const auto picture = read_image(at("where.png"));
-    ASSERT_TRUE(picture.ok()) << picture.error().message;
+    ASSERT_TRUE(picture) << picture.error().message;
     int red = 0;
     for (std::size_t k = 0; k < picture->samples.size(); k += 3)
         red += picture->samples[k] == 255 && picture->samples[k + 1] == 40 ? 1 : 0;

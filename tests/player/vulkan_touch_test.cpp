@@ -111,7 +111,7 @@ TEST(VulkanTouch, TheReportNamesTheDeviceThatTheSurfaceWasBuiltOn) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     const auto device = GpuDevice::open();
-    ASSERT_TRUE(device.ok());
+    ASSERT_TRUE(device);
     const auto on_gpu = touch({folder / "clip.mkv", "--seconds", "0.1", "--builder", "vulkan"});
     const auto on_cpu = touch({folder / "clip.mkv", "--seconds", "0.1"});
     EXPECT_EQ(on_gpu["device_name"], (*device)->facts().name);
@@ -135,10 +135,10 @@ TEST(VulkanTouch, WhereAutoTookAGpuThatWillNotDoTheCpuBuilderDoesItsWork) {
     scene.width = 40;
     scene.height = 30;
     const auto asked_for = make_builder({.name = "vulkan"}, scene, none);
-    ASSERT_FALSE(asked_for.ok());
+    ASSERT_FALSE(asked_for);
     EXPECT_EQ(asked_for.error().kind, ErrorKind::gpu);
     const auto picked = make_builder({.name = "vulkan", .gpu_fallback = true}, scene, none);
-    ASSERT_TRUE(picked.ok()) << picked.error().message;
+    ASSERT_TRUE(picked) << picked.error().message;
     EXPECT_EQ((*picked)->name(), "cpu");
 }
 

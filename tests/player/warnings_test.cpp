@@ -23,7 +23,7 @@ protected:
         scene["folder"] = {{"depth", "flat.png"}};
         std::ofstream(folder / "scene.json") << scene;
         const Image flat{48, 32, 1, 1, std::vector<std::uint8_t>(48 * 32, 7)};
-        EXPECT_TRUE(write_png(folder / "flat.png", flat.view()).ok());
+        EXPECT_TRUE(write_png(folder / "flat.png", flat.view()));
         return folder / "scene.json";
     }
     /// Of an offline run, as the report has them; the table begins with them, and --strict minds them.

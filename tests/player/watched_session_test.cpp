@@ -98,7 +98,7 @@ class Watched : public testing::Test {
 protected:
     Watched() {
         const SceneOptions globe{.width = 32, .height = 24, .properties = true};
-        EXPECT_TRUE(write_generated_clip("globe", clip, globe, watched_frames).ok());
+        EXPECT_TRUE(write_generated_clip("globe", clip, globe, watched_frames));
     }
     SessionOptions options() const {
         SessionOptions options;
@@ -110,13 +110,13 @@ protected:
     void start(const SessionOptions& options) {
         handle->height = 1;  // m: far from any surface
         auto setup = setup_from_options(options);
-        ASSERT_TRUE(setup.ok()) << setup.error().message;
+        ASSERT_TRUE(setup) << setup.error().message;
         auto record =
             RecordingFile::create(folder / "run.rec", (*setup)->settings.fingers, Existing::replace);
-        ASSERT_TRUE(record.ok());
+        ASSERT_TRUE(record);
         record_ = std::move(*record);
         auto started = WatchedSession::start(std::move(*setup), {record_.get(), &figures_.emplace(), &steps});
-        ASSERT_TRUE(started.ok()) << started.error().message;
+        ASSERT_TRUE(started) << started.error().message;
         session = std::move(*started);
         // What is felt comes by the session's own thread, a little later than what is held.
         ASSERT_TRUE(comes_true([this] {
@@ -144,7 +144,7 @@ protected:
     }
     void ask(Verb verb, std::int64_t first = 0, std::int64_t second = 0) {
         const auto asked = session->ask(verb, first, second);
-        EXPECT_TRUE(asked.ok()) << asked.error().message;
+        EXPECT_TRUE(asked) << asked.error().message;
     }
     /// The hand's frames are those of where the clock is.
     bool has_arrived() {
@@ -160,9 +160,9 @@ protected:
         EXPECT_FALSE(handle->is_open());
         nlohmann::ordered_json facts = recorded_facts(session->setup());
         facts["force_hash"] = figures_->force_hash();
-        ASSERT_TRUE(record_->finish(facts, session->setup().settings.playback).ok());
+        ASSERT_TRUE(record_->finish(facts, session->setup().settings.playback));
         const auto replayed = replay_in_process(folder / "run.rec");
-        EXPECT_TRUE(replayed.ok()) << replayed.error().message;
+        EXPECT_TRUE(replayed) << replayed.error().message;
     }
 
     TemporaryFolder folder;
@@ -194,13 +194,13 @@ void ask_anything(WatchedSession& session, Random& random) {
     if (verb == Verb::seek || verb == Verb::loop) first = random.below(1499) * ms;
     if (verb == Verb::loop) second = first + shortest_loop_ns + random.below(200) * ms;
     const auto asked = session.ask(verb, first, second);
-    EXPECT_TRUE(asked.ok()) << asked.error().message;
+    EXPECT_TRUE(asked) << asked.error().message;
 }
 
 TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColourAndItsStoredDepth) {
     std::vector<std::vector<std::uint8_t>> colours, depths;
     auto reader = open_clip(clip).value();
-    for (auto raw = reader->next(); raw.ok() && *raw; raw = reader->next()) {
+    for (auto raw = reader->next(); raw && *raw; raw = reader->next()) {
         colours.push_back(bytes_of((*raw)->colour));
         depths.push_back(bytes_of((*raw)->depth));
     }
@@ -312,7 +312,7 @@ TEST_F(Watched, RefusesWhatNoClockTakes) {
     SessionOptions planned = options();
     planned.playback = {{5, Verb::pause, 0, 0}};
     const auto refused = WatchedSession::start(setup_from_options(planned).value(), {});
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("0.005 pause"), std::string::npos) << refused.error().message;
     start(options());
     for (const auto& [verb, first, second, fragment] :
@@ -321,12 +321,12 @@ TEST_F(Watched, RefusesWhatNoClockTakes) {
              {Verb::seek, 1500 * ms, 0, "the clip ends at 1.5"},
              {Verb::loop, 0, 50 * ms, "0.1 s or longer"}}) {
         const auto asked = session->ask(verb, first, second);
-        ASSERT_FALSE(asked.ok()) << fragment;
+        ASSERT_FALSE(asked) << fragment;
         EXPECT_EQ(asked.error().kind, ErrorKind::usage);
         EXPECT_NE(asked.error().message.find(fragment), std::string::npos) << asked.error().message;
     }
     session->stop();
-    EXPECT_FALSE(session->ask(Verb::play).ok()) << "nobody takes it any more";
+    EXPECT_FALSE(session->ask(Verb::play)) << "nobody takes it any more";
 }
 
 TEST_F(Watched, ADeviceThatIsPulledOutEndsItAndSaysWhy) {
@@ -342,14 +342,14 @@ TEST_F(Watched, ADeviceThatIsPulledOutEndsItAndSaysWhy) {
 TEST(PlaybackLog, KeepsWhatWasAskedAtTheTickThatTookItAndRefusesMoreThanItHolds) {
     PlaybackLog log({{0, Verb::rate, 500, 0}}, 2);
     EXPECT_TRUE(log.is_open());
-    ASSERT_TRUE(log.ask(Verb::pause, 0, 0).ok());
+    ASSERT_TRUE(log.ask(Verb::pause, 0, 0));
     EXPECT_EQ(log.size(), 1U) << "not taken yet";
     log.take(7);
-    ASSERT_TRUE(log.ask(Verb::seek, 5 * ms, 0).ok());
+    ASSERT_TRUE(log.ask(Verb::seek, 5 * ms, 0));
     log.take(9);
     log.take(10);
     const auto full = log.ask(Verb::play, 0, 0);
-    ASSERT_FALSE(full.ok());
+    ASSERT_FALSE(full);
     EXPECT_EQ(full.error().kind, ErrorKind::usage);
     const std::vector<PlaybackCommand> wanted{
         {0, Verb::rate, 500, 0}, {7, Verb::pause, 0, 0}, {9, Verb::seek, 5 * ms, 0}};

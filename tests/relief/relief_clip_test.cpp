@@ -18,7 +18,7 @@ Result<std::unique_ptr<ClipReader>> looked_at_and_with_relief(std::unique_ptr<Cl
                                                               const ReliefSettings& settings,
                                                               double max_height) {
     auto looked = look_at_relief(std::move(clip), settings);
-    if (!looked.ok()) return looked.error();
+    if (!looked) return looked.error();
     return with_relief(std::move(looked->clip), settings, looked->range, max_height);
 }
 
@@ -36,7 +36,7 @@ protected:
         EXPECT_EQ(message(clip), "");
         auto relief = looked_at_and_with_relief(std::move(*clip), settings, 2);
         EXPECT_EQ(message(relief), "");
-        return relief.ok() ? std::move(*relief) : nullptr;
+        return relief ? std::move(*relief) : nullptr;
     }
     static std::uint64_t hash_of(const std::vector<RawFrame>& frames) {
         ByteHash hash;
@@ -114,7 +114,7 @@ TEST_F(ReliefClip, WithoutColourIsRefused) {
     auto clip = open_clip(folder_ / "grey.mkv");
     ASSERT_EQ(message(clip), "");
     const auto relief = looked_at_and_with_relief(std::move(*clip), {}, 2);
-    ASSERT_FALSE(relief.ok());
+    ASSERT_FALSE(relief);
     EXPECT_EQ(relief.error().kind, ErrorKind::input);
     EXPECT_NE(relief.error().message.find("has no colour"), std::string::npos) << relief.error().message;
 }

@@ -30,7 +30,7 @@ void write_file(const std::filesystem::path& file, const std::string& bytes) {
 
 std::string refusal_of(const std::filesystem::path& file, std::size_t largest = 1 << 20) {
     const auto read = read_given_file(file, "--list NAME", "a list", largest);
-    return read.ok() ? "" : read.error().message;
+    return read ? "" : read.error().message;
 }
 
 TEST(GivenFile, WhatIsNoOrdinaryFileIsToldAtOnce) {
@@ -76,7 +76,7 @@ std::string telling_bytes(std::size_t count) {
 std::string stretch(GivenFile& file, std::uint64_t at, std::size_t count) {
     std::string bytes(count, '\0');
     const auto read = file.read(at, bytes.data(), count);
-    return read.ok() ? bytes : read.error().message;
+    return read ? bytes : read.error().message;
 }
 
 TEST(GivenFile, IsReadAnywhereInPiecesOfAnySize) {
@@ -84,7 +84,7 @@ TEST(GivenFile, IsReadAnywhereInPiecesOfAnySize) {
     const std::string bytes = telling_bytes(300'000);
     write_file(folder / "file", bytes);
     auto file = GivenFile::open(folder / "file", "NAME", "a file");
-    ASSERT_TRUE(file.ok());
+    ASSERT_TRUE(file);
     EXPECT_EQ(file->size(), bytes.size());
     for (const auto& [at, count] :
          {std::pair{0, 3}, {2, 200'000}, {65'530, 12}, {10, 1}, {299'999, 1}, {0, 300'000}, {300'000, 0}})
@@ -100,7 +100,7 @@ TEST(GivenFile, EndsWhereItEndedWhenItWasOpened) {
     const TemporaryFolder folder;
     write_file(folder / "file", telling_bytes(100'000));
     auto file = GivenFile::open(folder / "file", "NAME", "a file");
-    ASSERT_TRUE(file.ok());
+    ASSERT_TRUE(file);
     std::filesystem::resize_file(folder / "file", 200'000);
     EXPECT_EQ(file->size(), 100'000U);
     EXPECT_EQ(stretch(*file, 99'999, 2), "is cut short");
@@ -129,7 +129,7 @@ TEST(GivenFile, AFaultOfTheDiskIsTold) {
 
 /// Ends the process: 0 where it was interrupted.
 [[noreturn]] void end_with(const Result<void>& read) {
-    std::_Exit(!read.ok() && read.error().kind == ErrorKind::interrupted ? 0 : 1);
+    std::_Exit(!read && read.error().kind == ErrorKind::interrupted ? 0 : 1);
 }
 
 [[noreturn]] void stop_while_a_disk_is_waited_for() {

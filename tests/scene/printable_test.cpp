@@ -58,7 +58,7 @@ TEST(Printable, WhateverASceneFileHoldsTheErrorIsShort) {
          {"{\"" + long_text, "{\"" + long_text + "\": 1}", "[\"\x1b" + long_text, "\"" + long_text + "\"",
           "{\"touchable_scene\": 1, \"name\": 3, \"" + long_text + "\": {}}"}) {
         const auto scene = parse_scene(text, "scene.json");
-        ASSERT_FALSE(scene.ok());
+        ASSERT_FALSE(scene);
         EXPECT_LT(scene.error().message.size(), 500U);
         EXPECT_EQ(scene.error().message.find_first_of("\n\x1b"), std::string::npos);
     }

@@ -212,10 +212,10 @@ TEST(SceneFile, RemarksBeyondALimitAreRefused) {
     };
     EXPECT_EQ(parsed(with_remarks(texts(100, 2000))).remarks.size(), 100U);
     const auto many = parse_scene(with_remarks(texts(101, 1)), "test.json");
-    ASSERT_FALSE(many.ok());
+    ASSERT_FALSE(many);
     EXPECT_NE(many.error().message.find("must be an array of at most 100 texts"), std::string::npos);
     const auto lengthy = parse_scene(with_remarks(texts(1, 2001)), "test.json");
-    ASSERT_FALSE(lengthy.ok());
+    ASSERT_FALSE(lengthy);
     EXPECT_NE(lengthy.error().message.find("remarks[0] is "), std::string::npos);
     EXPECT_NE(lengthy.error().message.find("must be a text of at most 2000 bytes"), std::string::npos);
 }
@@ -240,7 +240,7 @@ TEST(SceneFile, ExamplesOfTheDocumentationAreScenes) {
     while (std::getline(page, line)) {
         if (inside && line == "```") {
             const auto scene = parse_scene(example, "scene_file.md");
-            EXPECT_TRUE(scene.ok()) << scene.error().message;
+            EXPECT_TRUE(scene) << scene.error().message;
             ++examples;
             inside = false;
         } else if (line == "```json") {
@@ -268,7 +268,7 @@ protected:
 
 TEST_F(SceneFileOnDisk, IsReadFromItsPath) {
     const auto scene = read_scene_file(write("scene.json", std::string("\xef\xbb\xbf") + globe + "\n"));
-    ASSERT_TRUE(scene.ok()) << scene.error().message;
+    ASSERT_TRUE(scene) << scene.error().message;
     EXPECT_EQ(scene->scene.name, "globe");
 }
 
@@ -277,7 +277,7 @@ TEST_F(SceneFileOnDisk, ThatCannotBeReadIsRefusedByItsName) {
                                                                    {folder_, "is a folder"}};
     for (const auto& [file, why] : files) {
         const auto scene = read_scene_file(file);
-        ASSERT_FALSE(scene.ok());
+        ASSERT_FALSE(scene);
         EXPECT_EQ(scene.error().kind, ErrorKind::input);
         EXPECT_EQ(scene.error().message,
                   file.string() + ": " + why + "; right would be a scene file (JSON, docs/scene_file.md)");

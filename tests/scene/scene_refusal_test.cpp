@@ -33,7 +33,7 @@ std::string with(const std::string& old_text, const std::string& new_text) {
 
 void expect_refused(const std::string& json, const std::vector<std::string>& parts) {
     const auto scene = parse_scene(json, "scene.json");
-    ASSERT_FALSE(scene.ok()) << "accepted, expected a word on " << parts.front();
+    ASSERT_FALSE(scene) << "accepted, expected a word on " << parts.front();
     EXPECT_EQ(scene.error().kind, ErrorKind::input);
     const std::string& message = scene.error().message;
     EXPECT_TRUE(message.starts_with("scene.json: ")) << message;
@@ -50,7 +50,7 @@ struct Change {
 
 TEST(SceneRefusal, TheFullSceneItselfIsAccepted) {
     const auto scene = parse_scene(full, "full");
-    EXPECT_TRUE(scene.ok()) << scene.error().message;
+    EXPECT_TRUE(scene) << scene.error().message;
 }
 
 TEST(SceneRefusal, VersionIsRequiredAndANewerOneIsRefusedByName) {
@@ -252,7 +252,7 @@ TEST(SceneRefusal, AMemberGivenTwiceIsRefusedByLineAndByte) {
 }
 
 TEST(SceneRefusal, TheSameNameInTwoObjectsIsNoRepetition) {
-    EXPECT_TRUE(parse_scene(full, "full").ok());  // stiffness, height and depth each stand in two objects
+    EXPECT_TRUE(parse_scene(full, "full"));  // stiffness, height and depth each stand in two objects
 }
 
 TEST(SceneRefusal, BrokenJsonIsRefusedByLineAndByte) {
@@ -276,7 +276,7 @@ TEST(SceneRefusal, MaterialsThatCannotBe) {
     const auto with_materials = [](const std::string& materials) {
         return with("\"haptic\": {", ("\"haptic\": {\"materials\": " + materials + ", ").c_str());
     };
-    EXPECT_TRUE(parse_scene(with_materials(R"({"0": {}, "65535": {"stiffness": 3}})"), "full").ok());
+    EXPECT_TRUE(parse_scene(with_materials(R"({"0": {}, "65535": {"stiffness": 3}})"), "full"));
     const std::pair<const char*, std::vector<std::string>> refused[] = {
         {"[]", {"haptic.materials is []", "an object"}},
         {"{}", {"haptic.materials is {}", "1 to 256"}},
@@ -299,7 +299,7 @@ TEST(SceneRefusal, MaterialsThatCannotBe) {
         SCOPED_TRACE(materials);
         auto expected = parts;
         const auto scene = parse_scene(with_materials(materials), "scene.json");
-        ASSERT_FALSE(scene.ok());
+        ASSERT_FALSE(scene);
         for (const std::string& part : expected)
             EXPECT_NE(scene.error().message.find(part), std::string::npos) << scene.error().message;
         EXPECT_EQ(scene.error().message.find('\n'), std::string::npos);

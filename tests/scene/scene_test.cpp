@@ -42,7 +42,7 @@ FolderSource folder_of(const std::string& depth) {
 /// validate() refuses the scene with a message that has all these parts.
 void expect_refused(const Scene& scene, const std::vector<std::string>& parts) {
     const auto result = validate(scene);
-    ASSERT_FALSE(result.ok()) << "accepted, expected a word on " << parts.front();
+    ASSERT_FALSE(result) << "accepted, expected a word on " << parts.front();
     EXPECT_EQ(result.error().kind, ErrorKind::input);
     EXPECT_EQ(result.error().message.find('\n'), std::string::npos);
     for (const std::string& part : parts)
@@ -105,8 +105,8 @@ TEST(FrameRate, TheFrameAtATimeIsTheLastThatIsNotLater) {
 }
 
 TEST(Validate, AcceptsWhatIsPossible) {
-    EXPECT_TRUE(validate(good_scene()).ok());
-    EXPECT_TRUE(validate(metric_scene()).ok());
+    EXPECT_TRUE(validate(good_scene()));
+    EXPECT_TRUE(validate(metric_scene()));
     Scene scene = good_scene();
     scene.width = scene.height = 16384;
     scene.depth_bits = 16;
@@ -117,7 +117,7 @@ TEST(Validate, AcceptsWhatIsPossible) {
     scene.haptic.dynamic_friction = {0.5, 2.0};  // above the static one: a map may have reasons
     scene.folder = folder_of("depth/frame_%04d.png");
     scene.folder->colour = "%d.jpg";
-    EXPECT_TRUE(validate(scene).ok()) << validate(scene).error().message;
+    EXPECT_TRUE(validate(scene)) << validate(scene).error().message;
 }
 
 struct Refused {
@@ -288,15 +288,15 @@ TEST(Validate, HeightIsMeasuredAgainstTheNearestCodeThatCanOccur) {
     scene.height_coding = {0.01, HeightUnits::world, 255};
     scene.depth.near = 0.02;
     derive_valid_range(scene.depth);
-    EXPECT_TRUE(validate(scene).ok());
+    EXPECT_TRUE(validate(scene));
 
     scene = good_scene();  // code 255 stands for 40; without it, the nearest is a level further
     scene.height_coding = {40.2, HeightUnits::world, 255};
-    EXPECT_FALSE(validate(scene).ok());
+    EXPECT_FALSE(validate(scene));
     scene.depth.invalid_codes[0] = 255;
     scene.depth.invalid_code_count = 1;
     derive_valid_range(scene.depth);
-    EXPECT_TRUE(validate(scene).ok());
+    EXPECT_TRUE(validate(scene));
 }
 
 TEST(Validate, TheValidRangeIsTheDerivedOne) {
@@ -305,7 +305,7 @@ TEST(Validate, TheValidRangeIsTheDerivedOne) {
     scene.depth.invalid_code_count = 1;
     expect_refused(scene, {"depth.valid_max is 255", "must be 254"});
     derive_valid_range(scene.depth);
-    EXPECT_TRUE(validate(scene).ok());
+    EXPECT_TRUE(validate(scene));
     scene.depth.valid_min = 3;
     expect_refused(scene, {"depth.valid_min is 3", "must be 0"});
     scene.depth.invalid_code_count = 99;  // must not be read as far as that
@@ -320,7 +320,7 @@ TEST(Validate, HeightThatJustFitsLeavesAThousandthOfEveryDepth) {
         Scene scene = good_scene();
         scene.depth.near_is_high = random.below(2);
         scene.height_coding.max_height = random.between(70, 76);
-        if (!validate(scene).ok()) continue;
+        if (!validate(scene)) continue;
         ++accepted;
         double nearest = infinity;
         for (int code = 0; code < 256; ++code)
@@ -336,7 +336,7 @@ TEST(Validate, FilePatternsHaveOneFieldOfDigitsAndNothingElse) {
          {"%d", "%d.png", "depth_%04d.png", "a/b/%09d_raw.png", "../x/%01d", "/data/%d", "depth.png"}) {
         Scene scene = good_scene();
         scene.folder = folder_of(pattern);
-        EXPECT_TRUE(validate(scene).ok()) << pattern;
+        EXPECT_TRUE(validate(scene)) << pattern;
     }
     for (const char* pattern : {"", "%", "%4d", "%00d", "%010d", "%0d", "%s", "%n", "%d%d", "%d%%", "%%",
                                 "%04", "%-4d", "%+d", "%ld", "%04d_%s.png", "%x", "%*d", "a\n%d"}) {

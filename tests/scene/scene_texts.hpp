@@ -29,8 +29,8 @@ inline constexpr const char* globe = R"({
 
 inline SceneDescription described(const std::string& json) {
     auto read = parse_scene(json, "test.json");
-    EXPECT_TRUE(read.ok()) << read.error().message;
-    return read.ok() ? *read : SceneDescription{};
+    EXPECT_TRUE(read) << read.error().message;
+    return read ? *read : SceneDescription{};
 }
 
 /// What is stated in it.

@@ -156,10 +156,10 @@ TEST(SceneFile, RandomScenesComeBackToTheLastBit) {
     Random random(41);
     for (std::size_t k = 0; k < 3000; k += test::sweep_step()) {
         const SceneDescription random_one = random_description(random);
-        ASSERT_TRUE(validate(random_one).ok()) << validate(random_one).error().message;
+        ASSERT_TRUE(validate(random_one)) << validate(random_one).error().message;
         const std::string json = scene_to_json(random_one);
         const auto again = parse_scene(json, "again");
-        ASSERT_TRUE(again.ok()) << again.error().message << "\n" << json;
+        ASSERT_TRUE(again) << again.error().message << "\n" << json;
         expect_same(random_one, *again);
         if (HasFailure()) FAIL() << json;
         ASSERT_EQ(scene_to_json(*again), json);
@@ -246,7 +246,7 @@ TEST(SceneFile, NameThatIsNoUnicodeStillGivesJson) {
     scene.name =
         "a\xff"
         "b";
-    EXPECT_TRUE(parse_scene(scene_to_json(scene), "t").ok());
+    EXPECT_TRUE(parse_scene(scene_to_json(scene), "t"));
 }
 
 TEST(SceneWriting, MaterialsAndTheRangesThatHoldThem) {
@@ -257,7 +257,7 @@ TEST(SceneWriting, MaterialsAndTheRangesThatHoldThem) {
             "10": {"stiffness_n_per_m": 777.7}, "2": {"stiffness": 2, "dynamic_friction": 0.05}, "0": {}}},
         "folder": {"depth": "d%d.exr", "haptic": "d%d.exr"}})";
     const auto read = parse_scene(text, "text");
-    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_TRUE(read) << read.error().message;
     ASSERT_EQ(read->materials.size(), 3U);
     EXPECT_EQ(read->materials[0].index, 0);
     EXPECT_EQ(read->materials[0].properties.stiffness, 500);
@@ -272,7 +272,7 @@ TEST(SceneWriting, MaterialsAndTheRangesThatHoldThem) {
     EXPECT_EQ(ranges.dynamic_friction.min, 0.05);
     EXPECT_EQ(ranges.dynamic_friction.max, 0.3);
     const auto again = parse_scene(scene_to_json(*read), "written");
-    ASSERT_TRUE(again.ok()) << again.error().message;
+    ASSERT_TRUE(again) << again.error().message;
     expect_same(*read, *again);
 }
 

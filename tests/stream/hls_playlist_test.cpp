@@ -49,12 +49,12 @@ TEST(HlsPlaylist, PlacesElsewhereAreRefused) {
 TEST(HlsPlaylist, OurMasterLeadsToBoth) {
     const std::string text = master_text({"colour.m3u8", 1000, "avc1.64001f", 640, 480, 30});
     const auto places = places_in_playlist(text, web);
-    ASSERT_TRUE(places.ok()) << places.error().message;
+    ASSERT_TRUE(places) << places.error().message;
     EXPECT_EQ(places->touch, "http://host:8080/live/clip/touch.m3u8");
     EXPECT_EQ(places->colour, "http://host:8080/live/clip/colour.m3u8");
     const auto alone =
         places_in_playlist(master_text({"touch.m3u8", 1000, "avc1.64001f", 640, 480, 30}), web);
-    ASSERT_TRUE(alone.ok());
+    ASSERT_TRUE(alone);
     EXPECT_EQ(alone->colour, "");
 }
 
@@ -62,20 +62,20 @@ TEST(HlsPlaylist, MasterLeadsToLowLevel) {
     const HlsShown full{"colour.m3u8", 2000, "avc1.64001f", 640, 480, 30},
         low{"low.m3u8", 1000, "", 640, 480, 30};
     const auto places = places_in_playlist(master_text(full, low), web);
-    ASSERT_TRUE(places.ok()) << places.error().message;
+    ASSERT_TRUE(places) << places.error().message;
     EXPECT_EQ(places->colour, "http://host:8080/live/clip/colour.m3u8");
     EXPECT_EQ(places->low_touch, "http://host:8080/live/clip/touch-low.m3u8");
     EXPECT_EQ(places->low_colour, "http://host:8080/live/clip/low.m3u8");
     // A second variant alone is no low level.
     const auto others =
         places_in_playlist(master_text(full) + "#EXT-X-STREAM-INF:BANDWIDTH=1\nhttp://other/c.m3u8\n", web);
-    ASSERT_TRUE(others.ok()) << others.error().message;
+    ASSERT_TRUE(others) << others.error().message;
     EXPECT_EQ(others->low_touch + others->low_colour, "");
     // Without colour its variants are the planes.
     const HlsShown grey{"touch.m3u8", 2000, "", 640, 480, 30},
         low_grey{"touch-low.m3u8", 1000, "", 640, 480, 15};
     const auto planes = places_in_playlist(master_text(grey, low_grey), web);
-    ASSERT_TRUE(planes.ok()) << planes.error().message;
+    ASSERT_TRUE(planes) << planes.error().message;
     EXPECT_EQ(planes->low_touch, "http://host:8080/live/clip/touch-low.m3u8");
     EXPECT_EQ(planes->colour + planes->low_colour, "");
 }
@@ -113,10 +113,10 @@ TEST(HlsPlaylist, AMediaPlaylistLeadsToItself) {
     media.first = 5;
     media.segments = {{"a.m4s", 1}, {"b.m4s", 1}};
     const auto places = places_in_playlist(text_of(media), web);
-    ASSERT_TRUE(places.ok());
+    ASSERT_TRUE(places);
     EXPECT_EQ(places->touch, web);
     const auto facts = check_hls_media(text_of(media), web);
-    ASSERT_TRUE(facts.ok()) << facts.error().message;
+    ASSERT_TRUE(facts) << facts.error().message;
     EXPECT_EQ(facts->next_segment, 7);
     EXPECT_EQ(facts->header, "http://host:8080/live/clip/init.mp4");
     EXPECT_FALSE(facts->has_ended);
@@ -139,14 +139,14 @@ TEST(HlsPlaylist, HostileMastersAreRefused) {
           head + "t.m3u8" + colour + "c.m3u8\n" + std::string(largest_hls_playlist, '\n'),
           head + "t.m3u8" + colour + "c.m3u8\n" + std::string(1, '\0')}) {
         const auto places = places_in_playlist(text, web);
-        ASSERT_FALSE(places.ok()) << text.substr(0, 200);
+        ASSERT_FALSE(places) << text.substr(0, 200);
         EXPECT_EQ(places.error().kind, ErrorKind::input);
     }
 }
 
 TEST(HlsPlaylist, HostileMediaPlaylistsAreRefused) {
     const std::string head = "#EXTM3U\n#EXT-X-TARGETDURATION:1\n", end = "#EXTINF:1,\na.m4s\n";
-    ASSERT_TRUE(check_hls_media(head + end, web).ok());
+    ASSERT_TRUE(check_hls_media(head + end, web));
     for (const std::string& line :
          {std::string("#EXT-X-STREAM-INF:BANDWIDTH=1\nb.m3u8\n"),
           std::string("#EXTINF:1,\nmaster.m3u8?token=1\n"),
@@ -155,8 +155,8 @@ TEST(HlsPlaylist, HostileMediaPlaylistsAreRefused) {
           std::string("#EXT-X-MAP:URI=\"a\"\n#EXT-X-MAP:URI=\"b\"\n"),
           std::string("#EXTINF:1,\nhttp://169.254.169.254/latest\n"),
           std::string("#EXT-X-MEDIA-SEQUENCE:-1\n"), std::string("#EXT-X-MEDIA:TYPE=AUDIO,URI=\"x\"\n")})
-        EXPECT_FALSE(check_hls_media(head + line + end, web).ok()) << line;
-    EXPECT_FALSE(check_hls_media(head, web).ok()) << "no segment";
+        EXPECT_FALSE(check_hls_media(head + line + end, web)) << line;
+    EXPECT_FALSE(check_hls_media(head, web)) << "no segment";
 }
 
 }  // namespace

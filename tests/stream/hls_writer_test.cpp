@@ -316,7 +316,7 @@ TEST(HlsWriter, FilesOfOthersAreNeverTouched) {
         fs::create_directories((folder / name).parent_path());
         write_bytes(folder / name, "mine");
         const Written written = write_hls({folder.path()}, 5, {true});
-        ASSERT_FALSE(written.outcome.ok()) << name;
+        ASSERT_FALSE(written.outcome) << name;
         EXPECT_EQ(written.outcome.error().kind, ErrorKind::input) << name;
         EXPECT_EQ(read_bytes(folder / name), "mine");
         EXPECT_EQ(folder.file_count(), 1U) << name;
@@ -337,7 +337,7 @@ TEST(HlsWriter, SettingsOutOfRangeAreRefused) {
                                                 HlsWriter::Settings{folder.path(), 11 * hls_second},
                                                 HlsWriter::Settings{folder.path(), hls_second, -1}}) {
         const auto writer = HlsWriter::open(settings, small_hls_scene());
-        ASSERT_FALSE(writer.ok());
+        ASSERT_FALSE(writer);
         EXPECT_EQ(writer.error().kind, ErrorKind::usage);
     }
 }

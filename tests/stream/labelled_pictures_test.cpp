@@ -73,7 +73,7 @@ TEST(LabelledPictures, OtherPlanesThanTheFirstAreRefused) {
     auto encoder = LabelledEncoder::open(test_frame(scene, 0, {true}), scene, TrackCoding::h264_quick);
     ASSERT_EQ(message(encoder), "");
     const auto packets = encoder->encode(test_frame(scene, 1, {}), sent_label(1), true);
-    ASSERT_FALSE(packets.ok());
+    ASSERT_FALSE(packets);
     EXPECT_EQ(packets.error().kind, ErrorKind::input);
 }
 
@@ -129,7 +129,7 @@ TEST(LabelledPictures, LargerThanAllowedIsNotDecoded) {
     const LabelledClip clip = labelled_clip(scene_of_bits(8), 2, {});
     AVStream& stream = *clip.streams->streams[0];
     LabelledDecoder decoder(54 * 38 - 1);
-    EXPECT_FALSE(decoder.add_track(stream, "clip").ok()) << "its header says so";
+    EXPECT_FALSE(decoder.add_track(stream, "clip")) << "its header says so";
     stream.codecpar->width = stream.codecpar->height = 0;
     const auto track = decoder.add_track(stream, "clip");
     ASSERT_EQ(message(track), "");

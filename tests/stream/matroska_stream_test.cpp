@@ -77,10 +77,10 @@ CameOf all_that_came(const std::string& bytes) {
     CameOf all;
     const auto pictures = open_matroska_pictures(std::make_shared<HeldBytes>(bytes), "held", std::nullopt);
     EXPECT_EQ(message(pictures), "");
-    while (pictures.ok()) {
+    while (pictures) {
         const auto came = (*pictures)->next();
         EXPECT_EQ(message(came), "");
-        if (!came.ok() || !*came) break;
+        if (!came || !*came) break;
         all.torn += (*came)->torn;
         for (const StreamPicture& picture : (*came)->pictures) ++all.pictures[picture.role];
     }
@@ -96,7 +96,7 @@ TEST(MatroskaStream, TooLargePicturesAreRefused) {
         bytes.replace(at + 2, 2, what == width ? std::string("\x10\x01", 2) : std::string("\x10\x00", 2));
     }
     const auto pictures = open_matroska_pictures(std::make_shared<HeldBytes>(bytes), "held", std::nullopt);
-    ASSERT_FALSE(pictures.ok());
+    ASSERT_FALSE(pictures);
     EXPECT_NE(message(pictures).find("4097x4096: a stream's have at most 16777216 pixels"), std::string::npos)
         << message(pictures);
 }
@@ -168,7 +168,7 @@ TEST(MatroskaStream, CutAnywhereIsWhatIsWhole) {
             write_bytes(folder / "cut.mkv", bytes.substr(0, at));
             auto reader = open_clip(folder / "cut.mkv");
             if (n == 0) {
-                EXPECT_FALSE(reader.ok());
+                EXPECT_FALSE(reader);
                 continue;
             }
             ASSERT_EQ(message(reader), "") << n;
@@ -263,14 +263,14 @@ TEST(MatroskaStream, RefusesWhatBreaksIt) {
     ASSERT_EQ(message((*muxer)->add(test_frame(scene, 7, touch_planes), {}, 0, true)), "");
     EXPECT_FALSE((*muxer)->header().empty());
     const auto refusal = [](const Result<StreamMuxer::Block>& block) {
-        return block.ok() ? std::nullopt : std::optional(block.error().kind);
+        return block ? std::nullopt : std::optional(block.error().kind);
     };
     // One plane fewer; a value that the scene does not allow; a size that no clip has.
     EXPECT_EQ(refusal((*muxer)->add(test_frame(scene, 8, {}), {}, 1, true)), ErrorKind::internal);
     const RawFrame wide = test_frame(small_scene(16, 12, 16), 8, {false, true, true, true});
     EXPECT_EQ(refusal((*muxer)->add(wide, {}, 1, true)), ErrorKind::input);
-    EXPECT_FALSE(open_matroska_stream(small_scene(16400, 2)).ok());
-    EXPECT_FALSE(open_matroska_stream(scene, SoundPart{"/nowhere.wav", 0, 1}).ok());
+    EXPECT_FALSE(open_matroska_stream(small_scene(16400, 2)));
+    EXPECT_FALSE(open_matroska_stream(scene, SoundPart{"/nowhere.wav", 0, 1}));
 }
 
 }  // namespace

@@ -336,7 +336,7 @@ private:
 template <class Opened>
 Result<std::unique_ptr<Relay>> opened(int target_port, const NetworkFaults& faults) {
     auto relay = std::make_unique<Opened>(target_port, faults);
-    if (auto open = relay->open(); !open.ok()) return open.error();
+    if (auto open = relay->open(); !open) return open.error();
     return std::unique_ptr<Relay>(std::move(relay));
 }
 

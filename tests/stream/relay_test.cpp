@@ -63,7 +63,7 @@ TEST(Relay, AConnectionKeepsEveryByteInOrder) {
     const End listener(SOCK_STREAM, 0);
     const auto relay = Relay::open(Relay::Kind::tcp, listener.port(),
                                    {.loss = 0.05, .burst = 2, .delay_ms = 2, .jitter_ms = 3});
-    ASSERT_TRUE(relay.ok()) << relay.error().message;
+    ASSERT_TRUE(relay) << relay.error().message;
     const End client(SOCK_STREAM, (*relay)->port());
     const End server(::accept(listener.get(), nullptr, nullptr));
     std::string sent(300'000, ' ');
@@ -79,7 +79,7 @@ TEST(Relay, AConnectionKeepsEveryByteInOrder) {
 TEST(Relay, DatagramsAreLostAsOftenAsItSays) {
     const End server(SOCK_DGRAM, 0);
     const auto relay = Relay::open(Relay::Kind::udp, server.port(), {.loss = 0.1, .burst = 3});
-    ASSERT_TRUE(relay.ok()) << relay.error().message;
+    ASSERT_TRUE(relay) << relay.error().message;
     const End client(SOCK_DGRAM, (*relay)->port());
     constexpr int count = 2000;
     int last = -1, arrived = 0;

@@ -82,7 +82,7 @@ TEST(SegmentedClip, WithoutOneOfItsSegmentsIsNotWhole) {
         });
         const auto clip = open_clip(server.url("/master.m3u8"));
         const auto frames = clip ? read_all(**clip) : Result<std::vector<RawFrame>>(clip.error());
-        ASSERT_FALSE(frames.ok()) << segment;
+        ASSERT_FALSE(frames) << segment;
         EXPECT_EQ(frames.error().kind, ErrorKind::input);
         EXPECT_NE(frames.error().message.find("left out 1 of its segments"), std::string::npos)
             << frames.error().message;
@@ -102,7 +102,7 @@ TEST(SegmentedClip, IsOpenedWithinATimeForAllOfIt) {
         source.patience.opening = std::chrono::seconds(2);
         source.patience.frameset = std::chrono::hours(1);
         const auto clip = open_stream_clip(source);
-        ASSERT_FALSE(clip.ok()) << silent;
+        ASSERT_FALSE(clip) << silent;
         EXPECT_EQ(clip.error().kind, ErrorKind::input);
         EXPECT_TRUE(message(clip).starts_with(server.url("/"))) << message(clip);
         EXPECT_TRUE(message(clip).ends_with(silent + ": did not come in time")) << message(clip);

@@ -80,7 +80,7 @@ TEST(SrtOutput, LeavesFramesetsOutForNarrowCallerAlone) {
     const int port = unused_port();
     // It takes 60 s for what the other one takes as quickly as it comes.
     const auto relay = Relay::open(Relay::Kind::udp, port, {.bytes_per_second = 100'000});
-    ASSERT_TRUE(relay.ok());
+    ASSERT_TRUE(relay);
     const auto output = sent.open(place_of(port));
     std::string narrow_heard;
     std::thread narrow([&] { narrow_heard = SrtPeer(Kind::calls, (*relay)->port()).hear_all(); });
@@ -152,14 +152,14 @@ TEST(SrtOutput, CallsLessOftenWhereNobodyStays) {
     std::thread peer([&] {
         auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::receives));
         std::function<bool()> always = [] { return true; };
-        EXPECT_TRUE(door.listen(*own_address(*read_stream_url(place_of(port))), always).ok());
+        EXPECT_TRUE(door.listen(*own_address(*read_stream_url(place_of(port))), always));
         while (!stop)
             if (!door.accept()) std::this_thread::sleep_for(a_moment);
     });
     ring.begin(SentOut::header());
     auto output =
         std::move(*SrtOutput::create(*read_stream_url(place_of(port) + "?mode=caller"), ring, audience));
-    ASSERT_TRUE(output->start().ok());
+    ASSERT_TRUE(output->start());
     constexpr int most_connections = 20;
     for (std::int64_t n = 0; audience.all() < (is_said ? 2 : most_connections); ++n) {
         ring.add({n, true, {'X'}});
@@ -187,7 +187,7 @@ TEST(SrtOutput, RefusesWrongPassphrase) {
     wait->at_most(std::chrono::minutes(1));
     const auto bytes =
         connect_by_srt(*read_stream_url(place_of(port) + "?passphrase=another-passphrase"), wait);
-    ASSERT_FALSE(bytes.ok());
+    ASSERT_FALSE(bytes);
     EXPECT_NE(bytes.error().message.find("passphrase"), std::string::npos) << bytes.error().message;
 }
 
@@ -201,7 +201,7 @@ TEST(SrtOutput, RefusesCallersBeyondTheLimit) {
     const auto wait = std::make_shared<StreamWait>();
     wait->at_most(std::chrono::minutes(1));
     const auto bytes = connect_by_srt(*read_stream_url(place_of(port)), wait);
-    ASSERT_FALSE(bytes.ok());
+    ASSERT_FALSE(bytes);
     EXPECT_NE(bytes.error().message.find("as many listeners"), std::string::npos) << bytes.error().message;
 }
 
@@ -220,7 +220,7 @@ TEST(SrtOutput, LastDatagramsAreSentAgain) {
     SentOut sent;
     const int port = unused_port();
     const auto relay = Relay::open(Relay::Kind::udp, port);
-    ASSERT_TRUE(relay.ok());
+    ASSERT_TRUE(relay);
     const auto output = sent.open(place_of(port));
     std::string heard;
     std::thread caller([&] { heard = SrtPeer(Kind::calls, (*relay)->port()).hear_all(); });
@@ -268,7 +268,7 @@ TEST(SrtOutput, LogsNothingWhileNobodyCalls) {
     auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::sends));
     std::function<bool()> always = [] { return true; };
     const StreamUrl url = *read_stream_url(place_of(unused_port()));
-    ASSERT_TRUE(door.listen(*own_address(url), always).ok());
+    ASSERT_TRUE(door.listen(*own_address(url), always));
     (void)srt_log_line(late_ns);
     for (int n = 0; n < 10; ++n) EXPECT_FALSE(door.accept());
     EXPECT_EQ(srt_log_line(2 * late_ns), std::nullopt);
@@ -279,7 +279,7 @@ TEST(SrtOutput, AcceptsCallerThatCameEarlier) {
     auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::sends));
     std::function<bool()> always = [] { return true; };
     const int port = unused_port();
-    ASSERT_TRUE(door.listen(*own_address(*read_stream_url(place_of(port))), always).ok());
+    ASSERT_TRUE(door.listen(*own_address(*read_stream_url(place_of(port))), always));
     const SrtPeer caller(Kind::calls, port);
     ASSERT_TRUE(caller.is_connected());
     // libsrt answers the caller a moment before it reports it.
@@ -295,7 +295,7 @@ TEST(SrtOutput, FirstCallIsTriedAgain) {
     SentOut sent;
     const int port = unused_port();
     const auto relay = Relay::open(Relay::Kind::udp, port);
-    ASSERT_TRUE(relay.ok());
+    ASSERT_TRUE(relay);
     (*relay)->stall(true);
     const auto output = sent.open(place_of(port));
     const auto wait = std::make_shared<StreamWait>();
@@ -306,7 +306,7 @@ TEST(SrtOutput, FirstCallIsTriedAgain) {
     });
     const auto bytes = connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait);
     later.join();
-    EXPECT_TRUE(bytes.ok());
+    EXPECT_TRUE(bytes);
 }
 
 TEST(SrtOutput, ConnectsThroughLoss) {
@@ -314,20 +314,20 @@ TEST(SrtOutput, ConnectsThroughLoss) {
         SentOut sent;
         const int port = unused_port();
         const auto relay = Relay::open(Relay::Kind::udp, port, {.loss = 0.2, .seed = seed});
-        ASSERT_TRUE(relay.ok());
+        ASSERT_TRUE(relay);
         const auto output = sent.open(place_of(port));
         sent.padding = {'.'};
         sent.add_all();
         const auto wait = std::make_shared<StreamWait>();
         wait->at_most(std::chrono::minutes(1));
         const auto bytes = connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait);
-        ASSERT_TRUE(bytes.ok());
+        ASSERT_TRUE(bytes);
         (*bytes)->allow(6);
         std::string header(6, '\0');
         for (std::size_t at = 0; at < header.size();) {
             const auto got =
                 (*bytes)->read(reinterpret_cast<std::uint8_t*>(header.data()) + at, header.size() - at);
-            ASSERT_TRUE(got.ok());
+            ASSERT_TRUE(got);
             ASSERT_GT(*got, 0U) << "seed " << seed << ": " << (*bytes)->how_it_ended() << "; "
                                 << sent.newest_line() << "; passed " << (*relay)->passed() << ", lost "
                                 << (*relay)->lost();
@@ -371,7 +371,7 @@ TEST(SrtOutput, RefusesPortThatIsTaken) {
     const auto refused =
         SrtOutput::create(*read_stream_url(place_of(ntohs(at.sin_port))), sent.ring, sent.audience);
     ::close(taken);
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, ErrorKind::input);
 }
 
@@ -381,7 +381,7 @@ TEST(SrtOutput, RefusesSettings) {
          {"?latency=-1", "?latency=60001", "?latency=1s", "?mode=both", "?pbkeylen=17"}) {
         const auto refused = SrtOutput::create(*read_stream_url("srt://127.0.0.1:7000" + std::string(query)),
                                                sent.ring, sent.audience);
-        ASSERT_FALSE(refused.ok()) << query;
+        ASSERT_FALSE(refused) << query;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage) << query;
     }
 }

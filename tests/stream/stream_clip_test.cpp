@@ -24,7 +24,7 @@ Result<std::unique_ptr<ClipReader>> open(const std::string& url,
 std::string refusal(const std::string& bytes, milliseconds patience = milliseconds(20'000)) {
     const LoopbackSender sender(bytes);
     const auto clip = open(sender.url(), patience);
-    EXPECT_FALSE(clip.ok());
+    EXPECT_FALSE(clip);
     const std::string why = message(clip);
     EXPECT_TRUE(why.starts_with(sender.url() + ": ")) << why;
     return why;
@@ -147,7 +147,7 @@ TEST(StreamClip, ItsFirstFramesAreReadAgain) {
     ASSERT_EQ(message((*clip)->seek(60)), "");
     EXPECT_TRUE(same_plane((**(*clip)->next()).depth, sent.frames[60].depth));
     const auto back = (*clip)->rewind();
-    ASSERT_FALSE(back.ok());
+    ASSERT_FALSE(back);
     EXPECT_EQ(back.error().kind, ErrorKind::usage);
     EXPECT_NE(back.error().message.find("save it first: touchable convert"), std::string::npos);
     const auto beyond = (*clip)->seek(71);
@@ -209,7 +209,7 @@ TEST(StreamClip, ASenderThatBreaksOffIsAnError) {
         const auto clip = open(sender.url());
         ASSERT_EQ(message(clip), "");
         const auto frames = read_all(**clip);
-        ASSERT_FALSE(frames.ok()) << cut;
+        ASSERT_FALSE(frames) << cut;
         EXPECT_NE(
             frames.error().message.find(": frame 6: the sender closed the connection in the middle of it"),
             std::string::npos)
@@ -252,7 +252,7 @@ TEST(StreamClip, OneThatSaysNothingIsWaitedForNotForEver) {
             }  // a byte, now and then
         });
         const auto clip = open(sender.url(), milliseconds(300));
-        ASSERT_FALSE(clip.ok());
+        ASSERT_FALSE(clip);
         EXPECT_NE(message(clip).find("sent no whole frameset in time"), std::string::npos) << message(clip);
     }
     const LoopbackSender stalls([&](const LoopbackSender::Listener& to, int) {
@@ -273,7 +273,7 @@ TEST(StreamClip, AWaitEndsWhenItIsTold) {
         told.request_stop();
     });
     const auto clip = open_clip(silent.url(), {}, {}, Colour::wanted, told.get_token());
-    ASSERT_FALSE(clip.ok());
+    ASSERT_FALSE(clip);
     EXPECT_EQ(clip.error().kind, ErrorKind::interrupted);
 }
 
@@ -295,7 +295,7 @@ TEST(StreamClip, ARedirectIsNotFollowed) {
                                 "\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
         });
         const auto clip = open_clip(sender.url("http", "/a.mkv"));
-        ASSERT_FALSE(clip.ok()) << to;
+        ASSERT_FALSE(clip) << to;
         EXPECT_EQ(clip.error().kind, ErrorKind::input);
         EXPECT_EQ(sender.connections(), 1);
     }
@@ -331,7 +331,7 @@ private:
 TEST(HttpFile, ThatDripsIsRefusedOnce) {
     const DrippingServer server(std::string(1 << 20, 'x'), 0);
     const auto clip = open_clip(server.url().text);
-    ASSERT_FALSE(clip.ok());
+    ASSERT_FALSE(clip);
     EXPECT_EQ(clip.error().kind, ErrorKind::input);
     EXPECT_EQ(message(clip), server.url().name() +
                                  ": comes too slowly: its clip was not open within 10 s; save it first, and "

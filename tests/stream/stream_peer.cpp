@@ -15,7 +15,7 @@ namespace touchable::test {
 StreamPeer::StreamPeer(const std::string& address, int receive_bytes)
     : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const auto url = read_stream_url(address);
-    EXPECT_TRUE(url.ok());
+    EXPECT_TRUE(url);
     if (receive_bytes > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
     sockaddr_in to = {};
     to.sin_family = AF_INET;

@@ -20,7 +20,7 @@ struct Served {
                     const StreamRing::Bounds& bounds = {})
         : ring(bounds) {
         auto opened = StreamServer::open({*read_stream_url(address)}, ring, audience, [this] { return now; });
-        EXPECT_TRUE(opened.ok());
+        EXPECT_TRUE(opened);
         server = std::move(*opened);
         place = server->addresses().front();
     }
@@ -276,8 +276,8 @@ TEST(StreamServer, AThreadTakesItsTurns) {
     StreamRing ring;
     StreamAudience audience([](const std::string&) {});
     auto server = StreamServer::open({*read_stream_url("tcp://127.0.0.1:0")}, ring, audience);
-    ASSERT_TRUE(server.ok());
-    ASSERT_TRUE((*server)->start().ok());
+    ASSERT_TRUE(server);
+    ASSERT_TRUE((*server)->start());
     const StreamPeer peer((*server)->addresses().front());
     ring.begin({});
     ring.add({0, true, {'x'}});
@@ -292,8 +292,8 @@ TEST(StreamServer, ClientSaysWhyItIsRefused) {
         StreamRing ring;
         StreamAudience audience([](const std::string&) {});
         auto server = StreamServer::open({*read_stream_url(address)}, ring, audience);
-        ASSERT_TRUE(server.ok());
-        ASSERT_TRUE((*server)->start().ok());
+        ASSERT_TRUE(server);
+        ASSERT_TRUE((*server)->start());
         const std::string place = (*server)->addresses().front();
         std::vector<std::unique_ptr<StreamPeer>> peers;
         while (std::ssize(peers) < StreamAudience::most_listeners) {
@@ -302,7 +302,7 @@ TEST(StreamServer, ClientSaysWhyItIsRefused) {
         }
         while (audience.has_room()) std::this_thread::yield();
         const auto refused = open_stream_clip(source_of(place));
-        ASSERT_FALSE(refused.ok());
+        ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().kind, ErrorKind::input);
         EXPECT_EQ(refused.error().message,
                   place + (place.starts_with("http")
@@ -319,12 +319,12 @@ TEST(StreamServer, PlacesThatCannotBeHad) {
         return StreamServer::open({*read_stream_url(address)}, ring, audience);
     };
     const auto name = open("tcp://example.org:7000");
-    ASSERT_FALSE(name.ok());
+    ASSERT_FALSE(name);
     EXPECT_EQ(name.error().kind, ErrorKind::usage);
     const auto first = open("tcp://127.0.0.1:0");
-    ASSERT_TRUE(first.ok());
+    ASSERT_TRUE(first);
     const auto second = open((*first)->addresses().front());
-    ASSERT_FALSE(second.ok());
+    ASSERT_FALSE(second);
     EXPECT_EQ(second.error().kind, ErrorKind::input);
     EXPECT_NE(second.error().message.find("in use"), std::string::npos);
 }

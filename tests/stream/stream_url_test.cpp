@@ -7,7 +7,7 @@ namespace {
 
 TEST(StreamUrl, PartsOfOne) {
     const auto srt = read_stream_url("srt://192.168.0.5:7000?mode=caller&latency=60000");
-    ASSERT_TRUE(srt.ok()) << srt.error().message;
+    ASSERT_TRUE(srt) << srt.error().message;
     EXPECT_EQ(srt->transport, StreamTransport::srt);
     EXPECT_EQ(srt->host, "192.168.0.5");
     EXPECT_EQ(srt->port, 7000);
@@ -16,14 +16,14 @@ TEST(StreamUrl, PartsOfOne) {
     EXPECT_EQ(srt->value("late"), "");
     EXPECT_EQ(srt->protocols(), "") << "FFmpeg has no part in it";
     const auto web = read_stream_url("https://example.org/a/clip.m3u8?key=1");
-    ASSERT_TRUE(web.ok()) << web.error().message;
+    ASSERT_TRUE(web) << web.error().message;
     EXPECT_EQ(web->path, "/a/clip.m3u8");
     EXPECT_EQ(web->port, 443);
     EXPECT_EQ(read_stream_url("http://example.org")->port, 80);
     EXPECT_EQ(read_stream_url("http://0.0.0.0:0/live")->port, 0);
     EXPECT_EQ(web->protocols(), "https,tls,tcp");
     const auto six = read_stream_url("tcp://[::1]:0");
-    ASSERT_TRUE(six.ok()) << six.error().message;
+    ASSERT_TRUE(six) << six.error().message;
     EXPECT_EQ(six->host, "::1");
     EXPECT_EQ(read_stream_url("-")->text, "pipe:0");
     EXPECT_EQ(read_stream_url("pipe:3")->text, "pipe:3");
@@ -39,7 +39,7 @@ TEST(StreamUrl, ItsNameKeepsItsPassphrase) {
     for (const char* const words :
          {"srt://h:99999?passphrase=0123456789", "srt://h:1?passphrase=012345", "http://me:0123456789@h/"}) {
         const auto url = read_stream_url(words);
-        ASSERT_FALSE(url.ok()) << words;
+        ASSERT_FALSE(url) << words;
         EXPECT_EQ(url.error().message.find("01234"), std::string::npos) << url.error().message;
     }
     EXPECT_EQ(without_passphrase("clip.mkv"), "clip.mkv");
@@ -52,7 +52,7 @@ TEST(StreamUrl, WhatIsNoneIsRefused) {
           "pipe:-1", "srt://h:5?mode=caller&foo=1", "udp://h:5?latency=1", "tcp://h:5?listen=1", "file:/a",
           "rtmp://h/a"}) {
         const auto url = read_stream_url(words);
-        ASSERT_FALSE(url.ok()) << words;
+        ASSERT_FALSE(url) << words;
         EXPECT_EQ(url.error().kind, ErrorKind::usage) << words;
     }
     EXPECT_FALSE(is_stream_url("clip.mkv"));

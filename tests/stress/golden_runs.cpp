@@ -62,7 +62,7 @@ public:
         const auto made =
             builder == GoldenBuilder::cpu ? make_cpu_builder(scene_) : make_lazy_builder(scene_);
         for (std::size_t n = 0; n < frames_.size(); ++n)
-            made_ = made->build(content_->frame(static_cast<std::int64_t>(n)), frames_[n]).ok() && made_;
+            made_ = made->build(content_->frame(static_cast<std::int64_t>(n)), frames_[n]) && made_;
         if (golden.hand == "walk") {
             hand_.emplace<RandomWalk>(scene_, 11);
         } else if (golden.hand == "skim") {

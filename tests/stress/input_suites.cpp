@@ -29,7 +29,7 @@ bool is_refused(Scene scene, double near, double far) {
     scene.depth.near = near;
     scene.depth.far = far;
     derive_valid_range(scene.depth);
-    return !validate(scene).ok();
+    return !validate(scene);
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ std::unique_ptr<StressRun> make_height_limit(std::uint64_t seed) {
         const double middle = possible + 0.5 * (impossible - possible);
         if (middle <= possible || middle >= impossible) break;
         scene.height_coding.max_height = middle;
-        (validate(scene).ok() ? possible : impossible) = middle;
+        (validate(scene) ? possible : impossible) = middle;
     }
     const std::array<double, 4> short_of{1, 1 - 1e-12, 1 - 1e-6, 0.99};
     scene.height_coding.max_height = possible * short_of[static_cast<std::size_t>(below(random, 4))];

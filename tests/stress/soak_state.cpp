@@ -147,7 +147,7 @@ Result<void> write_soak(const std::filesystem::path& file, const SoakState& stat
     std::error_code ignored;  // the file tells, where it cannot be made
     if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
     NewFile out(file);
-    if (auto usable = out.check(); !usable.ok()) return usable;
+    if (auto usable = out.check(); !usable) return usable;
     std::ofstream stream(out.path());
     stream << to_json(state).dump(1) << '\n';
     stream.close();

@@ -35,7 +35,7 @@ protected:
 TEST_F(Soak, IsTheSameInOneGoAndInTwoAndOnAnyNumberOfThreads) {
     settings.threads = 1;
     const auto whole = run();
-    ASSERT_TRUE(whole.ok());
+    ASSERT_TRUE(whole);
     EXPECT_EQ(whole->ticks(), settings.ticks);
     EXPECT_EQ(whole->violations, std::vector<std::string>());
     EXPECT_EQ(whole->coverage.size(), suites().size());
@@ -43,29 +43,29 @@ TEST_F(Soak, IsTheSameInOneGoAndInTwoAndOnAnyNumberOfThreads) {
     fs::remove(settings.state);
     settings.threads = 3;
     settings.ticks = 300 * 29;
-    ASSERT_TRUE(run().ok());
+    ASSERT_TRUE(run());
     settings.ticks = 300 * 66;
-    ASSERT_TRUE(run().ok());
+    ASSERT_TRUE(run());
     EXPECT_EQ(contents(), one_go);
     EXPECT_NE(progress.str().find("0 violations"), std::string::npos);
 }
 
 TEST_F(Soak, RefusesTheStateOfAnotherSolverOrPlanUntilToldToBeginAnew) {
-    ASSERT_TRUE(run().ok());
+    ASSERT_TRUE(run());
     std::string text = contents();
     const std::size_t at = text.find("\"solver\": \"") + 11;
     text[at] = text[at] == '0' ? '1' : '0';
     std::ofstream(settings.state) << text;
     auto refused = run();
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     EXPECT_NE(refused.error().message.find("another solver"), std::string::npos);
     settings.fresh = true;
-    EXPECT_TRUE(run().ok());
+    EXPECT_TRUE(run());
     settings.fresh = false;
-    EXPECT_TRUE(run().ok());
+    EXPECT_TRUE(run());
     settings.plan.certify_every = 3;
-    EXPECT_FALSE(run().ok());
+    EXPECT_FALSE(run());
 }
 
 TEST_F(Soak, RefusesAStateThatIsNone) {
@@ -74,7 +74,7 @@ TEST_F(Soak, RefusesAStateThatIsNone) {
          {"", "{}", "[1]", "{\"soak\": 2}", "{\"soak\": 1, \"solver\": 3}", "violations"}) {
         std::ofstream(settings.state) << text;
         const auto refused = run();
-        ASSERT_FALSE(refused.ok()) << text;
+        ASSERT_FALSE(refused) << text;
         EXPECT_EQ(refused.error().kind, ErrorKind::input);
         EXPECT_NE(refused.error().message.find("state.json"), std::string::npos);
     }
@@ -84,7 +84,7 @@ TEST_F(Soak, SaysSoWhereItCannotKeepItsState) {
     fs::create_directories(folder);
     std::ofstream(folder / "deep") << "a file";
     const auto refused = run();
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
 }
 
 TEST(SoakState, AViolationSaysWhatReproducesIt) {

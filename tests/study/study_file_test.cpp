@@ -19,7 +19,7 @@ const std::filesystem::path own_study =
 
 TEST(StudyFile, ThatComesWithTheProgramHasThePapersStudyInEnglishAndGerman) {
     const auto study = parse_study(file_contents(own_study), "paper-4.2.json");
-    ASSERT_TRUE(study.ok()) << study.error().message;
+    ASSERT_TRUE(study) << study.error().message;
     EXPECT_EQ(study->name, "paper-4.2");
     ASSERT_EQ(study->conditions.size(), 2U);
     EXPECT_EQ(study->conditions[0].force, StudyForce::on);
@@ -53,7 +53,7 @@ TEST(StudyFile, ThatComesWithTheProgramHasThePapersStudyInEnglishAndGerman) {
 
 std::string message_of(const std::string& json) {
     const auto study = parse_study(json, "s.json");
-    return study.ok() ? "" : study.error().message;
+    return study ? "" : study.error().message;
 }
 
 /// A study that is right, but for what replaces one of its parts.

@@ -36,14 +36,14 @@ protected:
     void SetUp() override { open(); }
     void open() {
         auto run = open_in(folder_ / "results");
-        ASSERT_TRUE(run.ok()) << run.error().message;
+        ASSERT_TRUE(run) << run.error().message;
         run_ = std::move(*run);
     }
     Result<std::unique_ptr<StudyRun>> open_in(const std::filesystem::path& results) {
         auto study = parse_study(small_study, "small.json");
-        EXPECT_TRUE(study.ok()) << study.error().message;
+        EXPECT_TRUE(study) << study.error().message;
         auto disk = DiskWork::start("study", "that writes results");
-        EXPECT_TRUE(disk.ok());
+        EXPECT_TRUE(disk);
         disk_ = disk->get();
         return StudyRun::open(std::move(*study), results, "de", "mouse", std::move(*disk));
     }
@@ -76,10 +76,10 @@ protected:
         tick.contacts = contacts;
         tick.forces = forces;
         tick.shares = shares;
-        ASSERT_TRUE(run_->meter()->take(tick).ok());
+        ASSERT_TRUE(run_->meter()->take(tick));
         contacts[0].touching = true;
         forces[0].force = {0, newtons * 0.6, newtons * 0.8};
-        for (int k = 0; k < ticks; ++k) ASSERT_TRUE(run_->meter()->take(tick).ok());
+        for (int k = 0; k < ticks; ++k) ASSERT_TRUE(run_->meter()->take(tick));
         ms_ += ticks;
     }
     /// From the start screen to the end, with these answers.
@@ -232,7 +232,7 @@ TEST_F(Participant, OfAProgramThatIsEndedStaysPartial) {
     wait(1000);
     go_on();
     wait(3000);
-    EXPECT_TRUE(run_->end(now_s(), time(), 60s).ok());
+    EXPECT_TRUE(run_->end(now_s(), time(), 60s));
     EXPECT_EQ(files(), Names{"participant-001.partial.csv"});
     EXPECT_NE(text_of("participant-001.partial.csv").find(",end,,ended,3.00,"), std::string::npos);
 }
@@ -256,7 +256,7 @@ TEST_F(Participant, IsNeverWrittenOverAnother) {
     EXPECT_EQ(text_of("participant-001.csv"), "mine\n");
     EXPECT_EQ(text_of("participant-002.left.csv"), "mine, too\n");
     EXPECT_NE(text_of("participant-002.partial.csv").find(",end,,left,"), std::string::npos);
-    EXPECT_FALSE(run_->end(now_s(), time(), 60s).ok());
+    EXPECT_FALSE(run_->end(now_s(), time(), 60s));
 }
 
 TEST_F(Participant, DoesNotBeginWhereNothingCanBeKept) {
@@ -272,7 +272,7 @@ TEST_F(Participant, DoesNotBeginWhereNothingCanBeKept) {
     EXPECT_TRUE(run_->screen());
     EXPECT_FALSE(run_->fault());
     std::ofstream(folder_ / "file") << "x";
-    EXPECT_FALSE(open_in(folder_ / "file").ok());
+    EXPECT_FALSE(open_in(folder_ / "file"));
 }
 
 /// A disk that hangs: who is at it goes on, and nobody else begins.
@@ -303,7 +303,7 @@ TEST_F(Participant, WaitsForNoDisk) {
     EXPECT_EQ(run_->screen()->step->id, "globe");
     wait(1000);
     const auto ended = run_->end(now_s(), time(), 20ms);
-    ASSERT_FALSE(ended.ok());
+    ASSERT_FALSE(ended);
     EXPECT_NE(ended.error().message.find("does not answer"), std::string::npos);
     EXPECT_EQ(text_of("participant-001.partial.csv"), header);
     second.set_value();

@@ -185,11 +185,11 @@ TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
         EXPECT_GE(number(rows[k], "max_force_n"), number(rows[k], "mean_force_n")) << k;
     }
     const auto on = read_image(folder_ / "on.png"), off = read_image(folder_ / "off.png");
-    ASSERT_TRUE(on.ok() && off.ok());
+    ASSERT_TRUE(on && off);
     EXPECT_GT(differences(*on, *off, force_bar), 200) << "a force is shown, or none is";
     const auto first = read_image(folder_ / "first.png"), question = read_image(folder_ / "question.png"),
                start = read_image(folder_ / "start.png");
-    ASSERT_TRUE(first.ok() && question.ok() && start.ok());
+    ASSERT_TRUE(first && question && start);
     constexpr PicturePart page{40, 30, 600, 330};
     EXPECT_LT(differences(*first, *start, page), 100) << "the next participant does not find the start page";
     EXPECT_GT(differences(*question, *start, page), 2000) << "nobody is asked";

@@ -65,7 +65,7 @@ TEST(Builders, RefusePlanesThatAreNotTheScenes) {
             const FrameArray<std::uint16_t> codes = frame.codes;
             spoil(full.raw);
             const Result<void> refused = builder->build(full.raw, frame);
-            ASSERT_FALSE(refused.ok()) << what << ", " << builder->name();
+            ASSERT_FALSE(refused) << what << ", " << builder->name();
             EXPECT_EQ(refused.error().kind, ErrorKind::input);
             EXPECT_NE(refused.error().message.find("frame 12"), std::string::npos) << refused.error().message;
             EXPECT_NE(refused.error().message.find(what), std::string::npos) << refused.error().message;

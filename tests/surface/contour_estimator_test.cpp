@@ -143,12 +143,12 @@ TEST(ChosenReach, StatedRemovalIsAsItWasUnlessItsReachIsOpen) {
 
 FilterSettings chosen_of_recording(const std::filesystem::path& file) {
     auto clip = open_clip(file);
-    EXPECT_TRUE(clip.ok()) << clip.error().message;
+    EXPECT_TRUE(clip) << clip.error().message;
     Scene scene = (*clip)->scene();
     DepthEstimator estimator(scene);
     while (!estimator.enough()) {
         const auto frame = (*clip)->next();
-        if (!frame.ok() || !*frame) break;
+        if (!frame || !*frame) break;
         estimator.add(**frame);
     }
     choose_filters(estimator.measured(), all_unstated, scene);

@@ -134,10 +134,9 @@ TEST(DepthEstimator, KnowsAStructuredLightCameraByGeneratedPictures) {
     const test::TemporaryFolder folder;
     const test::StandIn what = test::stand_in("redwood5");
     auto reader = open_clip(folder.path(), test::write_stand_in(folder.path(), what));
-    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    ASSERT_TRUE(reader) << reader.error().message;
     DepthEstimator estimator((*reader)->scene());
-    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next())
-        estimator.add(**frame);
+    for (auto frame = (*reader)->next(); frame && *frame; frame = (*reader)->next()) estimator.add(**frame);
     const auto measured = estimator.measured();
     ASSERT_TRUE(measured);
     EXPECT_NEAR(measured->levels.quadratic, what.level_per_mm, 0.05 * what.level_per_mm);
@@ -149,10 +148,9 @@ TEST(DepthEstimator, KnowsAStructuredLightCameraByItsPictures) {
     TOUCHABLE_NEEDS_DATA(real_data("stills/redwood5"));
     auto reader = open_clip(real_data("stills/redwood5"),
                             std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/redwood5.json");
-    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    ASSERT_TRUE(reader) << reader.error().message;
     DepthEstimator estimator((*reader)->scene());
-    for (auto frame = (*reader)->next(); frame.ok() && *frame; frame = (*reader)->next())
-        estimator.add(**frame);
+    for (auto frame = (*reader)->next(); frame && *frame; frame = (*reader)->next()) estimator.add(**frame);
     const auto measured = estimator.measured();
     ASSERT_TRUE(measured);
     EXPECT_NEAR(measured->levels.quadratic * 2000 * 2000, 14.2, 0.3) << "mm at 2 m";

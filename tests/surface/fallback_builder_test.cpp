@@ -45,7 +45,7 @@ void expect_built(SurfaceBuilder& builder, std::int64_t number, SurfaceFrame& sl
     SurfaceFrame reference;
     ASSERT_TRUE(make_reference_builder(scene)->build(raw, reference));
     const auto built = builder.build(raw, slot);
-    ASSERT_TRUE(built.ok()) << built.error().message;
+    ASSERT_TRUE(built) << built.error().message;
     EXPECT_EQ(first_difference(reference, slot), "") << number;
     EXPECT_EQ(first_vertex_difference(reference, *slot.vertices), "") << number;
 }
@@ -69,16 +69,16 @@ TEST(FallbackBuilder, PassesOtherErrorsOn) {
         make_cpu_builder(scene), [](const std::string& line) { FAIL() << line; });
     SurfaceFrame slot;
     const auto built = builder->build(stored(0), slot);
-    ASSERT_FALSE(built.ok());
+    ASSERT_FALSE(built);
     EXPECT_EQ(built.error().kind, ErrorKind::input);
     EXPECT_EQ(builder->name(), "failing");
 }
 
 TEST(FallbackBuilder, GoesOnWhereTheGpuIsLost) {
     auto opened = GpuDevice::open();  // of its own, to be lost
-    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    ASSERT_TRUE(opened) << opened.error().message;
     auto vulkan = make_vulkan_builder(scene, *opened);
-    ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;
+    ASSERT_TRUE(vulkan) << vulkan.error().message;
     std::vector<std::string> told;
     const auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
                                                [&](const std::string& line) { told.push_back(line); });
@@ -101,10 +101,10 @@ TEST(FallbackBuilder, GoesOnWhereTheGpuIsLost) {
 
 TEST(FallbackBuilder, GoesOnWhereTheGpuHangs) {
     auto opened = GpuDevice::open();
-    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    ASSERT_TRUE(opened) << opened.error().message;
     std::shared_ptr<GpuDevice> device = std::move(*opened);
     auto vulkan = make_vulkan_builder(scene, device);
-    ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;
+    ASSERT_TRUE(vulkan) << vulkan.error().message;
     std::vector<std::string> told;
     auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
                                          [&](const std::string& line) { told.push_back(line); });
@@ -124,7 +124,7 @@ TEST(FallbackBuilder, GoesOnWhereTheGpuHangs) {
         ASSERT_TRUE(make_reference_builder(scene)->build(stored(number), reference));
         EXPECT_EQ(first_difference(reference, slots[number % 3]), "");
     }
-    EXPECT_TRUE(GpuDevice::open().ok());  // frees what was left behind
+    EXPECT_TRUE(GpuDevice::open());  // frees what was left behind
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ MeasuredDepth of_a_camera() {
 FilterSettings chosen_by(const MeasuredDepth& measured) {
     Scene scene = open_scene();
     choose_filters(measured, all_unstated, scene);
-    EXPECT_TRUE(validate(scene).ok());
+    EXPECT_TRUE(validate(scene));
     return scene.filter;
 }
 

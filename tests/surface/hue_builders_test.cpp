@@ -76,7 +76,7 @@ void expect_the_same_bits(const Scene& scene, const PlaneView& depth) {
     for (const SurfacePlan& plan : all_plans) {
         SurfaceFrame vulkan;
         auto builder = make_vulkan_builder(scene, test_kernels(), plan);
-        ASSERT_TRUE(builder.ok()) << builder.error().message;
+        ASSERT_TRUE(builder) << builder.error().message;
         ASSERT_TRUE((*builder)->build(hue, vulkan));
         EXPECT_EQ(first_difference(reference, vulkan), "") << plan_text(plan);
     }
@@ -117,7 +117,7 @@ TEST(HueBuilders, RefuseGreyDepth) {
          {make_reference_builder(hue_scene(4, 2, {})), make_cpu_builder(hue_scene(4, 2, {})),
           make_lazy_builder(hue_scene(4, 2, {}))}) {
         const auto built = builder->build(grey.frame(), out);
-        ASSERT_FALSE(built.ok());
+        ASSERT_FALSE(built);
         EXPECT_NE(built.error().message.find("the depth plane has 1 channels, 3 would be right"),
                   std::string::npos)
             << built.error().message;
@@ -128,9 +128,9 @@ TEST(HueBuilders, GiveTheSameBitsOfARealClip) {
     const auto video = real_data("depthkit_typing/Test.mov");
     TOUCHABLE_NEEDS_DATA(video);
     auto clip = open_clip(video);
-    ASSERT_TRUE(clip.ok()) << clip.error().message;
+    ASSERT_TRUE(clip) << clip.error().message;
     auto frame = (*clip)->next();
-    ASSERT_TRUE(frame.ok() && *frame);
+    ASSERT_TRUE(frame && *frame);
     Scene scene = (*clip)->scene();
     for (const FilterSettings& filter : {FilterSettings{0, 0}, {3, 1}, scene.filter}) {
         scene.filter = filter;

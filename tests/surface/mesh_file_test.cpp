@@ -117,14 +117,14 @@ TEST_F(MeshFile, IsWholeBeyondOneBlockOfTheWriter) {
 
 TEST_F(MeshFile, LeavesNothingBehindWhereItCannotBeWritten) {
     const Result<void> nowhere = write_mesh(folder_ / "no such folder" / "mesh.ply", small_mesh());
-    ASSERT_FALSE(nowhere.ok());
+    ASSERT_FALSE(nowhere);
     EXPECT_EQ(nowhere.error().kind, ErrorKind::input);
     EXPECT_NE(nowhere.error().message.find("no such folder/mesh.ply: cannot be written: No such file"),
               std::string::npos)
         << nowhere.error().message;
 
     std::filesystem::create_directories(folder_ / "taken" / "by a folder");
-    EXPECT_FALSE(write_mesh(folder_ / "taken", small_mesh()).ok());
+    EXPECT_FALSE(write_mesh(folder_ / "taken", small_mesh()));
     EXPECT_EQ(files(), std::vector<std::string>{"taken"});
 }
 
@@ -132,7 +132,7 @@ TEST_F(MeshFile, RefusesColoursOfAnotherPicture) {
     for (const PlaneView& wrong : {PlaneView{colours, 6, 1, 2, 1, 3}, PlaneView{colours, 6, 2, 1, 1, 3},
                                    PlaneView{colours, 6, 2, 2, 1, 1}, PlaneView{colours, 6, 1, 2, 2, 3}}) {
         const Result<void> refused = write_mesh(folder_ / "mesh.ply", small_mesh(), wrong);
-        ASSERT_FALSE(refused.ok());
+        ASSERT_FALSE(refused);
         EXPECT_NE(refused.error().message.find("2x2"), std::string::npos) << refused.error().message;
     }
     EXPECT_TRUE(files().empty());

@@ -226,7 +226,7 @@ TEST(FilterChoice, OfANoisyCameraAllFilters) {
     EXPECT_TRUE(scene.filter.temporal);
     EXPECT_EQ(scene.filter.temporal_noise.constant, 1.4 * measured->noise.constant);
     EXPECT_NEAR(measured->noise_at_median(), 4, 0.5);
-    EXPECT_TRUE(validate(scene).ok());
+    EXPECT_TRUE(validate(scene));
 }
 
 TEST(FilterChoice, LeavesWhatTheSceneStates) {
@@ -299,7 +299,7 @@ TEST(FilterChoice, OfGeneratedScenesNothingButTerraces) {
                 options.bits = bits;
                 options.properties = properties;
                 const auto made = make_scene(name, options);
-                ASSERT_TRUE(made.ok()) << made.error().message;
+                ASSERT_TRUE(made) << made.error().message;
                 Scene scene = (*made)->scene();
                 DepthEstimator estimator(scene);
                 for (int frame = 0; !estimator.enough(); ++frame) {
@@ -334,12 +334,12 @@ TEST(FilterChoice, OfRealRecordings) {
         auto reader =
             open_clip(real_data(known.name), std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" /
                                                  (std::string(known.scene) + ".json"));
-        ASSERT_TRUE(reader.ok()) << reader.error().message;
+        ASSERT_TRUE(reader) << reader.error().message;
         Scene scene = (*reader)->scene();
         DepthEstimator estimator(scene);
         while (!estimator.enough()) {
             const auto frame = (*reader)->next();
-            ASSERT_TRUE(frame.ok()) << frame.error().message;
+            ASSERT_TRUE(frame) << frame.error().message;
             if (!*frame) break;
             estimator.add(**frame);
         }

@@ -129,7 +129,7 @@ Felt felt(const Portrait& portrait, const FilterSettings& filter, const DepthAt&
     Scene scene = portrait.scene;
     scene.filter = filter;
     SurfaceFrame frame;
-    EXPECT_TRUE(make_cpu_builder(scene)->build(portrait.plane.frame(), frame).ok());
+    EXPECT_TRUE(make_cpu_builder(scene)->build(portrait.plane.frame(), frame));
     const DepthAt built = [&](double x, double y) {
         return frame.coding.depth(frame.codes[frame.index(static_cast<int>(x), static_cast<int>(y))]);
     };

@@ -27,7 +27,7 @@ std::ostream& operator<<(std::ostream& out, const RealFrame& frame) {
 /// Codes deeper than `far_code` become invalid.
 void expect_the_same_bits_of_a_picture(const std::filesystem::path& file, int far_code) {
     const Result<Image> image = read_image(file);
-    ASSERT_TRUE(image.ok()) << image.error().message;
+    ASSERT_TRUE(image) << image.error().message;
     ASSERT_EQ(image.value().channels, 1);
 
     Scene scene = depth_scene(image.value().width, image.value().height, 8 * image.value().bytes_per_sample,

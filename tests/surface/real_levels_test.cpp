@@ -55,7 +55,7 @@ std::optional<Plane> plane_around(const RawFrame& raw, const DepthCoding& coding
 /// level.
 double off_the_planes(const RawFrame& raw, const Scene& scene, double level) {
     SurfaceFrame surface;
-    EXPECT_TRUE(make_cpu_builder(scene)->build(raw, surface).ok());
+    EXPECT_TRUE(make_cpu_builder(scene)->build(raw, surface));
     double sum = 0;
     int faces = 0;
     const auto q = [&](int x, int y) { return 1 / sample_of(surface, x, y).depth; };
@@ -82,11 +82,11 @@ struct Off {
 void expect_faces_on_planes(const std::filesystem::path& folder, const std::filesystem::path& scene_file,
                             const Off& limits) {
     auto reader = open_clip(folder, scene_file);
-    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    ASSERT_TRUE(reader) << reader.error().message;
     Scene scene = (*reader)->scene();
     DepthEstimator estimator(scene);
     const auto first = (*reader)->next();
-    ASSERT_TRUE(first.ok() && *first);
+    ASSERT_TRUE(first && *first);
     estimator.add(**first);
     const DepthLength levels = estimator.measured()->levels;
     scene.filter.fill_holes = 0;

@@ -59,9 +59,9 @@ protected:
         }
         for (const SurfacePlan& plan : all_plans) {
             auto vulkan = make_vulkan_builder(scene, test_kernels(), plan);
-            ASSERT_TRUE(vulkan.ok()) << vulkan.error().message;
+            ASSERT_TRUE(vulkan) << vulkan.error().message;
             const auto built = (*vulkan)->build(plane.frame(), vulkan_);
-            ASSERT_TRUE(built.ok()) << built.error().message;
+            ASSERT_TRUE(built) << built.error().message;
             ASSERT_EQ(first_difference(reference, vulkan_), "") << "vulkan, " << plan_text(plan);
         }
         ASSERT_EQ(first_vertex_difference(reference, *vulkan_.vertices), "") << "vulkan";

@@ -37,8 +37,8 @@ public:
             for (const int threads : {1, 3}) others_.push_back(make_cpu_builder(scene, {threads, unit}));
         for (const SurfacePlan& plan : all_plans) {
             auto vulkan = make_vulkan_builder(scene, test_kernels(), plan);
-            EXPECT_TRUE(vulkan.ok());
-            if (vulkan.ok()) others_.push_back(std::move(*vulkan));
+            EXPECT_TRUE(vulkan);
+            if (vulkan) others_.push_back(std::move(*vulkan));
         }
         frames_ = std::vector<SurfaceFrame>(others_.size());
     }
@@ -267,14 +267,14 @@ TEST(TemporalFilter, OfTheFallbackBuilderBeginsAnew) {
 // Codes in between mark what is invalid by a code that no pixel has.
 TEST(TemporalFilter, TheVulkanBuilderNeedsACodeToSpare) {
     Scene scene = depth_scene(4, 4, 16, Marking::none, {.temporal = true, .temporal_noise = {1, 0}});
-    EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0]).ok()) << "all pixels are valid";
+    EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0])) << "all pixels are valid";
     scene.depth.invalid_codes[0] = 700;
     scene.depth.invalid_code_count = 1;
     const auto refused = make_vulkan_builder(scene, test_kernels(), all_plans[0]);
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("cpu builder"), std::string::npos);
     scene.filter.temporal = false;
-    EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0]).ok());
+    EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0]));
 }
 
 TEST(TemporalFilter, TheLazyBuilderHasNoHistory) {
@@ -282,7 +282,7 @@ TEST(TemporalFilter, TheLazyBuilderHasNoHistory) {
     SurfaceFrame frame;
     const StoredPlane plane = plane_of(scene, {7});
     const auto built = make_lazy_builder(scene)->build(plane.frame(), frame);
-    ASSERT_FALSE(built.ok());
+    ASSERT_FALSE(built);
     EXPECT_NE(built.error().message.find("filter.temporal"), std::string::npos);
 }
 

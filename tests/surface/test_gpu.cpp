@@ -17,7 +17,7 @@ public:
             // Stays in memory, so that the leak checker can name it (tests/lsan.supp).
             dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
             auto device = GpuDevice::open({.validation = true});
-            if (!device.ok()) throw std::runtime_error(device.error().message);
+            if (!device) throw std::runtime_error(device.error().message);
             messages_ = (*device)->messages();
             kernels_ = std::make_shared<SurfaceKernels>(*device);
         }
@@ -44,7 +44,7 @@ std::shared_ptr<SurfaceKernels> test_kernels() {
 
 std::unique_ptr<VulkanSurfaceBuilder> test_vulkan_builder(const Scene& scene) {
     auto made = make_vulkan_builder(scene, test_kernels(), all_plans[0]);
-    if (!made.ok()) throw std::runtime_error(made.error().message);
+    if (!made) throw std::runtime_error(made.error().message);
     return std::move(*made);
 }
 

@@ -117,7 +117,7 @@ TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
             for (const bool along_x : {false, true}) {
                 const SurfacePlan plan{group_size, segment_texels, along_x, false};
                 auto builder = make_vulkan_builder(scene, test_kernels(), plan);
-                ASSERT_TRUE(builder.ok()) << builder.error().message;
+                ASSERT_TRUE(builder) << builder.error().message;
                 ASSERT_TRUE((*builder)->build(plane.frame(), frame));
                 EXPECT_EQ(first_difference(reference, frame), "") << plan_text(plan);
             }
@@ -126,7 +126,7 @@ TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
 /// For every plan: a device whose limits just suffice makes the builder; one less of any limit refuses it.
 TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
     auto device = GpuDevice::open();
-    ASSERT_TRUE(device.ok()) << device.error().message;
+    ASSERT_TRUE(device) << device.error().message;
     const auto kernels = std::make_shared<SurfaceKernels>(*device);
     const Scene scene = depth_scene(640, 400, 16, Marking::zero, {3, 0});
     constexpr std::uint32_t row_texels = 80, texels = row_texels * 400, strips = 200;
@@ -146,9 +146,9 @@ TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
         };
         const std::uint32_t bytes = 16 * texels, groups = groups_for(strips * segments, plan.group_size);
         const auto fitting = make_with(texels, bytes, groups);
-        EXPECT_TRUE(fitting.ok()) << plan_text(plan) << ": " << fitting.error().message;
+        EXPECT_TRUE(fitting) << plan_text(plan) << ": " << fitting.error().message;
         const auto expect_refusal = [&](const Result<std::unique_ptr<VulkanSurfaceBuilder>>& made) {
-            ASSERT_FALSE(made.ok()) << plan_text(plan);
+            ASSERT_FALSE(made) << plan_text(plan);
             EXPECT_EQ(made.error().kind, ErrorKind::gpu);
             EXPECT_NE(made.error().message.find("640x400"), std::string::npos) << made.error().message;
         };

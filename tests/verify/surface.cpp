@@ -137,8 +137,8 @@ Touch Surface::touch_of_pixel(int i, int j) const {
 /// lacks it more and more until then.
 real Surface::lacks_depth(int i, int j) const {
     if (i < 0 || j < 0 || i >= meaning_.width || j >= meaning_.height) return 1;
-    const auto index = static_cast<std::size_t>(j) * static_cast<std::size_t>(meaning_.width) +
-                       static_cast<std::size_t>(i);
+    const auto index =
+        static_cast<std::size_t>(j) * static_cast<std::size_t>(meaning_.width) + static_cast<std::size_t>(i);
     if (nearer_.valid[index] == 0) return 1;
     const bool is_lost = earlier_.valid[index] != 0 && later_.valid[index] == 0;
     return is_lost ? 2 * blend_ : 0;

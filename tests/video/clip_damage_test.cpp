@@ -244,7 +244,7 @@ TEST(ClipWriting, PlacesThatCannotBeWrittenAreNamed) {
     write_bytes(folder / "file", "x");
     for (const auto& path : {folder / "absent" / "clip.mkv", folder / "file" / "clip.mkv"}) {
         const auto writer = create_clip(path, small_scene(8, 8));
-        ASSERT_FALSE(writer.ok());
+        ASSERT_FALSE(writer);
         EXPECT_EQ(writer.error().kind, ErrorKind::input);
         EXPECT_NE(writer.error().message.find(path.string() + ": cannot be written: "), std::string::npos);
     }
@@ -267,7 +267,7 @@ TEST(ClipWriting, FullDiskIsAnErrorAndLeavesNothing) {
         setrlimit(RLIMIT_FSIZE, &limit);
         const auto result = write_clip(folder / "clip.mkv", small_scene(128, 128, 16), 20, all_planes);
         setrlimit(RLIMIT_FSIZE, &before);
-        ASSERT_FALSE(result.ok()) << size;
+        ASSERT_FALSE(result) << size;
         EXPECT_NE(result.error().message.find("clip.mkv: cannot be written: "), std::string::npos)
             << message(result);
         EXPECT_EQ(folder.file_count(), 0U);

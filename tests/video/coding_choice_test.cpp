@@ -121,8 +121,8 @@ TEST(CodingChoice, ASeekPassesOverWhatLiesBeforeTheAccessPoint) {
 TEST(Codings, BothQualitiesOfColourHaveTheSameParameterSets) {
     const auto sets = [](TrackCoding coding) {
         const auto encoder = open_encoder(coding, AV_PIX_FMT_YUV420P, 64, 48, {30, 1});
-        EXPECT_TRUE(encoder.ok());
-        return encoder.ok()
+        EXPECT_TRUE(encoder);
+        return encoder
                    ? std::string((*encoder)->extradata, (*encoder)->extradata + (*encoder)->extradata_size)
                    : std::string();
     };

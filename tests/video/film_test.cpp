@@ -24,13 +24,13 @@ TEST(Film, ShowsEachPictureFromItsPlaceOnAtThirtyASecond) {
     for (const char* name : {"film.mp4", "film.mkv"}) {
         const TemporaryFolder folder;
         auto film = FilmWriter::create(folder / name, Existing::keep);
-        ASSERT_TRUE(film.ok()) << film.error().message;
+        ASSERT_TRUE(film) << film.error().message;
         const auto dark = grey(65, 48, 0), light = grey(65, 48, 255), wide = grey(128, 48, 255);
-        ASSERT_TRUE((*film)->add(dark.view(), 0).ok());
-        ASSERT_TRUE((*film)->add(light.view(), 5).ok());
-        ASSERT_TRUE((*film)->add(wide.view(), 7).ok());
+        ASSERT_TRUE((*film)->add(dark.view(), 0));
+        ASSERT_TRUE((*film)->add(light.view(), 5));
+        ASSERT_TRUE((*film)->add(wide.view(), 7));
         EXPECT_FALSE(std::filesystem::exists(folder / name)) << "it has its name before it is complete";
-        ASSERT_TRUE((*film)->finish(12).ok());
+        ASSERT_TRUE((*film)->finish(12));
         const auto seen = seen_in_film(folder / name);
         ASSERT_EQ(seen.size(), 12U) << name;
         for (std::size_t k = 0; k < seen.size(); ++k) {
@@ -58,19 +58,19 @@ TEST(Film, SoundsWhereItsSoundWasPlacedHoweverLatePicturesAre) {
     for (const char* name : {"film.mp4", "film.MKV"}) {
         const TemporaryFolder folder;
         auto film = FilmWriter::create(folder / name, Existing::keep);
-        ASSERT_TRUE(film.ok()) << film.error().message;
+        ASSERT_TRUE(film) << film.error().message;
         std::vector<StereoSample> tone(9600);  // 0.2 s
         for (std::size_t k = 0; k < tone.size(); ++k)
             tone[k].left = tone[k].right = 0.5F * static_cast<float>(std::sin(0.06 * static_cast<double>(k)));
-        EXPECT_FALSE((*film)->add_sound(0, tone).ok()) << "before its first picture";
-        ASSERT_TRUE((*film)->add(grey(64, 48, 128).view(), 0).ok());
-        ASSERT_TRUE((*film)->add_sound(24'000, tone).ok());
-        ASSERT_TRUE((*film)->add_sound(14'400, tone).ok()) << "is left out";
-        ASSERT_TRUE((*film)->add_sound(48'000 * 6, tone).ok());
-        ASSERT_TRUE((*film)->finish(200).ok());
+        EXPECT_FALSE((*film)->add_sound(0, tone)) << "before its first picture";
+        ASSERT_TRUE((*film)->add(grey(64, 48, 128).view(), 0));
+        ASSERT_TRUE((*film)->add_sound(24'000, tone));
+        ASSERT_TRUE((*film)->add_sound(14'400, tone)) << "is left out";
+        ASSERT_TRUE((*film)->add_sound(48'000 * 6, tone));
+        ASSERT_TRUE((*film)->finish(200));
         EXPECT_EQ(seen_in_film(folder / name).size(), 200U);
         auto track = SoundTrack::open(folder / name);
-        ASSERT_TRUE(track.ok() && *track) << name;
+        ASSERT_TRUE(track && *track) << name;
         EXPECT_LT(loudness(**track, 0, 0.48), 0.002) << name;
         EXPECT_NEAR(loudness(**track, 0.51, 0.69), 0.354, 0.02) << name;
         EXPECT_LT(loudness(**track, 0.72, 5.98), 0.002) << name;
@@ -99,19 +99,19 @@ void expect_plays_up_to_a_full_disk(const std::string& name, rlim_t room) {
     {
         const FullDisk full(room);
         auto film = FilmWriter::create(folder / name, Existing::keep);
-        ASSERT_TRUE(film.ok()) << film.error().message;
+        ASSERT_TRUE(film) << film.error().message;
         Result<void> done;
-        while (done.ok()) {
+        while (done) {
             ASSERT_LT(shown, 1000) << "the disk is larger than it is";
             done = (*film)->add(noisy_picture(static_cast<int>(shown)).view(), shown);
-            if (done.ok() && shown % 30 == 0) done = (*film)->add_sound(shown * 1600, heard);
+            if (done && shown % 30 == 0) done = (*film)->add_sound(shown * 1600, heard);
             ++shown;
         }
         EXPECT_NE(done.error().message.find("the disk is full"), std::string::npos) << done.error().message;
-        EXPECT_FALSE((*film)->add(noisy_picture(0).view(), shown).ok())
+        EXPECT_FALSE((*film)->add(noisy_picture(0).view(), shown))
             << "a picture behind one that is not there";
         const auto ended = (*film)->finish(shown);
-        ASSERT_FALSE(ended.ok());
+        ASSERT_FALSE(ended);
         EXPECT_EQ(ended.error().kind, ErrorKind::input);
         EXPECT_TRUE(ended.error().message.ends_with("the disk is full; it is kept up to there"))
             << ended.error().message;
@@ -122,7 +122,7 @@ void expect_plays_up_to_a_full_disk(const std::string& name, rlim_t room) {
     EXPECT_GE(std::ssize(seen) + 3, shown) << name << ": all but those that found no room";
     EXPECT_LE(std::ssize(seen), shown);
     auto track = SoundTrack::open(folder / name);
-    EXPECT_TRUE(track.ok() && *track) << name;
+    EXPECT_TRUE(track && *track) << name;
 }
 
 TEST(Film, IsKeptUpToWhereItsDiskBecameFull) {
@@ -136,19 +136,19 @@ TEST(Film, WithRoomForNoPictureIsNotKept) {
     const TemporaryFolder folder;
     const FullDisk full(1000);
     auto film = FilmWriter::create(folder / "film.mkv", Existing::keep);
-    ASSERT_TRUE(film.ok()) << film.error().message;
+    ASSERT_TRUE(film) << film.error().message;
     (void)(*film)->add(noisy_picture(0).view(), 0);
-    EXPECT_FALSE((*film)->finish(3).ok());
+    EXPECT_FALSE((*film)->finish(3));
     EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
 }
 
 TEST(Film, IsRefusedUnderOtherNamesAndWhereOneIs) {
     const TemporaryFolder folder;
     EXPECT_EQ(FilmWriter::create(folder / "film.avi", Existing::keep).error().kind, ErrorKind::usage);
-    EXPECT_FALSE(FilmWriter::create(folder / "nowhere/film.mkv", Existing::keep).ok());
+    EXPECT_FALSE(FilmWriter::create(folder / "nowhere/film.mkv", Existing::keep));
     auto empty = FilmWriter::create(folder / "film.mkv", Existing::keep);
-    ASSERT_TRUE(empty.ok());
-    EXPECT_FALSE((*empty)->finish(3).ok());
+    ASSERT_TRUE(empty);
+    EXPECT_FALSE((*empty)->finish(3));
     EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
 }
 

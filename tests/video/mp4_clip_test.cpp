@@ -81,11 +81,11 @@ TEST(Mp4Clip, AnySizeComesBackAndWhatH264HasNotIsRefused) {
     auto writer = create_mp4_clip(folder / "large.mp4", largest);
     ASSERT_EQ(message(writer), "");
     const auto refused = (*writer)->write(frame);
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, ErrorKind::usage);
     EXPECT_NE(refused.error().message.find("pictures of 16384x16384 cannot be stored"), std::string::npos)
         << refused.error().message;
-    EXPECT_FALSE((*writer)->finish().ok());
+    EXPECT_FALSE((*writer)->finish());
     EXPECT_FALSE(fs::exists(folder / "wide.mp4") || fs::exists(folder / "large.mp4"));
 }
 
@@ -544,14 +544,14 @@ TEST(Mp4Clip, AFullDiskIsOneErrorAndLeavesNothing) {
     for (std::uintmax_t room = 0; room < whole; room += whole / 40) {
         const FullDisk full(room);
         const auto failed = write_mp4(folder / "clip.mp4", scene, 6, {});
-        ASSERT_FALSE(failed.ok()) << room;
+        ASSERT_FALSE(failed) << room;
         EXPECT_EQ(failed.error().kind, ErrorKind::input) << failed.error().message;
         EXPECT_NE(failed.error().message.find("cannot be written"), std::string::npos)
             << failed.error().message;
         EXPECT_FALSE(fs::exists(folder / "clip.mp4"));
     }
     const FullDisk full(whole - 1);
-    EXPECT_FALSE(write_mp4(folder / "clip.mp4", scene, 6, {}).ok()) << "without the scene's last byte";
+    EXPECT_FALSE(write_mp4(folder / "clip.mp4", scene, 6, {})) << "without the scene's last byte";
 }
 
 }  // namespace

@@ -414,7 +414,7 @@ TEST(Mp4Fragments, ThatAreCutHaveTheFramesOfTheWholeOnesOrOneLine) {
         ++tried;
         auto reader = open_clip(folder / "cut.mp4");
         if (there == 0) {
-            ASSERT_FALSE(reader.ok()) << length;
+            ASSERT_FALSE(reader) << length;
             EXPECT_EQ(reader.error().message.find('\n'), std::string::npos);
             EXPECT_EQ(reader.error().message.find((folder / "cut.mp4").string() + ": "), 0U)
                 << reader.error().message;

@@ -20,22 +20,22 @@ TEST(ReservedOutput, AClipThatStopsWhenItsDiskIsFullIsWholeUpToThere) {
     {
         const FullDisk full(room);
         const auto clip = create_clip(file, scene);
-        ASSERT_TRUE(clip.ok()) << clip.error().message;
+        ASSERT_TRUE(clip) << clip.error().message;
         while (!(*clip)->is_full()) {
             const auto done = (*clip)->write(test_frame(scene, written, {}));
-            ASSERT_TRUE(done.ok()) << "after " << written << " frames: " << done.error().message;
+            ASSERT_TRUE(done) << "after " << written << " frames: " << done.error().message;
             ASSERT_LT(++written, 1000) << "the disk is larger than it is";
         }
         const auto finished = (*clip)->finish();
-        ASSERT_TRUE(finished.ok()) << finished.error().message;
+        ASSERT_TRUE(finished) << finished.error().message;
     }
     EXPECT_LE(fs::file_size(file), room);
     EXPECT_GT(fs::file_size(file), room / 2) << "most of the room is for pictures";
     const auto reader = open_clip(file);
-    ASSERT_TRUE(reader.ok()) << reader.error().message;
+    ASSERT_TRUE(reader) << reader.error().message;
     for (std::int64_t number = 0; number < written; ++number) {
         const auto frame = (*reader)->next();
-        ASSERT_TRUE(frame.ok() && frame->has_value()) << number;
+        ASSERT_TRUE(frame && frame->has_value()) << number;
     }
     EXPECT_FALSE((*reader)->next()->has_value()) << "and no more";
 }
@@ -44,10 +44,10 @@ TEST(ReservedOutput, LeavesNothingBehindAWholeFile) {
     const TemporaryFolder folder;
     const Scene scene = small_scene(8, 8);
     const auto clip = create_clip(folder / "clip.mkv", scene);
-    ASSERT_TRUE(clip.ok());
-    ASSERT_TRUE((*clip)->write(test_frame(scene, 0, {})).ok());
+    ASSERT_TRUE(clip);
+    ASSERT_TRUE((*clip)->write(test_frame(scene, 0, {})));
     EXPECT_FALSE((*clip)->is_full());
-    ASSERT_TRUE((*clip)->finish().ok());
+    ASSERT_TRUE((*clip)->finish());
     EXPECT_LT(fs::file_size(folder / "clip.mkv"), 4096U) << "what was reserved is given back";
 }
 

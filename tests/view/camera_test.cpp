@@ -170,7 +170,7 @@ TEST(Viewpoint, IsReadFromWords) {
     EXPECT_TRUE(parse_viewpoint("own")->own);
     EXPECT_FALSE(parse_viewpoint("orbit")->own);
     const auto orbit = parse_viewpoint("orbit:az=-20.5,el=10,zoom=1.25,fov=40");
-    ASSERT_TRUE(orbit.ok());
+    ASSERT_TRUE(orbit);
     EXPECT_EQ(orbit->azimuth, -20.5);
     EXPECT_EQ(orbit->elevation, 10);
     EXPECT_EQ(orbit->zoom, 1.25);
@@ -182,7 +182,7 @@ TEST(Viewpoint, RefusesWhatItDoesNotKnowAndSaysWhatWouldBeRight) {
          {"", "front", "orbits", "orbit:az", "orbit:az=", "orbit:az=1x", "orbit:az=nan", "orbit:roll=3",
           "orbit:el=90", "orbit:az=1,az=1", "orbit:zoom=0", "orbit:fov=180", "orbit:az=181"}) {
         const auto refused = parse_viewpoint(words);
-        ASSERT_FALSE(refused.ok()) << words;
+        ASSERT_FALSE(refused) << words;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);
         EXPECT_TRUE(refused.error().message.starts_with("view ")) << refused.error().message;
         EXPECT_EQ(refused.error().hints.at(0).setting, Setting::view);

@@ -59,7 +59,7 @@ protected:
         options.tilt_degrees = 0;
         shown_ = std::make_unique<Shown>();
         auto made = make_scene("plane", options);
-        EXPECT_TRUE(made.ok());
+        EXPECT_TRUE(made);
         shown_->scene = (*made)->scene();
         shown_->raw_prev = (*made)->frame(0);
         shown_->raw_next = (*made)->frame(1);
@@ -105,7 +105,7 @@ protected:
     }
     const Image* drawn(const std::vector<FingerMark>& fingers) {
         const auto picture = drawing_.draw(camera_, fingers, sizes_);
-        EXPECT_TRUE(picture.ok());
+        EXPECT_TRUE(picture);
         return *picture;
     }
     static glm::vec3 bytes_at(const LightPicture& picture, int x, int y) {

@@ -419,13 +419,13 @@ TEST_F(Drawing, MapsKeepTheirColours) {
 
 TEST_F(Drawing, TellsWhatCannotBe) {
     const auto named = SurfaceDrawing::create(gpu, "cpu");
-    ASSERT_FALSE(named.ok());
+    ASSERT_FALSE(named);
     EXPECT_EQ(named.error().kind, ErrorKind::usage);
     const auto drawing = must(SurfaceDrawing::create(gpu, "auto"));
     const auto shown = shown_scene("plane", 32, 32);
     auto commands = must(GpuCommands::begin(gpu, "wrong"));
     const auto wrong = drawing->draw(commands, own_view(shown->scene, 32, 32, 1), {}, {}, target_of(32, 31));
-    ASSERT_FALSE(wrong.ok());
+    ASSERT_FALSE(wrong);
     EXPECT_EQ(wrong.error().kind, ErrorKind::internal);
 }
 

@@ -28,8 +28,8 @@ struct Shown {
     HeightField field(double blend = 0) const { return {scene, pair(blend)}; }
     void build() {
         const auto builder = make_cpu_builder(scene);
-        ASSERT_TRUE(builder->build(raw_prev, prev).ok());
-        ASSERT_TRUE(builder->build(raw_next, next).ok());
+        ASSERT_TRUE(builder->build(raw_prev, prev));
+        ASSERT_TRUE(builder->build(raw_next, next));
     }
 };
 
@@ -39,7 +39,7 @@ inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int heigh
     options.height = height;
     options.properties = std::string(name) == "globe";
     auto made = make_scene(name, options);
-    EXPECT_TRUE(made.ok()) << made.error().message;
+    EXPECT_TRUE(made) << made.error().message;
     auto shown = std::make_unique<Shown>();
     shown->scene = (*made)->scene();
     shown->raw_prev = (*made)->frame(0);
@@ -51,8 +51,8 @@ inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int heigh
 inline std::unique_ptr<Shown> shown_clip(const std::filesystem::path& folder,
                                          const std::filesystem::path& scene) {
     auto reader = open_clip(folder, scene);
-    EXPECT_TRUE(reader.ok()) << reader.error().message;
-    if (!reader.ok()) return nullptr;
+    EXPECT_TRUE(reader) << reader.error().message;
+    if (!reader) return nullptr;
     auto shown = std::make_unique<Shown>();
     shown->scene = (*reader)->scene();
     shown->raw_prev = **(*reader)->next();

@@ -92,7 +92,7 @@ TEST_F(Unproject, HoldsTheEarlierFrameWhereTheSceneDoes) {
 TEST_F(Unproject, AsksTheVerticesWhereThereAreNoCodes) {
     const auto globe = shown_scene("globe", 96, 64);
     SurfaceFrame lazy;
-    ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy).ok());
+    ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy));
     FramePair pair;
     pair.prev = pair.next = {0, 0, &lazy};
     const HeightField field(globe->scene, pair);
@@ -129,7 +129,7 @@ TEST_F(Unproject, FramesLargerThanTheDeviceReadsAreItsFaultSoThatAnotherPainterM
     const FramePair still{{0, 0, &frame}, {0, 0, &frame}, 0};
     gpu->vulkan()->facts.limits.max_texel_buffer_elements = 96 / 8 * 64 - 1;
     const auto surface = lattices->surface_of(HeightField(globe->scene, still), still, {});
-    ASSERT_FALSE(surface.ok());
+    ASSERT_FALSE(surface);
     EXPECT_EQ(surface.error().kind, ErrorKind::gpu);
     EXPECT_NE(surface.error().message.find("kernel unproject"), std::string::npos) << surface.error().message;
 }

@@ -38,8 +38,8 @@ protected:
         EXPECT_EQ(done.code, 0) << done.err;
         EXPECT_EQ(done.err, "");
         auto image = read_image(folder_ / "shot.png");
-        EXPECT_TRUE(image.ok());
-        return image.ok() ? *image : Image{320, 240, 1, 3, std::vector<std::uint8_t>(320 * 240 * 3)};
+        EXPECT_TRUE(image);
+        return image ? *image : Image{320, 240, 1, 3, std::vector<std::uint8_t>(320 * 240 * 3)};
     }
     static std::vector<int> colour(const Image& image, int x, int y) {
         const auto at = static_cast<std::size_t>((y * image.width + x) * 3);
@@ -90,7 +90,7 @@ TEST_F(BrushScript, ClicksAndStrokesDoWhatCommandsDo) {
     ASSERT_EQ(done.code, 0);
     EXPECT_EQ(done.err, "");
     const auto joined = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(joined.ok()) << joined.error().message;
+    ASSERT_TRUE(joined) << joined.error().message;
     ASSERT_EQ(joined->segments.size(), 1U);
     EXPECT_EQ(joined->segments[0].material, "felt");
     EXPECT_EQ(joined->segments[0].at.size(), 2U);
@@ -98,7 +98,7 @@ TEST_F(BrushScript, ClicksAndStrokesDoWhatCommandsDo) {
     for (int x = 20; x <= 560; x += 10) stroke += "0 move " + std::to_string(x) + " 500\n";
     ASSERT_EQ(run(large + stroke + "0 release left\n" + save() + quit_).code, 0);
     const auto cut = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(cut.ok()) << cut.error().message;
+    ASSERT_TRUE(cut) << cut.error().message;
     ASSERT_EQ(cut->cuts.size(), 1U);
     EXPECT_GT(cut->cuts[0].stroke.size(), 10U);
 }
@@ -115,18 +115,18 @@ TEST_F(BrushScript, WhatIsSavedMakesTheClipThatWasFelt) {
     ClipChoice felt;
     felt.file = clip_;
     auto segments = read_chosen_segments(felt, {}, {});
-    ASSERT_TRUE(segments.ok());
+    ASSERT_TRUE(segments);
     const auto names = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(names.ok()) << names.error().message;
+    ASSERT_TRUE(names) << names.error().message;
     auto brush = MaterialBrush::begin(std::move(*segments), *names);
-    ASSERT_TRUE(brush.ok()) << brush.error().message;
+    ASSERT_TRUE(brush) << brush.error().message;
     felt.painted = brush->painted();
     auto of_window = felt.open();
     auto of_command = open_clip(out);
-    ASSERT_TRUE(of_window.ok() && of_command.ok());
+    ASSERT_TRUE(of_window && of_command);
     for (int n = 0; n < 4; ++n) {
         const auto a = (*of_window)->next(), b = (*of_command)->next();
-        ASSERT_TRUE(a.ok() && b.ok() && *a && *b) << n;
+        ASSERT_TRUE(a && b && *a && *b) << n;
         for (int y = 0; y < 64; ++y)
             for (int x = 0; x < 96; ++x)
                 for (int c = 0; c < 3; ++c)
@@ -141,7 +141,7 @@ TEST_F(BrushScript, AnotherWindowHasWhatThisOneDid) {
     EXPECT_EQ(names_in(folder_ / "state").size(), 1U);
     ASSERT_EQ(run("0 undo\n" + save() + quit_, history).code, 0);
     const auto names = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(names.ok()) << names.error().message;
+    ASSERT_TRUE(names) << names.error().message;
     ASSERT_EQ(names->segments.size(), 1U);
     EXPECT_EQ(names->segments[0].material, "foam");
     // Without one, and without a window, nothing of it is known.
@@ -186,7 +186,7 @@ TEST_F(BrushScript, AClipGoesOnceItsBrushIsDone) {
     EXPECT_EQ(done.err, "");
     ASSERT_EQ(run(save() + quit_, history).code, 0);
     const auto names = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(names.ok()) << names.error().message;
+    ASSERT_TRUE(names) << names.error().message;
     EXPECT_EQ(names->cuts.size(), 1U);
 }
 

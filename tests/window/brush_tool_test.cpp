@@ -17,7 +17,7 @@ using Places = std::vector<PixelOfFrame>;
 
 TEST(BrushCommand, HasPlacesAndMaterials) {
     const auto paint = parse_window_command("paint 12,34");
-    ASSERT_TRUE(paint.ok()) << paint.error().message;
+    ASSERT_TRUE(paint) << paint.error().message;
     EXPECT_EQ(paint->verb, WindowVerb::paint);
     EXPECT_EQ(paint->places, (Places{{12, 34, -1}}));
     EXPECT_EQ(parse_window_command("paint 12,34,5").value().places, (Places{{12, 34, 5}}));
@@ -28,7 +28,7 @@ TEST(BrushCommand, HasPlacesAndMaterials) {
     EXPECT_EQ(parse_window_command("otherwise brick").value().word, "brick");
     for (const char* words : {"tool", "tool touch", "tool cut", "undo", "redo", "save-materials",
                               "save-materials a b.json", "materials off"})
-        EXPECT_TRUE(parse_window_command(words).ok()) << words;
+        EXPECT_TRUE(parse_window_command(words)) << words;
 }
 
 TEST(BrushCommand, ThatIsNoneIsRefusedWithWhatWouldBeRight) {
@@ -54,7 +54,7 @@ TEST(BrushCommand, ThatIsNoneIsRefusedWithWhatWouldBeRight) {
                   {"materials maybe", "off or on"}};
     for (const auto& fault : faults) {
         const auto read = parse_window_command(fault.words);
-        ASSERT_FALSE(read.ok()) << fault.words;
+        ASSERT_FALSE(read) << fault.words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);
         EXPECT_NE(read.error().message.find(fault.right), std::string::npos) << read.error().message;
     }

@@ -38,8 +38,8 @@ protected:
         options.seconds = 60;
         std::ofstream(folder_ / "script") << "0 loop\n" << script;
         auto inputs = read_window_script(folder_ / "script");
-        EXPECT_TRUE(inputs.ok());
-        if (inputs.ok()) options.script = std::move(*inputs);
+        EXPECT_TRUE(inputs);
+        if (inputs) options.script = std::move(*inputs);
         return options;
     }
     /// The disk hangs until the window is gone, or is not for so long that it never would be.
@@ -86,7 +86,7 @@ TEST_F(WindowOnAHungDisk, ClosesAndSaysWhichPictureIsNotFinishedAndLeavesNoForce
     asked.hand = std::make_shared<PersistentDevice>(fake_);
     const auto played = play(asked);
     EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
-    EXPECT_TRUE(played.ok()) << played.error().message;
+    EXPECT_TRUE(played) << played.error().message;
     EXPECT_EQ(told_, "touchable: warning: " + a + ": not finished: its disk does not answer\n" +
                          "touchable: warning: " + b + ": not finished: its disk does not answer\n");
     EXPECT_GT(fake_->most_newtons, 0.1);
@@ -101,7 +101,7 @@ TEST_F(WindowOnAHungDisk, ClosesWithThePictureItWasAskedForUnfinished) {
     asked.seconds = 0.5;
     const auto played = play(asked);
     EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
-    ASSERT_FALSE(played.ok());
+    ASSERT_FALSE(played);
     EXPECT_EQ(played.error().message,
               (folder_ / "a.png").string() + ": not finished: its disk does not answer");
     EXPECT_EQ(told_, "");
@@ -115,7 +115,7 @@ TEST_F(WindowOnAHungDisk, ClosesAndSaysWhichFilesOfTheBrushAreNotFinished) {
     asked.settings_file = folder_ / "play.json";
     const auto played = play(asked);
     EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
-    ASSERT_FALSE(played.ok());
+    ASSERT_FALSE(played);
     EXPECT_EQ(played.error().message, saved + ": not finished: its disk does not answer");
     EXPECT_EQ(lines_with(told_, (folder_ / "state").string()), 1) << told_;
     EXPECT_EQ(lines_with(told_, "settings are not kept: " + (folder_ / "play.json").string()), 1) << told_;
@@ -129,7 +129,7 @@ TEST_F(WindowOnAHungDisk, ClosesAndSaysThatNotAllOfWhatWasPaintedIsKept) {
     asked.settings_file = folder_ / "play.json";
     const auto played = play(asked);
     EXPECT_FALSE(answered_too_late_) << "the window waited for the disk";
-    ASSERT_TRUE(played.ok()) << played.error().message;
+    ASSERT_TRUE(played) << played.error().message;
     EXPECT_EQ(lines_with(told_, "not finished"), 2) << told_;
     EXPECT_EQ(played->materials.rfind("what was painted is not saved; not all of it is in ", 0), 0U)
         << played->materials;

@@ -36,25 +36,25 @@ TEST(WindowCommand, ArrowsTurnTheViewWithControlAndSeekWithout) {
 
 TEST(WindowCommand, IsReadWithItsNumber) {
     const auto seek = parse_window_command("seek 1.5");
-    ASSERT_TRUE(seek.ok());
+    ASSERT_TRUE(seek);
     EXPECT_EQ(seek->verb, WindowVerb::seek_to);
     EXPECT_EQ(seek->number, 1.5);
     const auto overlay = parse_window_command("overlay dynamic-friction");
-    ASSERT_TRUE(overlay.ok());
+    ASSERT_TRUE(overlay);
     EXPECT_EQ(overlay->word, "dynamic-friction");
     const auto next = parse_window_command("overlay");
-    ASSERT_TRUE(next.ok());
+    ASSERT_TRUE(next);
     EXPECT_EQ(next->word, "");
 }
 
 TEST(WindowCommand, HoldsAndLetsGoOfTheClutch) {
     for (const char* words : {"clutch on", "clutch off"}) {
         const auto clutch = parse_window_command(words);
-        ASSERT_TRUE(clutch.ok()) << words;
+        ASSERT_TRUE(clutch) << words;
         EXPECT_EQ(clutch->verb, WindowVerb::clutch);
         EXPECT_EQ(clutch->number, std::string(words) == "clutch on" ? 1 : 0);
     }
-    EXPECT_TRUE(parse_window_command("recentre").ok());
+    EXPECT_TRUE(parse_window_command("recentre"));
     EXPECT_EQ(parse_window_command("hand-scale 0.5").value().verb, WindowVerb::feel);
 }
 
@@ -65,7 +65,7 @@ TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
           "size 10x10", "size 640", "size 640x480x2", "home 3",      "clutch",   "clutch 1",
           "recentre 2", "open",     "deeper 1 2"}) {
         const auto read = parse_window_command(words);
-        ASSERT_FALSE(read.ok()) << words;
+        ASSERT_FALSE(read) << words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);
     }
     EXPECT_NE(parse_window_command("jump 3").error().message.find("seek"), std::string::npos);
@@ -74,18 +74,18 @@ TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
 
 TEST(WindowCommand, MeasuresBetweenTwoPixelsOfWhatIsSeen) {
     const auto measure = parse_window_command("measure 20,32 70,31");
-    ASSERT_TRUE(measure.ok()) << measure.error().message;
+    ASSERT_TRUE(measure) << measure.error().message;
     EXPECT_EQ(measure->verb, WindowVerb::measure);
     EXPECT_EQ(measure->places, (std::vector<PixelOfFrame>{{20, 32, -1}, {70, 31, -1}}));
     for (const char* words : {"measure", "measure off"}) {
         const auto tool = parse_window_command(words);
-        ASSERT_TRUE(tool.ok()) << words;
+        ASSERT_TRUE(tool) << words;
         EXPECT_TRUE(tool->places.empty());
     }
     for (const char* words : {"measure 20,32", "measure 20,32 70", "measure 20,32 70,-1", "measure on",
                               "measure 20,32 70,31,2", "measure 1,2 3,4 5,6"}) {
         const auto read = parse_window_command(words);
-        ASSERT_FALSE(read.ok()) << words;
+        ASSERT_FALSE(read) << words;
         EXPECT_NE(read.error().message.find("two pixels"), std::string::npos) << read.error().message;
     }
     ASSERT_TRUE(binding_of("t", false, false));
@@ -94,13 +94,13 @@ TEST(WindowCommand, MeasuresBetweenTwoPixelsOfWhatIsSeen) {
 
 TEST(WindowCommand, SetsWhatIsFelt) {
     const auto median = parse_window_command("median 5");
-    ASSERT_TRUE(median.ok());
+    ASSERT_TRUE(median);
     EXPECT_EQ(median->verb, WindowVerb::feel);
     EXPECT_EQ(median->word, "median 5");
     for (const char* words :
          {"terraces auto", "temporal on", "interpolation hold", "metric pixel", "max-force 5",
           "max-stiffness 2", "fill-holes 16", "filters off", "settings", "settings b", "reset"})
-        EXPECT_TRUE(parse_window_command(words).ok()) << words;
+        EXPECT_TRUE(parse_window_command(words)) << words;
     const struct {
         const char *words, *right;
     } faults[] = {{"median 4", "0, 3 or 5"},
@@ -116,7 +116,7 @@ TEST(WindowCommand, SetsWhatIsFelt) {
                   {"reset 1", "nothing"}};
     for (const auto& fault : faults) {
         const auto read = parse_window_command(fault.words);
-        ASSERT_FALSE(read.ok()) << fault.words;
+        ASSERT_FALSE(read) << fault.words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);
         EXPECT_NE(read.error().message.find(fault.right), std::string::npos) << read.error().message;
     }

@@ -37,7 +37,7 @@ Felt felt_where(bool is_dented) {
                 given_way(mark.force, tick.contacts[0].properties.stiffness, tick.metres_per_scene_unit);
         drawing.show(field, tick.pair, {}, Lighting::lit);
         const auto picture = drawing.draw(camera, std::span(&mark, 1), sizes);
-        ASSERT_TRUE(picture.ok());
+        ASSERT_TRUE(picture);
         felt.last_picture = (*picture)->samples;
         if (const auto at = camera.project(mark.proxy))
             if (const auto met = pick(field, camera, at->x, at->y)) felt.picks.push_back(met->point);

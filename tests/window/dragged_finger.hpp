@@ -32,7 +32,7 @@ struct BuiltClip {
         const auto builder = make_cpu_builder(scene);
         for (const RawFrame& frame : raw) {
             frames.emplace_back();
-            ASSERT_TRUE(builder->build(frame, frames.back()).ok());
+            ASSERT_TRUE(builder->build(frame, frames.back()));
         }
     }
     FramePair pair(std::int64_t time_ns) const {
@@ -58,7 +58,7 @@ inline std::unique_ptr<BuiltClip> built_scene(const char* name, int width, int h
     options.height = height;
     options.properties = std::string(name) == "globe";
     auto made = make_scene(name, options);
-    EXPECT_TRUE(made.ok()) << made.error().message;
+    EXPECT_TRUE(made) << made.error().message;
     auto clip = std::make_unique<BuiltClip>();
     clip->scene = (*made)->scene();
     clip->build({(*made)->frame(0)});
@@ -70,11 +70,11 @@ inline std::unique_ptr<BuiltClip> built_recording(const std::filesystem::path& f
                                                   const std::string& scene) {
     const auto scene_file = std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" / (scene + ".json");
     auto reader = scene.empty() ? open_clip(file) : open_clip(file, scene_file);
-    EXPECT_TRUE(reader.ok()) << reader.error().message;
+    EXPECT_TRUE(reader) << reader.error().message;
     auto clip = std::make_unique<BuiltClip>();
     clip->scene = (*reader)->scene();
     std::vector<RawFrame> raw;
-    for (auto frame = (*reader)->next(); frame.ok() && *frame && raw.size() < 30; frame = (*reader)->next())
+    for (auto frame = (*reader)->next(); frame && *frame && raw.size() < 30; frame = (*reader)->next())
         raw.push_back(**frame);
     clip->build(raw);
     return clip;
@@ -113,7 +113,7 @@ public:
           solver_(
               *TouchSolver::create(clip.scene, {.metres_per_scene_unit = workspace_.metres_per_scene_unit})),
           step_(solver_, GuardSettings{}, PointerFingers::most) {
-        EXPECT_TRUE(device_.open().ok());
+        EXPECT_TRUE(device_.open());
     }
 
     ViewCamera camera() const { return view_.camera(width, height); }

@@ -123,14 +123,14 @@ TEST(EmptyWindow, SaysWhyNoClipOpens) {
     options.screen = {640, 480, false};
     options.seconds = 0.6;
     options.screenshot = folder / "end.png";
-    EXPECT_FALSE(play_in_window(options).ok());
+    EXPECT_FALSE(play_in_window(options));
     EXPECT_FALSE(std::filesystem::exists(folder / "end.png")) << "unless it is asked for, it does not stay";
     options.stays_without_clip = true;
     const auto played = play_in_window(options);
-    ASSERT_FALSE(played.ok());
+    ASSERT_FALSE(played);
     EXPECT_NE(played.error().message.find("film.mkv"), std::string::npos) << played.error().message;
     const auto end = read_image(folder / "end.png");
-    ASSERT_TRUE(end.ok()) << end.error().message;
+    ASSERT_TRUE(end) << end.error().message;
     const Image page = played_by({}, "", "0.6", "640x480").image;
     EXPECT_GT(differences(*end, page, {60, 0, 580, 100}), 300) << "the fault is not shown";
     EXPECT_LT(differences(*end, page, {10, 240, 630, 470}), 500) << "it does not wait for another clip";
@@ -163,9 +163,9 @@ TEST(EmptyWindow, OpensAGpuThatIsLostAnew) {
     const auto played = play_in_window(options);
     has_ended = true;
     loss.join();
-    ASSERT_TRUE(played.ok()) << played.error().message;
+    ASSERT_TRUE(played) << played.error().message;
     EXPECT_TRUE(device->lost());
-    EXPECT_TRUE(read_image(folder / "end.png").ok());
+    EXPECT_TRUE(read_image(folder / "end.png"));
 }
 
 /// A disk that does not answer costs no picture, and nobody waits for it at the end. (Were the folder listed
@@ -195,7 +195,7 @@ TEST(DroppedFolder, IsListedBesideTheWindow) {
                       picture(0.5),
                       {0.6, WindowCommand{WindowVerb::quit}}};
     const auto played = play_in_window(options);
-    EXPECT_TRUE(played.ok()) << played.error().message;
+    EXPECT_TRUE(played) << played.error().message;
     EXPECT_TRUE(disk->is_asked);
     EXPECT_FALSE(disk->answers);
     EXPECT_LT(played->seconds, 8) << "the window waited for the disk";

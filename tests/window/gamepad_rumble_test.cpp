@@ -175,7 +175,7 @@ protected:
 
 TEST_F(RumblingGamepad, IsTakenWhenItIsPluggedInAndLeftAloneWhenItIsGone) {
     auto opened = Gamepad::open();
-    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    ASSERT_TRUE(opened) << opened.error().message;
     Gamepad& pad = **opened;
     EXPECT_EQ(pad.look(), "");
     pad.rumble({1, 1}, 100);

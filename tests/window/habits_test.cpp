@@ -89,8 +89,8 @@ double force_in_the_end(const std::string& clip, const std::string& script, cons
     const std::string record = (folder / "hand.touch").string();
     played_by({(some_clips() / clip).string(), "--record", record}, script, seconds);
     const auto recording = read_recording(record);
-    EXPECT_TRUE(recording.ok()) << recording.error().message;
-    if (!recording.ok() || recording->back().ticks.empty()) return -1;
+    EXPECT_TRUE(recording) << recording.error().message;
+    if (!recording || recording->back().ticks.empty()) return -1;
     return glm::length(recording->back().ticks.back().forces.at(0));
 }
 
@@ -220,9 +220,9 @@ TEST(Habits, VolumeIsOfAllThatIsHeardAndHalfOfItAnEighth) {
         played_by({(some_clips() / "b-still.mkv").string(), "--sound", file},
                   volume + "0.1 move 160 100\n0.2 press left\n", "1.2");
         const auto track = SoundTrack::open(file);
-        EXPECT_TRUE(track.ok() && *track);
+        EXPECT_TRUE(track && *track);
         std::vector<StereoSample> samples(48'000);
-        if (track.ok() && *track) (*track)->read(samples);
+        if (track && *track) (*track)->read(samples);
         float most = 0;
         for (const StereoSample& sample : samples) most = std::max(most, std::abs(sample.left));
         return most;
@@ -310,7 +310,7 @@ TEST(Habits, AClipThatCannotBeOpenedIsGonePast) {
     EXPECT_EQ(played.code, 3);
     EXPECT_NE(played.err.find("broken.mkv"), std::string::npos) << played.err;
     const auto image = read_image(picture);
-    ASSERT_TRUE(image.ok()) << image.error().message;
+    ASSERT_TRUE(image) << image.error().message;
     EXPECT_LT(in_the_middle(*image, shot_of(some_clips() / "b-still.mkv", "", "0.8").image), 50);
     EXPECT_EQ(run_touchable({"play", broken, broken, "--headless", "--seconds", "1"}).code, 3);
 }

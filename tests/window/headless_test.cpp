@@ -220,7 +220,7 @@ TEST(HeadlessWindow, ReliefThatDoesNotGoWithTheClipTakesNoOtherSettingWithIt) {
               std::string::npos)
         << recorded.outcome.err;
     const auto recording = read_recording(record);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     EXPECT_EQ(recording->front().facts.at("guard").at("max_force"), 0.4);
     const std::string grey = (folder / "grey.mkv").string();
     ASSERT_EQ(run_touchable({"make", "bumps", grey, "--size", "64x48", "--frames", "1"}).code, 0);
@@ -240,7 +240,7 @@ TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
             "space\n",
             "1.4", {"--record", record});
     const auto recording = read_recording(record);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     ASSERT_GT(recording->size(), 2U);
     EXPECT_EQ(recording->front().facts.at("guard").at("max_force"), 10);
     double least = 10;
@@ -273,7 +273,7 @@ TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
     std::int64_t ms = 0;
     for (const RecordedPart& part : *recording) ms += part.ticks.back().time_ns / 1'000'000 + 1;
     const auto hand = RepeatingHand::read("rec:" + record);
-    ASSERT_TRUE(hand.ok()) << hand.error().message;
+    ASSERT_TRUE(hand) << hand.error().message;
     EXPECT_EQ((*hand)->ticks(), ms) << "all parts one after the other";
 }
 

@@ -31,7 +31,7 @@ protected:
     Result<KeptBrush> begin() { return KeptBrush::begin(segments(), files_); }
     KeptBrush begun() {
         auto brush = begin();
-        EXPECT_TRUE(brush.ok()) << brush.error().message;
+        EXPECT_TRUE(brush) << brush.error().message;
         return std::move(*brush);
     }
     void put(const fs::path& file, const std::string& text) {
@@ -39,12 +39,12 @@ protected:
         writing.write({.file = file, .text = text});
         writing.finish();
         for (const auto& written : writing.take())
-            EXPECT_TRUE(written.result.ok()) << written.result.error().message;
+            EXPECT_TRUE(written.result) << written.result.error().message;
     }
     /// As the window does.
     void edit(KeptBrush& brush, const MaterialBrush::Edit& edit) {
         const auto done = brush.brush().edit(edit);
-        ASSERT_TRUE(done.ok()) << done.error().message;
+        ASSERT_TRUE(done) << done.error().message;
         put(files_.history(), brush.history());
     }
     void save(KeptBrush& brush) {
@@ -76,9 +76,9 @@ TEST_F(BrushOfAClip, HasWhatWasDoneBeforeTheProgramWasKilled) {
             << again.begun_with();
         EXPECT_EQ(material(again, 0), "brick");
         EXPECT_EQ(material(again, 3), "foam");
-        ASSERT_TRUE(again.brush().undo().ok());
+        ASSERT_TRUE(again.brush().undo());
         EXPECT_EQ(material(again, 0), "foam");
-        ASSERT_TRUE(again.brush().undo().ok());
+        ASSERT_TRUE(again.brush().undo());
         put(files_.history(), again.history());
     }
     const KeptBrush once_more = begun();
@@ -117,7 +117,7 @@ TEST_F(BrushOfAClip, IsBegunByTheFileThatIsGiven) {
     put(folder_ / "given.json", R"({"touchable_segments": 1, "segments":
         [{"name": "table", "material": "cork", "at": [0, 9, 0]}]})");
     const auto refused = begin();
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("outside"), std::string::npos) << refused.error().message;
 }
 
@@ -193,7 +193,7 @@ TEST_F(BrushOfAClip, StoppedAtItsHistoryLeavesItThere) {
     {
         const WorkUntil until(given_up.get_token());
         const auto stopped = begin();
-        ASSERT_FALSE(stopped.ok());
+        ASSERT_FALSE(stopped);
         EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);
     }
     EXPECT_EQ(begun().brush().edits(), 1U);
@@ -255,8 +255,8 @@ TEST(TextFiles, SayWhatCouldNotBeWritten) {
     files.finish();
     const auto done = files.take();
     ASSERT_EQ(done.size(), 3U);
-    ASSERT_FALSE(done[0].result.ok());
-    EXPECT_TRUE(done[1].result.ok());
+    ASSERT_FALSE(done[0].result);
+    EXPECT_TRUE(done[1].result);
     EXPECT_EQ(done[1].kind, TextFiles::Kind::saved);
     EXPECT_EQ(done[1].clip, "clip.mkv");
     EXPECT_EQ(done[2].result.error().message, "it is dear to me");
@@ -286,7 +286,7 @@ TEST(TextFiles, AreNotWaitedForWhereTheDiskHangs) {
     const auto left = files.take();
     ASSERT_EQ(left.size(), 2U);
     for (const auto& text : left) {
-        ASSERT_FALSE(text.result.ok());
+        ASSERT_FALSE(text.result);
         EXPECT_EQ(text.result.error().message,
                   text.file.string() + ": not finished: its disk does not answer");
     }

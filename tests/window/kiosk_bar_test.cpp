@@ -145,11 +145,11 @@ int touches_by(const std::string& script) {
     options.kiosk = KioskOptions{};
     options.meter = std::make_shared<TouchMeter>();
     auto inputs = read_window_script(folder / "script");
-    EXPECT_TRUE(inputs.ok()) << inputs.error().message;
-    if (!inputs.ok()) return -1;
+    EXPECT_TRUE(inputs) << inputs.error().message;
+    if (!inputs) return -1;
     options.script = std::move(*inputs);
     const auto played = play_in_window(options);
-    EXPECT_TRUE(played.ok()) << played.error().message;
+    EXPECT_TRUE(played) << played.error().message;
     return options.meter->measures().touches;
 }
 

@@ -284,10 +284,10 @@ protected:
         options_.script.push_back({next_s + 5.5, WindowCommand{WindowVerb::screenshot, 0, shot.string()}});
         options_.script.push_back({next_s + 5.6, WindowCommand{WindowVerb::quit}});
         const auto played = play_in_window(options_);
-        EXPECT_TRUE(played.ok()) << played.error().message;
+        EXPECT_TRUE(played) << played.error().message;
         const auto image = read_image(shot);
-        EXPECT_TRUE(image.ok());
-        return image.ok() ? *image : Image{};
+        EXPECT_TRUE(image);
+        return image ? *image : Image{};
     }
     static int differences(const Image& a, const Image& b) {
         if (a.samples.size() != b.samples.size()) return -1;

@@ -45,8 +45,8 @@ protected:
     /// How much of the label's tone is in a stretch of what was heard, seconds: its amplitude.
     double tone_between(double from_s, double to_s) const {
         const auto track = SoundTrack::open(folder_ / "heard.wav");
-        EXPECT_TRUE(track.ok() && *track);
-        if (!track.ok() || !*track) return -1;
+        EXPECT_TRUE(track && *track);
+        if (!track || !*track) return -1;
         std::vector<StereoSample> heard(static_cast<std::size_t>(to_s * SoundTrack::rate));
         (*track)->read(heard);
         double sine = 0, cosine = 0;
@@ -62,8 +62,8 @@ protected:
     /// Bright pixels where captions are; above the bar where there is one.
     int written(int from = 200, int to = 236, int left = 20, int right = 300) const {
         const auto shot = read_image(folder_ / "shot.png");
-        EXPECT_TRUE(shot.ok());
-        if (!shot.ok()) return -1;
+        EXPECT_TRUE(shot);
+        if (!shot) return -1;
         int count = 0;
         for (int y = from; y < to; ++y)
             for (int x = left; x < right; ++x) {
@@ -217,7 +217,7 @@ TEST(SpokenSound, IsReadWholeAndSaidOnceWhileOthersAreSofter) {
     const TemporaryFolder folder;
     write_sounding_clip(folder / "tone.wav", tone(1000, 0.05));
     const auto sound = SpokenSound::read(folder / "tone.wav");
-    ASSERT_TRUE(sound.ok()) << sound.error().message;
+    ASSERT_TRUE(sound) << sound.error().message;
     EXPECT_NEAR(static_cast<double>((*sound)->samples.size()), 0.05 * 48000, 60);
     SpokenVoice voice;
     double said = 0, beside = 1, after = 0;
@@ -247,7 +247,7 @@ TEST(SpokenSound, OfMoreThanAMinuteOrOfNothingIsRefused) {
     write_sounding_clip(folder / "silent.wav", std::vector<StereoSample>(4800));
     for (const char* name : {"long.wav", "silent.wav", "missing.wav"}) {
         const auto refused = SpokenSound::read(folder / name);
-        ASSERT_FALSE(refused.ok()) << name;
+        ASSERT_FALSE(refused) << name;
         EXPECT_NE(refused.error().message.find(name), std::string::npos) << refused.error().message;
     }
 }

@@ -209,11 +209,10 @@ protected:
         for (const WindowCommand& command : left_)
             options_.script.insert(options_.script.begin() + 1, {next_s, command});
         const auto played = play_in_window(options_);
-        EXPECT_TRUE(played.ok()) << played.error().message;
+        EXPECT_TRUE(played) << played.error().message;
         const auto picture = read_image(shot);
-        EXPECT_TRUE(picture.ok());
-        return {picture.ok() ? *picture : Image{}, options_.meter->measures().mean_newtons,
-                besiegers.inputs()};
+        EXPECT_TRUE(picture);
+        return {picture ? *picture : Image{}, options_.meter->measures().mean_newtons, besiegers.inputs()};
     }
 
     const TemporaryFolder folder_;

@@ -72,8 +72,8 @@ std::string texts_of(const char* language) {
 TEST(KioskTexts, ThatComeWithTheProgramAreWhole) {
     const auto english = parse_kiosk_texts(texts_of("en"), "en.json"),
                german = parse_kiosk_texts(texts_of("de"), "de.json");
-    ASSERT_TRUE(english.ok()) << english.error().message;
-    ASSERT_TRUE(german.ok()) << german.error().message;
+    ASSERT_TRUE(english) << english.error().message;
+    ASSERT_TRUE(german) << german.error().message;
     EXPECT_EQ(*english, KioskTexts()) << "a program without its files says the same";
     EXPECT_EQ(german->language, "de");
     const std::string all = texts_of("en"), all_german = texts_of("de");
@@ -90,11 +90,11 @@ TEST(KioskTexts, ThatComeWithTheProgramAreWhole) {
 TEST(KioskTexts, ThatCannotBeAreRefusedAndWhatIsLeftOutIsEnglish) {
     const auto message = [](const std::string& json) {
         const auto parsed = parse_kiosk_texts(json, "t.json");
-        return parsed.ok() ? "" : parsed.error().message;
+        return parsed ? "" : parsed.error().message;
     };
     const std::string begin = R"({"touchable_kiosk_texts": 1, "language": "sv")";
     const auto some = parse_kiosk_texts(begin + R"(, "invitation": "Rör bilden"})", "t.json");
-    ASSERT_TRUE(some.ok()) << some.error().message;
+    ASSERT_TRUE(some) << some.error().message;
     EXPECT_EQ(some->invitation, "Rör bilden");
     EXPECT_EQ(some->force_is_off, KioskTexts().force_is_off);
     EXPECT_NE(message(begin + R"(, "invitatoin": "x"})").find("invitation"), std::string::npos)

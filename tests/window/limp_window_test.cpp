@@ -50,7 +50,7 @@ protected:
         options.seconds = seconds;
         std::ofstream(folder_ / "script") << "0.0 key f\n0.1 open " + clip_.string() + "\n" + script;
         auto inputs = read_window_script(folder_ / "script");
-        EXPECT_TRUE(inputs.ok());
+        EXPECT_TRUE(inputs);
         options.script = std::move(*inputs);
         return play_in_window(options);
     }
@@ -105,7 +105,7 @@ protected:
 
 TEST_F(UnpoweredWindow, WhenItIsClosedWhateverIsOpenedMeanwhile) {
     std::thread looks_on([this] { look_on(); });
-    EXPECT_TRUE(play("2.5 quit\n", 60).ok());
+    EXPECT_TRUE(play("2.5 quit\n", 60));
     looks_on.join();
     EXPECT_TRUE(felt_);
     EXPECT_TRUE(was_unpowered_) << "before what it opens was done";
@@ -114,7 +114,7 @@ TEST_F(UnpoweredWindow, WhenItIsClosedWhateverIsOpenedMeanwhile) {
 
 TEST_F(UnpoweredWindow, AfterFWhateverIsOpenedMeanwhile) {
     std::thread looks_on([this] { look_on(); });
-    EXPECT_TRUE(play("2.5 key f\n", 8).ok());
+    EXPECT_TRUE(play("2.5 key f\n", 8));
     looks_on.join();
     EXPECT_TRUE(felt_);
     EXPECT_TRUE(was_unpowered_);
@@ -159,7 +159,7 @@ TEST_F(UnpoweredWindow, StopsByFWhileMainThreadStands) {
         stays_off = goes_on(2 * there_and_back, [&] { return fake_->newtons > 0; });
         is_released_ = true;
     });
-    EXPECT_TRUE(play("20 quit\n", 8).ok());
+    EXPECT_TRUE(play("20 quit\n", 8));
     looks_on.join();
     EXPECT_TRUE(has_felt);
     EXPECT_TRUE(hold.key.stopped_force);
@@ -175,7 +175,7 @@ TEST_F(UnpoweredWindow, AtCtrlCWhateverIsOpenedMeanwhile) {
         std::thread looks_on([this] { look_on([] { std::raise(SIGINT); }); });
         const auto played = play("", 60);
         looks_on.join();
-        return felt_ && was_unpowered_ && !came_back_ && !played.ok() &&
+        return felt_ && was_unpowered_ && !came_back_ && !played &&
                played.error().kind == ErrorKind::interrupted;
     };
     EXPECT_EXIT(_exit(is_as_it_should_be() ? 0 : 1), testing::ExitedWithCode(0), "");

@@ -42,7 +42,7 @@ TEST(LongWork, GivesWhatWasAskedForOnce) {
     opening.ask("opening seven", at_once(7));
     EXPECT_EQ(opening.words(), "opening seven");
     const auto made = wait_for(opening);
-    ASSERT_TRUE(made && made->ok());
+    ASSERT_TRUE(made && *made);
     EXPECT_EQ(**made, 7);
     EXPECT_FALSE(opening.is_busy());
     EXPECT_FALSE(opening.take());
@@ -57,7 +57,7 @@ TEST(LongWork, LaterWishTakesThePlaceOfTheOnesBefore) {
     opening.ask("the third", at_once(3));
     EXPECT_EQ(opening.words(), "the third");
     const auto made = wait_for(opening);
-    ASSERT_TRUE(made && made->ok());
+    ASSERT_TRUE(made && *made);
     EXPECT_EQ(**made, 3);
     EXPECT_EQ(given_up, 1);
     EXPECT_EQ(skipped, 0) << "nobody wanted it any more when its turn had come";
@@ -101,7 +101,7 @@ TEST(LongWork, LettingGoWaitsForNothing) {
     EXPECT_FALSE(opening.take()) << "the one before has not ended";
     may_end = true;
     const auto made = wait_for(opening);
-    ASSERT_TRUE(made && made->ok());
+    ASSERT_TRUE(made && *made);
     EXPECT_EQ(**made, 2);
     EXPECT_EQ(given_up, 1);
     EXPECT_TRUE(is_alone);
@@ -111,12 +111,12 @@ TEST(LongWork, WhatIsThrownIsAnError) {
     Opening opening;
     opening.ask("opening a.mkv", [](const std::stop_token&) -> Result<int> { throw std::bad_alloc(); });
     auto made = wait_for(opening);
-    ASSERT_TRUE(made && !made->ok());
+    ASSERT_TRUE(made && !*made);
     EXPECT_EQ(made->error().message, "opening a.mkv: memory does not suffice");
     opening.ask("opening b.mkv",
                 [](const std::stop_token&) -> Result<int> { throw std::runtime_error("no such thing"); });
     made = wait_for(opening);
-    ASSERT_TRUE(made && !made->ok());
+    ASSERT_TRUE(made && !*made);
     EXPECT_EQ(made->error().kind, ErrorKind::internal);
 }
 

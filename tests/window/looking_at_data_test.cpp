@@ -69,13 +69,13 @@ void write_frames(const std::filesystem::path& file, const std::vector<CodeAt>& 
                   const CodeAt& stiffness = {}) {
     const Scene scene = wide_scene();
     auto writer = create_clip(file, scene, exact_clip);
-    ASSERT_TRUE(writer.ok()) << writer.error().message;
+    ASSERT_TRUE(writer) << writer.error().message;
     for (std::size_t n = 0; n < frames.size(); ++n) {
         const auto written =
             (*writer)->write(frame_of(scene, static_cast<std::int64_t>(n), frames[n], stiffness));
-        ASSERT_TRUE(written.ok()) << written.error().message;
+        ASSERT_TRUE(written) << written.error().message;
     }
-    ASSERT_TRUE((*writer)->finish().ok());
+    ASSERT_TRUE((*writer)->finish());
 }
 
 /// The nearest code to a range, mm, by the definition of the coding; and back.
@@ -110,8 +110,8 @@ protected:
         EXPECT_EQ(done.code, 0) << done.err;
         EXPECT_EQ(done.err, "");
         auto image = read_image(folder_ / "shot.png");
-        EXPECT_TRUE(image.ok());
-        return image.ok() ? *image : Image{960, 640, 1, 3, std::vector<std::uint8_t>(960 * 640 * 3)};
+        EXPECT_TRUE(image);
+        return image ? *image : Image{960, 640, 1, 3, std::vector<std::uint8_t>(960 * 640 * 3)};
     }
     static glm::ivec3 colour(const Image& image, int x, int y) {
         const auto at = static_cast<std::size_t>((y * image.width + x) * 3);
@@ -250,7 +250,7 @@ struct TwoFrames {
         const auto builder = make_cpu_builder(scene);
         for (int k = 0; k < 2; ++k) {
             raw[k] = frame_of(scene, k, k == 0 ? first : second);
-            EXPECT_TRUE(builder->build(raw[k], built[k]).ok());
+            EXPECT_TRUE(builder->build(raw[k], built[k]));
         }
     }
     void show(MeasureTool& tool, int k, std::optional<glm::dvec2> pointer = {}) const {

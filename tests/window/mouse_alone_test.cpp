@@ -96,8 +96,8 @@ protected:
     /// Share of a part of two pictures, in thousandths of their sides, that differs.
     double differs(const std::string& name, const std::string& other, int x0, int y0, int x1, int y1) {
         const auto a = read_image(folder_ / name), b = read_image(folder_ / other);
-        EXPECT_TRUE(a.ok() && b.ok()) << name << ", " << other;
-        if (!a.ok() || !b.ok()) return -1;
+        EXPECT_TRUE(a && b) << name << ", " << other;
+        if (!a || !b) return -1;
         const PicturePart part{a->width * x0 / 1000, a->height * y0 / 1000, a->width * x1 / 1000,
                                a->height * y1 / 1000};
         const double all = (part.x1 - part.x0) * (part.y1 - part.y0);

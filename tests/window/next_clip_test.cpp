@@ -57,16 +57,16 @@ protected:
             << script << "1.5 screenshot " << taken << "\n3.5 screenshot " << picture("first")
             << "\n4.0 screenshot " << picture("later") << "\n4.1 quit\n";
         auto inputs = read_window_script(folder_ / "script");
-        EXPECT_TRUE(inputs.ok());
+        EXPECT_TRUE(inputs);
         options.script = std::move(*inputs);
         const auto played = play_in_window(options);
-        EXPECT_TRUE(played.ok()) << played.error().message;
+        EXPECT_TRUE(played) << played.error().message;
         return {image("before"), image("first"), image("later")};
     }
     std::string picture(const std::string& name) const { return (folder_ / name).string() + ".png"; }
     Image image(const std::string& name) const {
         auto read = read_image(picture(name));
-        if (!read.ok()) return {};
+        if (!read) return {};
         return std::move(*read);
     }
     static constexpr PicturePart middle{60, 40, 260, 180};

@@ -24,18 +24,18 @@ protected:
         choice_.file = folder_ / "wall.mkv";
         ASSERT_NO_FATAL_FAILURE(write_two_surfaces(choice_.file, 30));
         auto segments = read_chosen_segments(choice_, [this](std::int64_t) { ++frames_read_; }, {});
-        ASSERT_TRUE(segments.ok()) << segments.error().message;
+        ASSERT_TRUE(segments) << segments.error().message;
         auto brush = MaterialBrush::begin(std::move(*segments));
-        ASSERT_TRUE(brush.ok()) << brush.error().message;
+        ASSERT_TRUE(brush) << brush.error().message;
         brush_.emplace(std::move(*brush));
     }
     void open() {
         options_.session.builder.name = "cpu";
         auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
-        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        ASSERT_TRUE(opened) << opened.error().message;
         clip_ = std::move(*opened);
-        ASSERT_TRUE(clip_->begin().ok());
-        ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause).ok());
+        ASSERT_TRUE(clip_->begin());
+        ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause));
         std::filesystem::remove(choice_.file);  // nobody opens it again
     }
     template <class Condition>
@@ -48,14 +48,14 @@ protected:
     }
     void edit(const MaterialBrush::Edit& edit) {
         const auto done = brush_->edit(edit);
-        ASSERT_TRUE(done.ok()) << done.error().message;
+        ASSERT_TRUE(done) << done.error().message;
     }
     void change(const SessionSettings& settings = {}) {
         auto change = clip_->prepare(settings, brush_->painted());
-        ASSERT_TRUE(change.ok()) << change.error().message;
+        ASSERT_TRUE(change) << change.error().message;
         ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
         const auto taken = clip_->take(std::move(*change));
-        ASSERT_TRUE(taken.ok()) << taken.error().message;
+        ASSERT_TRUE(taken) << taken.error().message;
     }
     /// Presses at a pixel of the clip.
     void press(int x, int y) {
@@ -98,7 +98,7 @@ TEST_F(PaintedClip, ItsSegmentsAreReadFrameByFrame) {
     std::stop_source given_up;
     const auto stopped = read_chosen_segments(
         choice_, [&](std::int64_t) { given_up.request_stop(); }, given_up.get_token());
-    ASSERT_FALSE(stopped.ok());
+    ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);
     ClipChoice camera;
     camera.as_camera.emplace();
@@ -116,12 +116,12 @@ TEST_F(PaintedClip, FeelsLikeWhatWasPaintedAndUndone) {
     ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{on_the_left, "cardboard"}));
     ASSERT_NO_FATAL_FAILURE(change());
     EXPECT_TRUE(feels_like(stiffness_of("cardboard"))) << felt_stiffness();
-    ASSERT_TRUE(brush_->undo().ok());
+    ASSERT_TRUE(brush_->undo());
     ASSERT_NO_FATAL_FAILURE(change());
     EXPECT_TRUE(feels_like(stiffness_of("foam"))) << felt_stiffness();
     // And A against B.
     SessionSettings before;
-    ASSERT_TRUE(before.set("materials", "off").ok());
+    ASSERT_TRUE(before.set("materials", "off"));
     ASSERT_NO_FATAL_FAILURE(change(before));
     EXPECT_EQ(clip_->in_effect().at("materials"), "off");
     EXPECT_TRUE(feels_like(0.6)) << felt_stiffness();
@@ -149,7 +149,7 @@ TEST_F(PaintedClip, IsNotRecorded) {
     options_.record = folder_ / "hand.touch";
     choice_.painted = brush_->painted();
     const auto refused = OpenedClip::open(options_, choice_, {}, *sound_);
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("touchable materials"), std::string::npos);
 }
 

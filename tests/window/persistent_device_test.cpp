@@ -39,13 +39,13 @@ protected:
     void SetUp() override {
         choice_.file = folder_ / "globe.mkv";
         const SceneOptions globe{.width = 64, .height = 48, .properties = true};
-        ASSERT_TRUE(write_generated_clip("globe", choice_.file, globe, 2).ok());
+        ASSERT_TRUE(write_generated_clip("globe", choice_.file, globe, 2));
         options_.session.builder.name = "cpu";
         options_.hand = std::make_shared<PersistentDevice>(fake_);
         auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
-        ASSERT_TRUE(opened.ok()) << opened.error().message;
+        ASSERT_TRUE(opened) << opened.error().message;
         clip_ = std::move(*opened);
-        ASSERT_TRUE(clip_->begin().ok());
+        ASSERT_TRUE(clip_->begin());
         ASSERT_TRUE(soon([this] { return clip_->session().look() != nullptr; }));
         const FramePair pair = clip_->session().look()->held.pair;
         depth_ = pair.prev.frame->vertices->at(32, 24).depth;
@@ -78,9 +78,9 @@ protected:
     }
     Result<void> change(const char* name, const char* value) {
         SessionSettings settings = clip_->settings();
-        if (auto set = settings.set(name, value); !set.ok()) return set;
+        if (auto set = settings.set(name, value); !set) return set;
         auto change = clip_->prepare(settings);
-        if (!change.ok()) return change.error();
+        if (!change) return change.error();
         EXPECT_TRUE(soon([&] { return clip_->has_come_to(*change); }));
         return clip_->take(std::move(*change));
     }
@@ -171,12 +171,12 @@ TEST_F(HeldClip, OtherScaleLeavesTheFingerWhereItIs) {
     const Workspace first = clip_->session().setup().workspace;
     fake_->put({0.01, 0.02, 0.05});
     ASSERT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.05})));
-    ASSERT_TRUE(change("hand-scale", "0.5").ok());
+    ASSERT_TRUE(change("hand-scale", "0.5"));
     EXPECT_EQ(clip_->in_effect().at("hand-scale"), "0.5");
     EXPECT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.05})));
     fake_->put({0.01, 0.02, 0.07});
     EXPECT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.06}))) << "half as far";
-    ASSERT_TRUE(change("hand-scale", "1").ok());
+    ASSERT_TRUE(change("hand-scale", "1"));
     EXPECT_EQ(clip_->session().setup().workspace.metres_per_scene_unit, first.metres_per_scene_unit);
     EXPECT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.06})));
     EXPECT_EQ(fake_->openings, 1) << "the hardware is held all the while";
@@ -184,7 +184,7 @@ TEST_F(HeldClip, OtherScaleLeavesTheFingerWhereItIs) {
 
 TEST_F(HeldClip, OtherSettingsAreFeltOnceTheFingerHasBeenFree) {
     feel();
-    ASSERT_TRUE(change("median", "3").ok());
+    ASSERT_TRUE(change("median", "3"));
     EXPECT_TRUE(clip_->force_is_on());
     ASSERT_TRUE(soon([this] { return glm::length(felt().goal) > 0; }));
     fake_->most_newtons = 0;
@@ -200,12 +200,12 @@ TEST_F(HeldClip, OtherSettingsAreFeltOnceTheFingerHasBeenFree) {
 TEST_F(HeldClip, AnotherClipBeginsWithoutForces) {
     feel();
     auto other = OpenedClip::open(options_, choice_, {}, *sound_);
-    ASSERT_TRUE(other.ok());
-    ASSERT_TRUE(clip_->finish().ok());
+    ASSERT_TRUE(other);
+    ASSERT_TRUE(clip_->finish());
     EXPECT_EQ(fake_->newtons, 0);
     fake_->most_newtons = 0;
     clip_ = std::move(*other);
-    ASSERT_TRUE(clip_->begin().ok());
+    ASSERT_TRUE(clip_->begin());
     EXPECT_FALSE(clip_->force_is_on());
     const std::int64_t since = fake_->reads;
     ASSERT_TRUE(soon([&] { return fake_->reads > since + 100; }));
@@ -213,12 +213,12 @@ TEST_F(HeldClip, AnotherClipBeginsWithoutForces) {
 }
 
 TEST_F(HeldClip, OfADeviceWithoutMotorsTheForceIsThatOfTheScene) {
-    ASSERT_TRUE(clip_->finish().ok());
+    ASSERT_TRUE(clip_->finish());
     fake_->axes = 0;
     auto other = OpenedClip::open(options_, choice_, {}, *sound_);
-    ASSERT_TRUE(other.ok());
+    ASSERT_TRUE(other);
     clip_ = std::move(*other);
-    ASSERT_TRUE(clip_->begin().ok());
+    ASSERT_TRUE(clip_->begin());
     put_before(0.02);
     const std::int64_t since = fake_->reads;
     ASSERT_TRUE(soon([&] { return fake_->reads > since + 150; }));
@@ -258,7 +258,7 @@ TEST(PersistentDevice, ThatExertsNoForceSaysSo) {
     const auto fake = std::make_shared<FakeHand>();
     fake->axes = 0;
     PersistentDevice hand(fake);
-    ASSERT_TRUE(hand.open().ok());
+    ASSERT_TRUE(hand.open());
     const HandControl control(1, {});
     const HandState state = hand_state(hand, control);
     EXPECT_EQ(state.words, "the fake exerts no force: you see what you touch");
@@ -269,7 +269,7 @@ TEST(PersistentDevice, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
     const auto fake = std::make_shared<FakeHand>();
     fake->pressed = 1;
     PersistentDevice hand(fake);
-    ASSERT_TRUE(hand.open().ok());
+    ASSERT_TRUE(hand.open());
     glm::dvec3 place;
     ASSERT_TRUE(hand.read_positions(std::span(&place, 1)));
     EXPECT_EQ(hand.age_s(), 0.001);
@@ -288,7 +288,7 @@ TEST(PersistentDevice, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
 TEST(PersistentDevice, ThatHasFailedFeelsNothingUntilItIsLookedFor) {
     const auto fake = std::make_shared<FakeHand>();
     PersistentDevice hand(fake);
-    ASSERT_TRUE(hand.open().ok());
+    ASSERT_TRUE(hand.open());
     const glm::dvec3 push(0, 0, 3);
     const auto write = [&] { return hand.write_forces(std::span(&push, 1)); };
     EXPECT_TRUE(write());
@@ -310,19 +310,19 @@ TEST(PersistentDevice, ThatHasFailedFeelsNothingUntilItIsLookedFor) {
 TEST(PersistentDevice, ClosingLeavesNoForceAndTheDeviceOpen) {
     const auto fake = std::make_shared<FakeHand>();
     PersistentDevice hand(fake);
-    ASSERT_TRUE(hand.open().ok());
+    ASSERT_TRUE(hand.open());
     const glm::dvec3 push(0, 0, 3);
     ASSERT_TRUE(hand.write_forces(std::span(&push, 1)));
     hand.close();
     EXPECT_EQ(fake->newtons, 0);
-    ASSERT_TRUE(hand.open().ok());
+    ASSERT_TRUE(hand.open());
     EXPECT_EQ(fake->openings, 1);
 }
 
 TEST(PersistentDevice, ThatIsLeftLimpGetsNoForceWhoeverWritesOne) {
     const auto fake = std::make_shared<FakeHand>();
     PersistentDevice hand(fake);
-    ASSERT_TRUE(hand.open().ok());
+    ASSERT_TRUE(hand.open());
     const glm::dvec3 force(0, 0, 2);
     EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
     EXPECT_EQ(fake->newtons, 2);
@@ -336,7 +336,7 @@ TEST(PersistentDevice, ThatIsNotThereIsRefused) {
     fake->is_unplugged = true;
     PersistentDevice hand(fake);
     const auto opened = hand.open();
-    ASSERT_FALSE(opened.ok());
+    ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().kind, ErrorKind::device);
     glm::dvec3 place;
     EXPECT_FALSE(hand.read_positions(std::span(&place, 1)));
@@ -348,7 +348,7 @@ class HeldWindow : public ::testing::Test {
 protected:
     void SetUp() override {
         const SceneOptions globe{.width = 64, .height = 48, .properties = true};
-        ASSERT_TRUE(write_generated_clip("globe", clip_, globe, 60).ok());
+        ASSERT_TRUE(write_generated_clip("globe", clip_, globe, 60));
         motion_ = [](std::int64_t tick) {
             const double depth = std::clamp(static_cast<double>(tick % 700 - 400) / 200, 0.0, 1.0);
             return glm::dvec3(0, 0, 0.12 - 0.16 * depth);
@@ -383,7 +383,7 @@ protected:
         }
         std::ofstream(folder_ / "script") << script;
         auto inputs = read_window_script(folder_ / "script");
-        EXPECT_TRUE(inputs.ok());
+        EXPECT_TRUE(inputs);
         options.script = std::move(*inputs);
         return play_in_window(options);
     }
@@ -401,7 +401,7 @@ constexpr const char* clocks_drift =
     "the clocks of the script and of the hand drift apart when everything takes ten times as long";
 
 TEST_F(HeldWindow, ExertsNothingThatNobodyAskedFor) {
-    ASSERT_TRUE(play("0.1 move 100 100\n0.2 press left\n0.3 key 3\n", 900).ok());
+    ASSERT_TRUE(play("0.1 move 100 100\n0.2 press left\n0.3 key 3\n", 900));
     EXPECT_GT(fake_->reads, 900);
     EXPECT_EQ(fake_->most_newtons, 0);
 }
@@ -409,17 +409,17 @@ TEST_F(HeldWindow, ExertsNothingThatNobodyAskedFor) {
 TEST_F(HeldWindow, ExertsForcesByAKeyAndItsRecordingReplays) {
     seconds_ = 2.6;  // another scale is ready once it is prepared
     const auto played = play("0.1 key f\n0.7 key j\n0.9 key c\n1.0 key-up c\n1.1 key r\n", 1000);
-    ASSERT_TRUE(played.ok()) << played.error().message;
+    ASSERT_TRUE(played) << played.error().message;
     EXPECT_GT(fake_->most_newtons, 0.1);
     EXPECT_EQ(fake_->newtons, 0) << "in the end";
     const auto recording = read_recording(record_);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     ASSERT_EQ(recording->size(), 2U) << "another scale is another part";
     EXPECT_EQ(recording->front().fingers, 1);
     const double first = recording->front().facts.at("S"), second = recording->back().facts.at("S");
     EXPECT_NEAR(second / first, 1 / 0.8, 1e-12);
     const auto again = replay_in_process(record_);
-    EXPECT_TRUE(again.ok()) << again.error().message;
+    EXPECT_TRUE(again) << again.error().message;
 }
 
 TEST_F(HeldWindow, AnotherClipStopsForces) {
@@ -430,7 +430,7 @@ TEST_F(HeldWindow, AnotherClipStopsForces) {
         return glm::dvec3(0, 0, tick % 350 < 200 ? 0.12 : -0.04);
     };
     seconds_ = 4;
-    ASSERT_TRUE(play("0.0 key f\n0.8 open " + clip_.string() + "\n", 3000).ok());
+    ASSERT_TRUE(play("0.0 key f\n0.8 open " + clip_.string() + "\n", 3000));
     EXPECT_GT(fake_->most_newtons, 0.1);
     EXPECT_GT(fake_->reads - last_felt, 800) << "twice it was pressed in, after the other clip came";
 }
@@ -438,7 +438,7 @@ TEST_F(HeldWindow, AnotherClipStopsForces) {
 /// A clip of another camera maps it to another place.
 TEST_F(HeldWindow, InAKioskAHandThatRestsIsNobodyAndOneThatMovesIsSomebody) {
     const auto other = folder_ / "other.mkv";
-    ASSERT_TRUE(write_generated_clip("bumps", other, {.width = 128, .height = 96}, 60).ok());
+    ASSERT_TRUE(write_generated_clip("bumps", other, {.width = 128, .height = 96}, 60));
     is_kiosk_ = true;
     seconds_ = 2.6;
     for (const bool moves : {false, true}) {
@@ -447,7 +447,7 @@ TEST_F(HeldWindow, InAKioskAHandThatRestsIsNobodyAndOneThatMovesIsSomebody) {
             const bool is_away = moves && tick % 100 < 50;
             return glm::dvec3(is_away ? 0.05 : 0.03, 0.02, 0.12);
         };
-        ASSERT_TRUE(play("0.9 open " + other.string() + "\n", 2000).ok());
+        ASSERT_TRUE(play("0.9 open " + other.string() + "\n", 2000));
         std::ifstream rows(log_);
         const std::string text((std::istreambuf_iterator<char>(rows)), {});
         EXPECT_NE(text.find(",start,"), std::string::npos) << text;
@@ -462,13 +462,13 @@ TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
     };
     seconds_ = 2.6;
     const auto played = play("0.1 key f\n", 500);
-    ASSERT_FALSE(played.ok());
+    ASSERT_FALSE(played);
     EXPECT_EQ(played.error().kind, ErrorKind::device);
     EXPECT_EQ(played.error().message, "fake: nothing is plugged in");
     const auto again = replay_in_process(record_);
-    EXPECT_TRUE(again.ok()) << again.error().message;
+    EXPECT_TRUE(again) << again.error().message;
     const auto recording = read_recording(record_);
-    ASSERT_TRUE(recording.ok());
+    ASSERT_TRUE(recording);
     EXPECT_GT(recording->front().ticks.size(), 520U) << "it ended with the device, after 501";
 }
 
@@ -487,7 +487,7 @@ TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
         return glm::dvec3(0, 0, tick % 400 < 250 ? 0.12 : -0.04);
     };
     seconds_ = 4;
-    ASSERT_TRUE(play("0.0 key f\n", 3400).ok());
+    ASSERT_TRUE(play("0.0 key f\n", 3400));
     EXPECT_GT(fake_->reads, gone_to + 400) << "it was felt late, or never";
     EXPECT_EQ(fake_->most_newtons, 0) << "a surprise";
 }
@@ -500,7 +500,7 @@ TEST_F(HeldWindow, ForcesAskedForWhileItIsAwayAreOffWhenItComes) {
         return glm::dvec3(0, 0, tick % 400 < 250 ? 0.12 : -0.04);
     };
     seconds_ = 3.4;
-    ASSERT_TRUE(play("0.2 key f\n", 2900).ok());
+    ASSERT_TRUE(play("0.2 key f\n", 2900));
     EXPECT_GT(fake_->reads, 2900);
     EXPECT_EQ(fake_->most_newtons, 0) << "nobody knew of them any more";
 }
@@ -511,7 +511,7 @@ TEST_F(HeldWindow, IsFoundAgainByAKeyWithoutForces) {
         return glm::dvec3(0, 0, tick < 700 || tick % 200 < 100 ? 0.12 : -0.04);
     };
     seconds_ = 2.2;
-    ASSERT_TRUE(play("0.0 key f\n1.4 key f\n", 900).ok());
+    ASSERT_TRUE(play("0.0 key f\n1.4 key f\n", 900));
     EXPECT_GT(fake_->reads, 900) << "it was not opened again";
     EXPECT_EQ(fake_->most_newtons, 0);
 }

@@ -71,8 +71,8 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     EXPECT_NE(file_contents(folder / "out").find("input to picture"), std::string::npos);
     const auto first = read_image(folder / "touchable-1.png"),
                second = read_image(folder / "touchable-2.png");
-    ASSERT_TRUE(first.ok()) << first.error().message;
-    ASSERT_TRUE(second.ok()) << second.error().message;
+    ASSERT_TRUE(first) << first.error().message;
+    ASSERT_TRUE(second) << second.error().message;
     EXPECT_EQ(first->width, 640);
     EXPECT_EQ(first->height, 400);
     EXPECT_EQ(second->width, 500);
@@ -175,8 +175,8 @@ TEST(RealWindow, HasWordsAsLargeAsTheDisplayNeedsOrAsIsSaid) {
             0)
             << file_contents(folder / "err");
         const auto image = read_image(folder / "touchable-1.png");
-        EXPECT_TRUE(image.ok());
-        if (!image.ok()) return 0;
+        EXPECT_TRUE(image);
+        if (!image) return 0;
         EXPECT_EQ(image->width, width);
         return rows_of_bar(*image);
     };
@@ -351,7 +351,7 @@ kill -9 $server
     const std::string err = file_contents(folder / "err");
     EXPECT_NE(err.find("display"), std::string::npos) << err;
     EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
-    EXPECT_TRUE(read_image(folder / "touchable-1.png").ok());
+    EXPECT_TRUE(read_image(folder / "touchable-1.png"));
     const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
     EXPECT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
@@ -400,7 +400,7 @@ for k in $(seq 600); do [ -s display ] && exit 0; sleep 0.1; done; exit 1)")
     };
     {
         const auto screen = open_glfw_screen(options);
-        if (!screen.ok()) {
+        if (!screen) {
             EXPECT_EQ(std::system((at + "kill $(cat server)").c_str()), 0);
             FAIL() << screen.error().message;
         }
@@ -419,7 +419,7 @@ for k in $(seq 600); do [ -s display ] && exit 0; sleep 0.1; done; exit 1)")
         EXPECT_TRUE(is_polled);
         (*screen)->set_size(400, 300);
         EXPECT_EQ((*screen)->size().width, 400);
-        EXPECT_TRUE((*screen)->health().ok());
+        EXPECT_TRUE((*screen)->health());
     }
     if (display_before)
         setenv("DISPLAY", display_before->c_str(), 1);
@@ -448,7 +448,7 @@ xdotool key Escape sleep 0.3 key q
         EXPECT_NE(line.find("film.mkv"), std::string::npos) << line;
         EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
     }
-    EXPECT_TRUE(read_image(folder / "touchable-1.png").ok());
+    EXPECT_TRUE(read_image(folder / "touchable-1.png"));
 }
 
 TEST(RealWindow, WithoutADisplayIsOneLineThatSaysWhatToDo) {

@@ -32,8 +32,8 @@ TEST(Screenshots, DiskThatDoesNotAnswerHoldsNobody) {
         return {};
     });
     for (const char* const name : {"a", "b", "c", "d"})
-        ASSERT_TRUE(screenshots.keep(grey_image(7), name).ok()) << name;
-    EXPECT_FALSE(screenshots.keep(grey_image(7), "e").ok()) << "pictures pile up";
+        ASSERT_TRUE(screenshots.keep(grey_image(7), name)) << name;
+    EXPECT_FALSE(screenshots.keep(grey_image(7), "e")) << "pictures pile up";
     EXPECT_TRUE(screenshots.take().empty());
 
     answer.set_value();
@@ -41,9 +41,9 @@ TEST(Screenshots, DiskThatDoesNotAnswerHoldsNobody) {
     EXPECT_EQ(begun, (std::vector<std::string>{"a", "b", "c", "d"}));
     const auto written = screenshots.take();
     ASSERT_EQ(written.size(), 4u);
-    EXPECT_TRUE(written[0].ok() && *written[0] == "a");
-    EXPECT_FALSE(written[1].ok());
-    EXPECT_TRUE(written[3].ok() && *written[3] == "d");
+    EXPECT_TRUE(written[0] && *written[0] == "a");
+    EXPECT_FALSE(written[1]);
+    EXPECT_TRUE(written[3] && *written[3] == "d");
 }
 
 TEST(Screenshots, AreNotWaitedForWhereTheDiskHangs) {
@@ -58,12 +58,12 @@ TEST(Screenshots, AreNotWaitedForWhereTheDiskHangs) {
         ++disk->written;
         return {};
     });
-    for (const char* const name : {"", "b"}) ASSERT_TRUE(screenshots.keep(grey_image(7), name).ok());
+    for (const char* const name : {"", "b"}) ASSERT_TRUE(screenshots.keep(grey_image(7), name));
     disk->asked.get_future().wait();
     screenshots.finish(std::chrono::milliseconds(1));
     const auto left = screenshots.take();
     ASSERT_EQ(left.size(), 2u);
-    ASSERT_FALSE(left[0].ok() || left[1].ok());
+    ASSERT_FALSE(left[0] || left[1]);
     const std::string& of_free_name = left[0].error().message;
     EXPECT_EQ(of_free_name.rfind("touchable-", 0), 0U) << of_free_name;
     EXPECT_NE(of_free_name.find(".png: not finished: its disk does not answer"), std::string::npos)
@@ -79,16 +79,16 @@ TEST(Screenshots, AreNotWaitedForWhereTheDiskHangs) {
 TEST(Screenshots, AreFilesThatReplaceNoOther) {
     const TemporaryFolder folder;
     Screenshots screenshots(Existing::keep);
-    ASSERT_TRUE(screenshots.keep(grey_image(9), folder / "a.png").ok());
+    ASSERT_TRUE(screenshots.keep(grey_image(9), folder / "a.png"));
     screenshots.finish();
-    ASSERT_TRUE(screenshots.keep(grey_image(5), folder / "a.png").ok()) << "after an end, too";
+    ASSERT_TRUE(screenshots.keep(grey_image(5), folder / "a.png")) << "after an end, too";
     screenshots.finish();
     const auto written = screenshots.take();
     ASSERT_EQ(written.size(), 2u);
-    EXPECT_TRUE(written[0].ok()) << written[0].error().message;
-    EXPECT_FALSE(written[1].ok());
+    EXPECT_TRUE(written[0]) << written[0].error().message;
+    EXPECT_FALSE(written[1]);
     const auto image = read_image(folder / "a.png");
-    ASSERT_TRUE(image.ok()) << image.error().message;
+    ASSERT_TRUE(image) << image.error().message;
     EXPECT_EQ(image->samples, grey_image(9).samples);
 }
 

@@ -29,7 +29,7 @@ TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
     const auto read = read_words(
         "# what a visitor does\n\n0.5 move 10 20.5\n1 press left\r\n1 key f12\n  2 seek 0.25\n3 drop a "
         "b.mkv\n");
-    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_TRUE(read) << read.error().message;
     ASSERT_EQ(read->size(), 5U);
     const auto& moved = std::get<InputEvent>((*read)[0].what);
     EXPECT_EQ((*read)[0].seconds, 0.5);
@@ -44,7 +44,7 @@ TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
 
 TEST(WindowScript, FingersOnATouchScreenHaveNumbersAndTimes) {
     const auto read = read_words("0.5 touch 2 10 20.5\n0.75 touch-move 2 11 21\n1 touch-end 2\n1 leave\n");
-    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_TRUE(read) << read.error().message;
     ASSERT_EQ(read->size(), 4U);
     const auto event = [&](std::size_t k) { return std::get<InputEvent>((*read)[k].what); };
     EXPECT_EQ(event(0).kind, InputEvent::Kind::touch_began);
@@ -81,7 +81,7 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
                   {"0 drop\n", "line 1", "a file or folder"}};
     for (const auto& fault : faults) {
         const auto read = read_words(fault.words);
-        ASSERT_FALSE(read.ok()) << fault.words;
+        ASSERT_FALSE(read) << fault.words;
         EXPECT_EQ(read.error().kind, ErrorKind::input);
         EXPECT_NE(read.error().message.find(fault.where), std::string::npos) << read.error().message;
         EXPECT_NE(read.error().message.find(fault.what), std::string::npos) << read.error().message;
@@ -89,7 +89,7 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
                   std::string_view(fault.what) == "no command")
             << read.error().message;
     }
-    EXPECT_FALSE(read_window_script("nowhere/at/all").ok());
+    EXPECT_FALSE(read_window_script("nowhere/at/all"));
 }
 
 }  // namespace

@@ -43,8 +43,8 @@ Played played_by(const std::vector<std::string>& words, const std::string& scrip
     EXPECT_EQ(played.outcome.code, 0) << played.outcome.err;
     played.files = names_in(folder.path());
     const auto image = read_image(folder / "end.png");
-    EXPECT_TRUE(image.ok());
-    played.image = image.ok() ? *image : black_picture(size);
+    EXPECT_TRUE(image);
+    played.image = image ? *image : black_picture(size);
     return played;
 }
 

@@ -39,11 +39,11 @@ std::pair<double, double> felt(const std::vector<ScriptedInput>& press, bool sle
     if (sleeps) options.script.push_back({1, WindowCommand{.verb = WindowVerb::size}});
     options.seconds = 1.8;
     const auto played = play_in_window(options);
-    EXPECT_TRUE(played.ok()) << played.error().message;
+    EXPECT_TRUE(played) << played.error().message;
     const auto recording = read_recording(folder / "hand.touch");
-    EXPECT_TRUE(recording.ok());
+    EXPECT_TRUE(recording);
     double most = 0, last = -1;
-    if (recording.ok())
+    if (recording)
         for (const auto& tick : recording->back().ticks)
             most = std::max(most, last = glm::length(tick.forces[0]));
     return {last, most};

@@ -72,15 +72,15 @@ protected:
         const Scene& scene = shown_->scene;
         workspace_ = clip_workspace(scene, shown_->prev);
         device_.emplace(PointerFingers::most, workspace_.to_device({0, 0, 0}));
-        ASSERT_TRUE(device_->open().ok());
+        ASSERT_TRUE(device_->open());
         fingers_.emplace(*device_, workspace_);
         view_.emplace(scene, glm::dvec3(0, 0, -80));
         auto solver = TouchSolver::create(scene, {.metres_per_scene_unit = workspace_.metres_per_scene_unit});
-        ASSERT_TRUE(solver.ok());
+        ASSERT_TRUE(solver);
         solver_.emplace(std::move(*solver));
         step_.emplace(*solver_, GuardSettings{}, PointerFingers::most);
         auto sound = WindowSound::create(false, file(), Existing::keep);
-        ASSERT_TRUE(sound.ok());
+        ASSERT_TRUE(sound);
         sound_ = std::move(*sound);
         listener_.emplace(*sound_, scene.width);
         listener_->begin(PlaybackClock(scene.rate), 0);
@@ -92,7 +92,7 @@ protected:
             ASSERT_TRUE(device_->read_positions(step_->goals()));
             for (glm::dvec3& goal : step_->goals()) goal = workspace_.to_scene(goal);
             const TouchTick done = step_->run(tick_, tick_ * 1'000'000, shown_->scene, shown_->pair());
-            ASSERT_TRUE(listener_->take(done).ok());
+            ASSERT_TRUE(listener_->take(done));
         }
     }
     /// Over the picture, pressed, and then to the right for 600 ms.
@@ -109,7 +109,7 @@ protected:
         fingers_->set_pointer({});
     }
     Wav heard() {
-        EXPECT_TRUE(sound_->finish().ok());
+        EXPECT_TRUE(sound_->finish());
         return Wav(file());
     }
 
@@ -235,11 +235,11 @@ protected:
 TEST_F(Loudspeakers, ThatAreMissingAreNoError) {
     configure("");
     auto sound = WindowSound::create(true, {}, Existing::keep);
-    ASSERT_TRUE(sound.ok());
+    ASSERT_TRUE(sound);
     testing::internal::CaptureStderr();
     EXPECT_TRUE(comes_true([&] { return (*sound)->state().starts_with("no sound: "); })) << (*sound)->state();
     (*sound)->take({}, 1);
-    EXPECT_TRUE((*sound)->finish().ok());
+    EXPECT_TRUE((*sound)->finish());
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
@@ -251,7 +251,7 @@ TEST_F(Loudspeakers, GetWhatIsTouched) {
     configure("pcm.!default {\n type file\n file \"" + file +
               "\"\n format raw\n slave.pcm { type null }\n}\n");
     auto sound = WindowSound::create(true, {}, Existing::keep);
-    ASSERT_TRUE(sound.ok());
+    ASSERT_TRUE(sound);
     ASSERT_TRUE(comes_true([&] { return (*sound)->state() == "sound on"; })) << (*sound)->state();
     HeardTick tick;
     tick.fingers[0] = {.touching = true, .newtons = 2, .slip = 0.1F, .stiffness = 1000};

@@ -26,7 +26,7 @@ protected:
         shown_ = shown_scene("globe", 160, 120);
         workspace_ = clip_workspace(shown_->scene, shown_->prev);
         device_.emplace(PointerFingers::most, workspace_.to_device({0, 0, 0}));
-        ASSERT_TRUE(device_->open().ok());
+        ASSERT_TRUE(device_->open());
         fingers_.emplace(*device_, workspace_);
         view_.emplace(shown_->scene, glm::dvec3(0, 0, -80));
     }

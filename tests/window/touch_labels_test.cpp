@@ -16,7 +16,7 @@ Result<TouchLabels> read(const std::string& labels) {
 
 std::string refusal(const std::string& labels) {
     const auto parsed = read(labels);
-    return parsed.ok() ? "" : parsed.error().message;
+    return parsed ? "" : parsed.error().message;
 }
 
 TEST(TouchLabels, AreFoundByPlaceFrameAndSegmentAndTheFirstCounts) {
@@ -25,7 +25,7 @@ TEST(TouchLabels, AreFoundByPlaceFrameAndSegmentAndTheFirstCounts) {
         {"caption": "late", "rectangle": [10, 20, 30, 40], "frames": [10, 19]},
         {"caption": "triangle", "polygon": [[0, 0], [50, 0], [0, 50]]},
         {"caption": "bell", "segment": "bell"})");
-    ASSERT_TRUE(labels.ok()) << labels.error().message;
+    ASSERT_TRUE(labels) << labels.error().message;
     const auto at = [&](double x, double y, std::int64_t frame, const char* segment = "") {
         return static_cast<int>(labels->at({x, y}, frame, segment).value_or(99));
     };
@@ -46,7 +46,7 @@ TEST(TouchLabels, AreSaidInTheLanguageThatIsAskedForOrInOneThatThereIs) {
         {"caption": {"de": "Afrika", "en": "Africa"}, "sound": {"de": "afrika.wav"}, "segment": "a"},
         {"caption": "Etna", "sound": "/sounds/etna.wav", "segment": "b"},
         {"caption": {"fr": "cloche"}, "segment": "c"})");
-    ASSERT_TRUE(labels.ok()) << labels.error().message;
+    ASSERT_TRUE(labels) << labels.error().message;
     const auto caption = [&](std::size_t k, const char* language) {
         return *said_in(labels->labels[k].captions, language);
     };
@@ -81,13 +81,13 @@ TEST(TouchLabels, ThatCannotBeAreRefusedWithWhatWouldBeRight) {
 TEST(TouchLabels, MustGoWithTheClipAndItsSegments) {
     const auto labels = read(R"({"caption": "a", "rectangle": [0, 0, 63, 47], "frames": [9, 20]},
                                 {"caption": "b", "segment": "bell"})");
-    ASSERT_TRUE(labels.ok());
-    EXPECT_TRUE(labels->fits(64, 48, 10).ok());
-    EXPECT_TRUE(labels->fits(64, 48, 0).ok()) << "a stream";
-    EXPECT_FALSE(labels->fits(63, 48, 10).ok());
+    ASSERT_TRUE(labels);
+    EXPECT_TRUE(labels->fits(64, 48, 10));
+    EXPECT_TRUE(labels->fits(64, 48, 0)) << "a stream";
+    EXPECT_FALSE(labels->fits(63, 48, 10));
     EXPECT_NE(labels->fits(64, 47, 10).error().message.find("l.json: labels[0]"), std::string::npos);
     EXPECT_NE(labels->fits(64, 48, 9).error().message.find("frame 9"), std::string::npos);
-    EXPECT_TRUE(labels->has_segments({"wall", "bell"}).ok());
+    EXPECT_TRUE(labels->has_segments({"wall", "bell"}));
     EXPECT_NE(labels->has_segments({"wall"}).error().message.find("labels[1]"), std::string::npos);
 }
 

@@ -56,7 +56,7 @@ private:
     /// Not by read_force_table: on a busy machine ticks are left out.
     void read(const std::string& csv) {
         const auto table = CsvTable::read(csv);
-        ASSERT_TRUE(table.ok()) << table.error().message;
+        ASSERT_TRUE(table) << table.error().message;
         const auto column = [&](const char* name) { return *table->numbers(*table->column(name)); };
         goal_z_ = column("goal_z");
         x_ = column("force_x");
@@ -348,7 +348,7 @@ xdotool key Escape sleep 0.3 key Escape
     const auto first = read_image(folder_ / "touchable-1.png"),
                zoomed = read_image(folder_ / "touchable-2.png"),
                help = read_image(folder_ / "touchable-3.png");
-    ASSERT_TRUE(first.ok() && zoomed.ok() && help.ok());
+    ASSERT_TRUE(first && zoomed && help);
     EXPECT_GT(surface_differences(*first, *zoomed), 5000);
     EXPECT_GT(surface_differences(*zoomed, *help), 5000);
 }

@@ -20,7 +20,7 @@ inline void write_two_surfaces(const std::filesystem::path& file, int frames) {
     scene.camera = {400, 400, 47.5, 31.5};
     scene.metres_per_unit = 0.001;
     auto writer = create_clip(file, scene, exact_clip);
-    ASSERT_TRUE(writer.ok()) << writer.error().message;
+    ASSERT_TRUE(writer) << writer.error().message;
     for (int n = 0; n < frames; ++n) {
         auto memory = std::make_shared<std::array<Image, 2>>();
         auto& [depth, colour] = *memory;
@@ -36,9 +36,9 @@ inline void write_two_surfaces(const std::filesystem::path& file, int frames) {
         frame.colour = colour.view();
         frame.storage = std::move(memory);
         const auto written = (*writer)->write(frame);
-        ASSERT_TRUE(written.ok()) << written.error().message;
+        ASSERT_TRUE(written) << written.error().message;
     }
-    ASSERT_TRUE((*writer)->finish().ok());
+    ASSERT_TRUE((*writer)->finish());
 }
 
 }  // namespace touchable::test

@@ -29,7 +29,7 @@ protected:
 TEST_F(KioskLog, HasARowForEachVisitAndFaultAndNothingOfPersons) {
     {
         auto log = UseLog::open(file_);
-        ASSERT_TRUE(log.ok()) << log.error().message;
+        ASSERT_TRUE(log) << log.error().message;
         (*log)->start(at(0));
         (*log)->visit(at(5), 42.26);
         (*log)->fault(at(60), "globe.mkv: \"cut\", short\nor so");
@@ -47,19 +47,19 @@ TEST_F(KioskLog, HasARowForEachVisitAndFaultAndNothingOfPersons) {
 
 TEST_F(KioskLog, IsOnTheDiskBeforeTheProgramEndsHoweverItDoes) {
     auto log = UseLog::open(file_);
-    ASSERT_TRUE(log.ok());
+    ASSERT_TRUE(log);
     (*log)->visit(at(0), 1);
     for (int k = 0; k < 20'000 && text().find(",visit,1,1.0,\n") == std::string::npos; ++k)
         std::this_thread::sleep_for(1ms);
     EXPECT_NE(text().find(",visit,1,1.0,\n"), std::string::npos);
-    EXPECT_FALSE(UseLog::open(file_).ok()) << "two programs would write between each other's rows";
+    EXPECT_FALSE(UseLog::open(file_)) << "two programs would write between each other's rows";
 }
 
 TEST_F(KioskLog, GoesOnBehindARowThatWasCutOff) {
     std::ofstream(file_) << UseLog::header << "2026-11-24T09:00:00Z,vis";
     {
         auto log = UseLog::open(file_);
-        ASSERT_TRUE(log.ok()) << log.error().message;
+        ASSERT_TRUE(log) << log.error().message;
         (*log)->start(at(0));
     }
     EXPECT_EQ(text(),
@@ -69,12 +69,12 @@ TEST_F(KioskLog, GoesOnBehindARowThatWasCutOff) {
 TEST_F(KioskLog, StandsInPlaceOfNothingElse) {
     std::ofstream(file_) << "my diary\n";
     const auto refused = UseLog::open(file_);
-    ASSERT_FALSE(refused.ok());
+    ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("no log of use"), std::string::npos);
     EXPECT_EQ(text(), "my diary\n");
-    EXPECT_FALSE(UseLog::open(folder_.path()).ok());
-    EXPECT_FALSE(UseLog::open(folder_ / "nowhere" / "use.csv").ok());
-    EXPECT_FALSE(UseLog::open("/dev/full").ok());
+    EXPECT_FALSE(UseLog::open(folder_.path()));
+    EXPECT_FALSE(UseLog::open(folder_ / "nowhere" / "use.csv"));
+    EXPECT_FALSE(UseLog::open("/dev/full"));
 }
 
 /// A pipe takes all that is written to it, and has no disk.
@@ -93,15 +93,15 @@ TEST_F(KioskLog, DoesNotWaitForEverForADiskThatHangs) {
         answers.wait();
         return append_durably(out, row);
     });
-    ASSERT_TRUE(log.ok()) << log.error().message;
+    ASSERT_TRUE(log) << log.error().message;
     (*log)->start(at(0));
     (*log)->end(at(1));
     const auto missing = (*log)->finish(20ms);
-    ASSERT_FALSE(missing.ok());
+    ASSERT_FALSE(missing);
     EXPECT_NE(missing.error().message.find("does not answer"), std::string::npos) << missing.error().message;
     EXPECT_EQ(text(), UseLog::header);
     answer.set_value();
-    EXPECT_TRUE((*log)->finish(60s).ok()) << "it was only slow";
+    EXPECT_TRUE((*log)->finish(60s)) << "it was only slow";
     EXPECT_NE(text().find(",end,,,\n"), std::string::npos);
 }
 

@@ -140,8 +140,7 @@ private:
             std::array<std::byte, NetworkPacket::most_bytes> heard;
             bool is_answered = false;
             for (ssize_t got; (got = recv(socket_, heard.data(), heard.size(), 0)) > 0;)
-                if (const auto told = decode_network_packet(std::span(heard).first(std::size_t(got)));
-                    told.ok()) {
+                if (const auto told = decode_network_packet(std::span(heard).first(std::size_t(got))); told) {
                     newest_ = glm::length(told->vectors[0]);
                     is_answered = true;
                 }

@@ -29,13 +29,13 @@ protected:
         choice.file = folder_ / name;
         write_two_surfaces(choice.file, frames);
         auto opened = OpenedClip::open(options_, choice, {}, *sound_);
-        EXPECT_TRUE(opened.ok()) << opened.error().message;
-        if (!opened.ok() || !(*opened)->begin().ok()) return nullptr;
+        EXPECT_TRUE(opened) << opened.error().message;
+        if (!opened || !(*opened)->begin()) return nullptr;
         return std::move(*opened);
     }
     void ask(const std::string& words) {
         auto command = parse_window_command(words);
-        ASSERT_TRUE(command.ok()) << command.error().message;
+        ASSERT_TRUE(command) << command.error().message;
         brush_.take(*command);
     }
     std::string said() {
@@ -121,12 +121,13 @@ TEST_F(BrushOfAWindow, SaysWhichClipIsSavedAndThatOneIsNot) {
     ASSERT_NO_FATAL_FAILURE(ask("save-materials"));
     std::string all = until_done();
     brush_.go_to(*second_);
-    for (int k = 0; k < 20'000 && all.find("SAVED") == std::string::npos; ++k) {  // a busy disk takes its time
+    for (int k = 0; k < 20'000 && all.find("SAVED") == std::string::npos;
+         ++k) {  // a busy disk takes its time
         brush_.go_on({});
         all += said();
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    EXPECT_TRUE(brush_.finish().ok());
+    EXPECT_TRUE(brush_.finish());
     all += said();
     const std::string first = (folder_ / "first.mkv").string();
     EXPECT_NE(all.find("SAVED " + first + " " + first + ".materials.json"), std::string::npos) << all;
@@ -134,14 +135,14 @@ TEST_F(BrushOfAWindow, SaysWhichClipIsSavedAndThatOneIsNot) {
     ASSERT_NO_FATAL_FAILURE(ask("save-materials"));
     brush_.go_on({});
     const auto unsaved = brush_.finish();
-    ASSERT_FALSE(unsaved.ok());
+    ASSERT_FALSE(unsaved);
     EXPECT_NE(unsaved.error().message.find("not saved"), std::string::npos) << unsaved.error().message;
 }
 
 /// What was clicked at a clip that ended before it was seen keeps no script waiting.
 TEST_F(BrushOfAWindow, HasNothingToDoWhereNothingIsShownAnyMore) {
     auto third = open("third.mkv", 4);
-    ASSERT_TRUE(third && third->finish().ok());
+    ASSERT_TRUE(third && third->finish());
     brush_.go_to(*third);
     ASSERT_NO_FATAL_FAILURE(ask("material foam"));
     until_done();

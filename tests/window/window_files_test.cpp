@@ -61,7 +61,7 @@ TEST(WindowFiles, OpensEachFrameOnceWhateverIsWrittenAndFelt) {
     EXPECT_TRUE(times.contains("scene.json") && times.contains("depth_000003.png"));
     for (const auto& [file, count] : times) EXPECT_EQ(count, 1) << file;
     const auto recording = read_recording(folder / "hand.touch");
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     EXPECT_GT(recording->size(), 1U) << "nothing was changed";
 }
 
@@ -80,7 +80,7 @@ TEST(WindowFiles, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {
         EXPECT_NE(in_the_end, std::string::npos) << played.err;
     }
     const auto recording = read_recording(record);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     EXPECT_GT(recording->front().ticks.size(), 100U);
     const auto again = run_touchable({"touch", "--replay", record});
     EXPECT_EQ(again.code, 0) << again.err;
@@ -109,7 +109,7 @@ TEST(WindowFiles, AFilmIsKeptUpToWhereItsDiskBecameFull) {
     EXPECT_NE(in_the_end, std::string::npos) << played.err;
     EXPECT_GE(seen_in_film(film).size(), 2U) << "pictures that were complete";
     const auto recording = read_recording(record);
-    ASSERT_TRUE(recording.ok()) << recording.error().message;
+    ASSERT_TRUE(recording) << recording.error().message;
     EXPECT_GT(recording->front().ticks.size(), 100U) << "the other output, up to where it is full";
 }
 
@@ -189,7 +189,7 @@ TEST(WindowFiles, FilmShowsWhatTheWindowDidAndSoundsAsIt) {
     EXPECT_GT(light_in(seen.back(), 100, 180), 20) << "black";
     EXPECT_GT(std::abs(light_in(seen.front(), 210, 310) - light_in(seen.back(), 210, 310)), 3) << "no panel";
     auto track = SoundTrack::open(film);
-    ASSERT_TRUE(track.ok() && *track);
+    ASSERT_TRUE(track && *track);
     // All of it: where the machine stood still, the finger pressed later.
     std::vector<StereoSample> heard(static_cast<std::size_t>(48'000 * (lasted_s + 1)));
     (*track)->read(heard);

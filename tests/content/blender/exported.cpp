@@ -33,15 +33,15 @@ double Exported::codes_off(int x, int y, double true_depth) const {
 Exported open_exported(const std::string& file) {
     Exported exported;
     auto reader = open_clip(file);
-    if (!reader.ok()) {
+    if (!reader) {
         ADD_FAILURE() << reader.error().message;
         return exported;
     }
     exported.reader = std::move(*reader);
     for (;;) {
         auto frame = exported.reader->next();
-        if (!frame.ok()) ADD_FAILURE() << frame.error().message;
-        if (!frame.ok() || !*frame) return exported;
+        if (!frame) ADD_FAILURE() << frame.error().message;
+        if (!frame || !*frame) return exported;
         exported.frames.push_back(std::move(**frame));
     }
 }
