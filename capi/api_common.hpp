@@ -4,16 +4,13 @@
 // clip_api.cpp).
 //
 // - A HandleTable has the objects of one kind by the numbers that a program holds, and says of a number why
-// it finds
-//   nothing. Each library has its own tables; give_handle adds to one, and end removes from it.
+//   it finds nothing. Each library has its own tables; give_handle adds to one, and end removes from it.
 // - fail and fail_without write a touch_error and give the status. without_exceptions is around every
-// function that
-//   allocates: nothing is thrown into a program of C.
+//   function that allocates: nothing is thrown into a program of C.
 // - has_known_size, over_defaults, give_defaults and hand_out read and write structs of a program that was
-// compiled
-//   with another version of touchable.h.
+//   compiled with another version of touchable.h.
 // - raw_frame reads a program's planes, scene_of_text a scene. A scene goes from one library to the other as
-// text.
+//   text.
 //
 // Any thread may call anything here. An object that only one thread may use at a time has an atomic_flag for
 // TryLock, and the second thread gets TOUCH_BUSY.

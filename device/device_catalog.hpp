@@ -71,7 +71,7 @@ std::string devices_in_json(const std::vector<ConnectedDevice>& devices);
 /// The file share/udev/70-touchable.rules as it was when the program was built.
 const char* udev_rules();
 /// The line that permits devices to this machine's user, with nothing but this program. It is the only text
-/// outside player/commands that names an option, which tests/modules allows in this header alone.
+/// outside player/commands that names an option.
 inline constexpr const char* udev_rules_command =
     "touchable devices --udev-rules | sudo tee /etc/udev/rules.d/70-touchable.rules && sudo udevadm control "
     "--reload";

@@ -36,9 +36,9 @@ struct V4l2Choice {
     std::shared_ptr<VideoSystem> system{};  ///< nothing: this machine's
 };
 
-/// A camera as a live source: Z16, or grey of 16 bits taken for depth. Its first frames say what is not
-/// known: `known` and guesses, as of a picture (open_clip.hpp), which the scene's remarks tell; or
-/// `scene_file`.
+/// A camera as a live source: Z16, or grey of 16 bits taken for depth. What its frames mean is
+/// said by `scene_file`; or by `known` and by guesses from its first frames, as of a picture (open_clip.hpp),
+/// which the scene's remarks tell.
 ///
 /// Before `begin` frames come one by one as the camera takes them, at most a few seconds late. From then on
 /// `next` gives the newest one, at the time at which it was taken. Numbers are the driver's count, so that

@@ -211,11 +211,11 @@ std::vector<std::string> CameraRun::remarks() const {
     return remarks_;
 }
 
-CameraDelivery::Frame CameraDelivery::after(const Frame& last, const FrameRate& rate) const {
+CameraDelivery::Frame CameraDelivery::after(const Frame& last, const FrameRate& recorded) const {
     std::int64_t number = last.number + 1;
     while (drawn(Chance::drop, number) < drop) ++number;
     const double late_ns = drawn(Chance::jitter, number) * static_cast<double>(jitter_ns);
-    const std::int64_t delivered_ns = rate.time_ns(number) + static_cast<std::int64_t>(late_ns);
+    const std::int64_t delivered_ns = recorded.time_ns(number) + static_cast<std::int64_t>(late_ns);
     const std::int64_t at_ns = std::max(last.at_ns, delivered_ns);  // none overtakes another
     if (!stall_ns || at_ns < *stall_ns) return {number, at_ns};
     return {number, std::max(at_ns, resume_ns.value_or(never))};

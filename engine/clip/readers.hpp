@@ -261,9 +261,9 @@ struct CameraDelivery {
     /// Nothing is delivered between; no end: never again.
     std::optional<std::int64_t> stall_ns{}, resume_ns{};
 
-    /// What comes after `last`: the next frame that is not left out, not before its own time n / rate. As
-    /// random as the settings want it, and the same every time.
-    Frame after(const Frame& last, const FrameRate& rate) const;
+    /// What comes after `last`: the next frame that is not left out, not before its own time by the
+    /// recording's rate. As random as the settings want it, and the same every time.
+    Frame after(const Frame& last, const FrameRate& recorded) const;
 };
 
 /// A recording that behaves like a camera. Frame n is taken at time_ns = n / rate and comes when

@@ -249,7 +249,7 @@ class VideoFile {
 public:
     struct MeasuredRate {
         FrameRate rate;
-        bool is_kept = true;
+        bool is_kept = true;  ///< by all frames, to within a tick
     };
     /// The rate of frames at these times, in order, in units of `tick` seconds. Of those that `said` has
     /// (0/0: nothing) and those that are usual, the first that all frames keep to within a tick, or the mean

@@ -84,7 +84,7 @@ Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
         if (pictures.messages.empty()) continue;
         const auto bytes = bag.read_first(pictures.messages);
         if (!bytes && bag.is_given_up(pictures.messages.front())) continue;
-        TRY(bytes);
+        if (!bytes) return bytes.error();
         if (!is_compressed) {
             if (const auto image = parse_ros_image(*bytes)) {
                 pictures.encoding = image->encoding;

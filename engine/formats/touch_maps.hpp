@@ -1,8 +1,7 @@
 #pragma once
 
 // Touch as other programs describe it: surfaces of X3D and haptic materials of glTF, whose properties are
-// pictures or videos each, become one haptic plane of a clip. open_clip.hpp lays maps under a
-// whole clip.
+// pictures or videos each, become one haptic plane of a clip.
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,3 @@
-
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_recording.hpp"

@@ -22,7 +22,7 @@
 
 namespace touchable {
 
-/// A length in the place of one that grows as depth does, `share` (z + shift): of those that are off it
+/// A length (DepthLength) in the place of one that grows as depth does, `share` (z + shift): of those that are off it
 /// by the same factor at both ends of a range and in between. Of near:far 1:3 that factor is 1.07, 1:8 1.23,
 /// 1:30 1.5.
 DepthLength length_along_depth(double share, double shift, double near, double far);

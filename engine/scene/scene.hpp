@@ -5,7 +5,7 @@
 //
 // `settle` makes the one of the other with what the clip itself tells (rate, size, far plane). A Scene says
 // by which Camera (and Lens, and ColourCamera beside it) its pictures were taken and where it stood
-// (CameraPath), how stored depth becomes lengths (DepthCoding, along a CodeCurve), how heights and haptic
+// (CameraPath), how stored depth becomes lengths (DepthCoding), how heights and haptic
 // pictures become metres, N/m and friction, which filters a builder applies, and at which times frames are
 // shown (FrameRate). Remarks say to a person what was guessed. docs/conventions.md has the exact definitions.
 // parse_scene and read_scene_file read a scene file, JSON from outside, of which each member is checked

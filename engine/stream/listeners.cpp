@@ -96,7 +96,9 @@ int HttpRequest::judged(std::string_view head) {
 }
 
 std::string http_answer(int status) {
-    const auto& [number, reason, words] = *std::ranges::find(http_statuses, status, &HttpStatus::number);
+    const HttpStatus* const known = std::ranges::find(http_statuses, status, &HttpStatus::number);
+    const auto& [number, reason, words] =
+        known != std::end(http_statuses) ? *known : std::end(http_statuses)[-1];
     std::string head = "HTTP/1.1 " + std::to_string(status) + " " + std::string(reason) +
                        "\r\nConnection: close\r\nCache-Control: no-store\r\n";
     if (status == 200) return head + "Content-Type: video/x-matroska\r\nAccept-Ranges: none\r\n\r\n";

@@ -216,8 +216,11 @@ private:
 }  // namespace
 
 AVDictionary* http_options(bool is_tls) {
+    StreamUrl url;
+    url.transport = StreamTransport::http;
+    url.is_tls = is_tls;
     AVDictionary* options = nullptr;
-    av_dict_set(&options, "protocol_whitelist", is_tls ? "https,tls,tcp" : "http,tcp", 0);
+    av_dict_set(&options, "protocol_whitelist", url.protocols().c_str(), 0);
     av_dict_set(&options, "max_redirects", "0", 0);
     av_dict_set(&options, "icy", "0", 0);
     av_dict_set(&options, "user_agent", "touchable", 0);

@@ -52,6 +52,7 @@ struct IoCloser {
 using IoPtr = std::unique_ptr<AVIOContext, IoCloser>;
 
 /// FFmpeg's options for a request by HTTP: no protocol but the address's own, and no redirection.
+/// The caller frees them.
 AVDictionary* http_options(bool is_tls);
 
 /// A sender's bytes as they come: by libsrt, over FFmpeg's protocols, of which it uses those of its address

@@ -94,9 +94,10 @@ void FingerSound::aim_noise(const HeardFinger& finger) {
     const double power = newtons * slip;
     follow(roughness_, finger.touching ? sound_value(finger.change, 10) : 0, 0.7, 0.25);
     follow(speed_, slip, 0.3, 0.1);
-    const double rough = smooth_share + (1 - smooth_share) * share_of(roughness_, usual_change);
-    follow(level_, power > 0 ? most_slide * rough * std::sqrt(share_of(power, usual_slide)) : 0, 0.35, 0.15);
-    const double hertz = least_hertz + most_more_hertz * share_of(speed_, usual_speed);
+    const double rough = smooth_share + (1 - smooth_share) * saturated_share(roughness_, usual_change);
+    follow(level_, power > 0 ? most_slide * rough * std::sqrt(saturated_share(power, usual_slide)) : 0, 0.35,
+           0.15);
+    const double hertz = least_hertz + most_more_hertz * saturated_share(speed_, usual_speed);
     // A higher band has more of the noise.
     noise_.aim(level_ / std::sqrt(1 + hertz / 1000), hertz);
 }
@@ -104,12 +105,12 @@ void FingerSound::aim_noise(const HeardFinger& finger) {
 void FingerSound::strike(const HeardFinger& finger) {
     const double hertz = hertz_of(sound_value(finger.stiffness, 1e6));
     if (const double met = sound_value(finger.met, 10); met > 0) {
-        const double level = most_tap * share_of(met, usual_meeting);
+        const double level = most_tap * saturated_share(met, usual_meeting);
         tap_.strike(level, hertz);
         knock_.strike(0.2 * level, 2.8 * hertz);
     }
     if (const double let_go = sound_value(finger.let_go, 50); let_go > 0)
-        knock_.strike(most_knock * share_of(let_go, usual_let_go), 2.8 * hertz);
+        knock_.strike(most_knock * saturated_share(let_go, usual_let_go), 2.8 * hertz);
 }
 
 void FingerSound::add(const HeardFinger& finger, std::span<StereoSample> to) {

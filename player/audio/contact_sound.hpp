@@ -49,8 +49,8 @@ inline double sound_value(float value, double most) {
     return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, most) : 0;
 }
 
-/// Half of the most, 1, at the usual value, and ever less more beyond.
-inline double share_of(double value, double usual) {
+/// 0 at 0, a half at the usual value, and towards 1 beyond it.
+inline double saturated_share(double value, double usual) {
     return value / (value + usual);
 }
 

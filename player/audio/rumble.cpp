@@ -34,11 +34,11 @@ Rumble ContactRumble::next(const HeardTick& tick) {
         const double pressed = finger.touching ? sound_value(finger.share * finger.newtons, 50) : 0;
         if (pressed == 0) continue;
         newtons += pressed;
-        knock = std::max({knock, share_of(sound_value(finger.met, 10), usual_knock),
-                          0.6 * share_of(sound_value(finger.let_go, 50), usual_loosened)});
+        knock = std::max({knock, saturated_share(sound_value(finger.met, 10), usual_knock),
+                          0.6 * saturated_share(sound_value(finger.let_go, 50), usual_loosened)});
         const double work = pressed * sound_value(finger.slip, 5);
-        rough = std::max(rough, share_of(sound_value(finger.change, 10), usual_roughness) *
-                                    std::sqrt(share_of(work, usual_work)));
+        rough = std::max(rough, saturated_share(sound_value(finger.change, 10), usual_roughness) *
+                                    std::sqrt(saturated_share(work, usual_work)));
     }
     if (newtons == 0) {
         knock_ = rough_ = 0;
@@ -46,7 +46,7 @@ Rumble ContactRumble::next(const HeardTick& tick) {
     }
     knock_ = std::max(knock, knock_ * (1 - knock_fades));
     rough_ = std::max(rough, rough_ * (1 - rough_fades));
-    return {motor(std::max(most_press * share_of(newtons, usual_press), knock_)), motor(rough_)};
+    return {motor(std::max(most_press * saturated_share(newtons, usual_press), knock_)), motor(rough_)};
 }
 
 std::optional<Rumble> RumbleOrders::at(double now_s, const Rumble& rumble, std::int64_t ticks) {

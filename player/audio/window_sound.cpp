@@ -45,8 +45,8 @@ constexpr std::int64_t settling_ticks = 100;
 
 }  // namespace
 
-/// The system's loudspeakers, on a thread of its own, which opens them at once. Nothing waits for them, and
-/// nothing fails where there are none.
+/// ALSA's "default", behind which PipeWire and PulseAudio stand too, on a thread of its own, which opens them
+/// at once. Nothing waits for them, and nothing fails where there are none.
 class WindowSound::Loudspeakers {
 public:
     explicit Loudspeakers(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {

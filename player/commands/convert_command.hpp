@@ -2,8 +2,8 @@
 
 // Writing clips: `convert`, and the commands that make something of a clip before they write it (relief,
 // materials). run_convert reads a clip once, writes it in another form, and says what was lost; ManyClips
-// does the same for several clips, which go into one folder. PlaneLoss is how a loss is measured. All of it
-// is for the main thread; files are written whole or not at all.
+// does the work of one such command on several clips, which go into one folder. PlaneLoss is how a loss is
+// measured. All of it is for the main thread; files are written whole or not at all.
 
 #include <CLI/CLI.hpp>
 #include <array>

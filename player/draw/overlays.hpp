@@ -7,7 +7,7 @@
 // to a painter or a drawing as the surface's colour with Lighting::plain, or softened by `quieten_light`:
 //
 //     Overlays overlays;
-//     const Picture& painted = overlays.paint(Overlay::depth, field, pair);
+//     const Overlays::Picture& painted = overlays.paint(Overlay::depth, field, pair);
 //     drawing.show(field, pair, painted.view(), Lighting::plain);
 //     TRY(draw_scale_bar(painted.scale, image));
 //

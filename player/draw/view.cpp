@@ -468,14 +468,11 @@ std::optional<ViewCamera::Pick> pick(const HeightField& field, const ViewCamera&
         // Most of a way is before everything.
         if (std::min(way->at(s).z, way->at(end).z) > nearest.greatest_q(i, j)) return true;
         const DrawnLattice::Triangle triangle = lattice.triangle(i, j, at.x - i >= at.y - j);
-        auto met = triangle.moved ? std::nullopt : meeting(*way, {triangle.corners}, s, end);
-        bool drawn = !triangle.cut;
-        if (const auto edge = meeting_edges(*way, lattice, at, s, end);
-            edge && (!met || !drawn || edge->s < met->s)) {
-            met = edge;
-            drawn = true;
-        }
-        if (met && (!found || drawn)) {
+        const auto face = triangle.moved ? std::nullopt : meeting(*way, {triangle.corners}, s, end);
+        const auto edge = meeting_edges(*way, lattice, at, s, end);
+        const bool is_edge = edge && (!face || triangle.cut || edge->s < face->s);
+        const bool drawn = is_edge || !triangle.cut;
+        if (const auto& met = is_edge ? edge : face; met && (!found || drawn)) {
             const glm::dvec3 p = way->at(met->s);
             const glm::dvec3 point = unproject(field.scene().camera, p.x, p.y, 1 / p.z);
             found = {point, p.x, p.y, 1 / p.z, direction, met->front, drawn};

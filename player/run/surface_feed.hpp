@@ -110,8 +110,8 @@ struct HeldPlanes {
     std::shared_ptr<const void> storage;
 };
 
-/// Stored planes of the frames in the timeline, for drawing: between the thread
-/// that builds and the eye's. Touch knows nothing of it.
+/// Stored planes of the frames in the timeline, for drawing: between the thread that builds and the eye's.
+/// Touch knows nothing of it.
 class WatchedPlanes {
 public:
     /// By the thread that builds: before its frame is published, so that none is seen without.

@@ -158,7 +158,7 @@ struct LiveFacts {
     std::optional<Camera> camera{};  ///< of a live source, which has no late frames
     bool interrupted = false;        ///< a person ended it
     bool sinks_fell_behind = false;  ///< ticks were lost, and that is why `run` failed
-    std::optional<Error> failure;    ///< what else ended it: the device, or a frame that cannot be read
+    std::optional<Error> failure;    ///< what else ended it too early: the device, or a frame that cannot be read
 };
 
 /// Of a live run whose ticks did not wait for what is written of it (`files`), or, where that is empty, for

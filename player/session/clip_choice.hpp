@@ -41,8 +41,8 @@ struct ChosenFilters {
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel is valid
     std::string damage{};                   ///< why the frames ended early; empty: they did not
 };
-/// Measures and chooses nothing. Needs a reader at the beginning, and leaves one that is there again. An
-/// error of kind interrupted once it was `given_up`.
+/// Measures and chooses nothing (`chosen` stays empty). Needs a reader at the beginning, and leaves one that
+/// is there again. An error of kind interrupted once it was `given_up`.
 Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
                                     const std::stop_token& given_up = {});
 /// Settles in the scene what is unstated (choose_filters), and levels that terrace removal needs. Nothing
@@ -223,7 +223,8 @@ struct ClipChoice {
     std::optional<ReliefChoice> relief;  ///< made of its colour, in place of the heights that it has
     /// What its segments feel like, in place of what it says itself; null: as it says.
     std::shared_ptr<const PaintedSegments> painted;
-    std::optional<ChosenFilters> measured;    ///< what its first frames said before; nothing: look again
+    std::optional<ChosenFilters>
+        measured;  ///< what its first frames said before (measure_depth); nothing: look again
     std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
     std::optional<PluggedChoice> plugged;     ///< the clip is a camera, and `file` its name
     // What stays open from run to run; nothing: each opens its own.

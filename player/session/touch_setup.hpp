@@ -95,7 +95,8 @@ double whole_frames_ms_per_second(const BuilderChoice::Load& load);
 double lazy_ms_per_second(const BuilderChoice::Load& load);
 
 /// What `--builder auto` is: cpu, lazy or vulkan, and why. `has_gpu`, which opens a device, is asked only
-/// where whole frames cost so much that this pays: whether there is a GPU, and not a software Vulkan.
+/// where whole frames cost so much that this pays: whether there is a GPU, and not a software Vulkan. Its name
+/// and why alone say something: a GPU's name and the fallback are the caller's.
 BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& has_gpu);
 
 /// What a person wants of the clip's clock, one command a line: "SECONDS play", "pause", "rate X", "seek

@@ -20,6 +20,9 @@
 // that it needs (screen, session, opening, files) and ends them. A signal ends it, too
 // (player/run/terminal.hpp): the error then is of kind interrupted, and a held device is without power
 // before anything is waited for.
+//
+// clips_of, own_folder and own_settings_file (user_files.cpp) are for the command line, which fills in
+// PlayOptions by them. Any thread may call them; they wait for the disk.
 
 #include <map>
 

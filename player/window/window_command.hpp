@@ -4,8 +4,7 @@
 // WindowCommand, so that each can do what the others can.
 //
 // - WindowVerb names the commands; parse_window_command reads one from words, such as "seek 10".
-// - read_window_script reads a file of timed inputs and commands, which PlayOptions::script hands to the
-// window.
+// - read_window_script reads a file of timed inputs and commands, for PlayOptions::script.
 // - read_pixel_of_frame reads a pixel as commands of the brush name it; the command line reads it so, too.
 //
 //     WindowCommand later{.verb = WindowVerb::seek_to, .number = 10};

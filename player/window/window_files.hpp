@@ -95,7 +95,7 @@ private:
 };
 
 /// A film of what the window shows, and of what is heard. Both are encoded on a thread of their own; pictures
-/// that come too fast for it are left out, so that the window does not wait.
+/// and sound that come too fast for it are left out, so that the window does not wait.
 class WindowFilm {
 public:
     static Result<std::unique_ptr<WindowFilm>> create(const std::filesystem::path& file, Existing existing);

@@ -439,7 +439,7 @@ void WindowLoop::measure(const WatchedMoment& moment, const HeightField& field, 
     }
 }
 
-/// Ignores brush commands once a replacement clip is ready: they were meant for the clip that leaves.
+/// Refuses the brush's commands when the clip is about to go: they are not meant for the next one.
 void WindowLoop::take_of_brush(const WindowCommand& command) {
     if (quit_ || (ready_ && ready_->clip))
         return say("the clip is about to go; nothing is painted any more", Tone::refusal);

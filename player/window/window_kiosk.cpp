@@ -209,7 +209,8 @@ void WindowLoop::try_again() {
     ask_for_clip(playlist_, 0, playlist_.now());
 }
 
-/// Called on any visitor input. Clears a stopped mouse force silently: visitors need no explanation.
+/// Called on any input of a visitor. The first one of a visit, a press and a touch turn the mouse's force on
+/// again without a word, where something had stopped it.
 void WindowLoop::welcome(const InputEvent& event) {
     watch_over();  // of a time in which the machine stood still nothing is the visitor's
     const bool has_come = !kiosk_->is_there();

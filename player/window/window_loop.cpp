@@ -291,7 +291,8 @@ void WindowLoop::say(std::string words, Tone tone, About about) {
     last_event_ = Clock::now();
 }
 
-/// Prints the fault to stderr when headless or in a kiosk, at most once per message.
+/// Prints the fault to stderr where no window is seen (headless), and in a kiosk, whose visitors cannot mend
+/// it: there each message once, a hundred in all.
 void WindowLoop::tell(const std::string& fault) {
     constexpr std::size_t most_told = 100;
     const bool is_told = kiosk_ && (told_.size() == most_told || !told_.insert(fault).second);

@@ -92,7 +92,7 @@ TEST(LedPoint, ATurnOfTheViewDoesNotMoveIt) {
 }
 
 TEST(LedPoint, IsTheSameBitsEverywhere) {
-    LedPoint point({}, tick);
+    LedPoint point({0.025, 0.09}, tick);
     const glm::dvec3 along(0.6, 0, -0.8);
     for (int k = 0; k < 150; ++k) point.follow({0.01 + 1e-5 * k, 0.02, -0.03}, along, 0.3);
     // Of GCC and Clang, with and without optimisation.
