@@ -274,8 +274,8 @@ touch_status with_reader(touch_clip handle, touch_error* error, Function&& read)
 
 /// Behind a touch_writer.
 struct WriterObject {
-    WriterObject(Scene scene, std::unique_ptr<ClipWriter> writer)
-        : scene(std::move(scene)), writer(std::move(writer)) {}
+    WriterObject(Scene of_scene, std::unique_ptr<ClipWriter> by)
+        : scene(std::move(of_scene)), writer(std::move(by)) {}
 
     const Scene scene;
     std::atomic_flag writing = ATOMIC_FLAG_INIT;  ///< guards what follows

@@ -29,7 +29,7 @@ namespace {
 
 /// Behind a touch_scene. The scene does not change.
 struct SceneObject {
-    explicit SceneObject(SceneDescription described) : described(std::move(described)) {}
+    explicit SceneObject(SceneDescription settled) : described(std::move(settled)) {}
     const Scene& scene() const { return described.scene; }
 
     const SceneDescription described;  ///< settled; `unstated` lists the filters that the text leaves open
@@ -44,8 +44,8 @@ HandleTable<SceneObject>& scenes() {
 
 /// Behind a touch_surface. One thread pushes, one solver reads the timeline.
 struct SurfaceObject {
-    SurfaceObject(const Scene& scene, int threads, int frames)
-        : scene(scene), builder(make_cpu_builder(scene, CpuPlan{threads})), timeline(frames) {}
+    SurfaceObject(const Scene& of_scene, int threads, int frames)
+        : scene(of_scene), builder(make_cpu_builder(scene, CpuPlan{threads})), timeline(frames) {}
 
     struct FramePlace {
         std::int64_t number = 0, time_ns = 0;
@@ -91,8 +91,8 @@ private:
 
 /// Behind a touch_solver.
 struct SolverObject {
-    SolverObject(Reading surface, const TouchSolver& solver, const GuardSettings& guard, int fingers)
-        : surface(std::move(surface)), solver(solver), step(this->solver, guard, fingers) {}
+    SolverObject(Reading of_surface, const TouchSolver& with, const GuardSettings& guard, int fingers)
+        : surface(std::move(of_surface)), solver(with), step(solver, guard, fingers) {}
 
     const Reading surface;
     const TouchSolver solver;

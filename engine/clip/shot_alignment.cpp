@@ -242,9 +242,9 @@ double mean_of(const std::vector<double>& numbers) {
 
 /// Of frames that show nothing of each other a chain of lines may lead anywhere.
 bool is_likely(const Line& line) {
-    constexpr double most_scale = 64, most_shift = 1e8;
-    return line.scale >= 1 / most_scale && line.scale <= most_scale && line.shift >= -most_shift &&
-           line.shift <= most_shift;
+    constexpr double most_scale_of_all = 64, most_shift = 1e8;
+    return line.scale >= 1 / most_scale_of_all && line.scale <= most_scale_of_all &&
+           line.shift >= -most_shift && line.shift <= most_shift;
 }
 
 /// The straight line through numbers at places first, first + 1, ..., at place 0.

@@ -165,7 +165,7 @@ public:
         std::int64_t dropped_ = 0;
     };
 
-    StreamRing() = default;
+    StreamRing() : StreamRing(Bounds{}) {}
     explicit StreamRing(const Bounds& bounds) : bounds_(bounds) {}
     /// `wake` is called after each change, on the thread that made it. Call this before others use the ring.
     void watch(std::function<void()> wake) { watchers_.push_back(std::move(wake)); }

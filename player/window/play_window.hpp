@@ -77,7 +77,7 @@ struct PlayOptions {
             [](const std::string&, const std::map<std::string, std::string>&) { return std::string(); };
         /// The command that makes a clip of it that is read faster; empty: unknown.
         std::string (*faster)(const std::string& clip) = [](const std::string&) { return std::string(); };
-        std::string (*error)(const Error&) = [](const Error& error) { return error.message; };
+        std::string (*error)(const Error&) = [](const Error& of) { return of.message; };
     };
 
     SessionOptions session;
