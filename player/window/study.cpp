@@ -236,8 +236,8 @@ std::size_t Study::clips() const {
 
 std::string Study::all_words(const std::string& language) const {
     std::string all = "0123456789";
-    const auto add = [&](const StudyWords& words) {
-        if (const std::string* const said = said_in(words, language)) all += *said;
+    const auto add = [&](const StudyWords& spoken) {
+        if (const std::string* const said = said_in(spoken, language)) all += *said;
     };
     add(title);
     add(words);

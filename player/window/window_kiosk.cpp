@@ -302,8 +302,8 @@ void WindowLoop::put_in_kiosk_words(HandState& state) const {
 void WindowLoop::log_visit(const std::optional<KioskWatch::Visit>& visit) {
     if (!use_log_ || !visit) return;
     const std::chrono::duration<double> ago(now_s() - visit->came_s);
-    using Clock = std::chrono::system_clock;
-    use_log_->visit(Clock::now() - std::chrono::duration_cast<Clock::duration>(ago), visit->seconds);
+    using WallClock = std::chrono::system_clock;
+    use_log_->visit(WallClock::now() - std::chrono::duration_cast<WallClock::duration>(ago), visit->seconds);
 }
 
 /// One that goes on, or comes again and again, once an hour.
