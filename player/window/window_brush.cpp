@@ -109,19 +109,24 @@ void WindowBrush::begin() {
                            .history_folder = options_.brush_history.value_or(""),
                            .opened_as = segments_depend_on(choice)};
     frames_read_ = std::make_shared<std::atomic<std::int64_t>>(0);
-    work_.ask(
-        "segments", [choice, files, read = frames_read_](const std::stop_token& given_up) -> Result<Work> {
-            const WorkUntil until(given_up);
-            TRY_ASSIGN(
-                auto segments,
-                read_chosen_segments(
-                    choice, [&read](std::int64_t frame) { read->store(frame, std::memory_order_relaxed); },
-                    given_up));
-            TRY_ASSIGN(auto begun, KeptBrush::begin(std::move(segments), files));
-            std::string words = begun.begun_with();
-            if (words.empty()) words = "each segment feels as guessed: choose a material and click one";
-            return Work{std::make_shared<KeptBrush>(std::move(begun)), std::move(words)};
-        });
+    work_.ask("segments",
+              [choice, files, read = frames_read_, is_history_late = files_.waits_for(files.history())](
+                  const std::stop_token& given_up) -> Result<Work> {
+                  const WorkUntil until(given_up);
+                  TRY_ASSIGN(auto segments, read_chosen_segments(
+                                                choice,
+                                                [&read](std::int64_t frame) {
+                                                    read->store(frame, std::memory_order_relaxed);
+                                                },
+                                                given_up));
+                  // Of a clip that was left just now the changes are read once they are written.
+                  while (is_history_late() && !stop_requested())
+                      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                  TRY_ASSIGN(auto begun, KeptBrush::begin(std::move(segments), files));
+                  std::string words = begun.begun_with();
+                  if (words.empty()) words = "each segment feels as guessed: choose a material and click one";
+                  return Work{std::make_shared<KeptBrush>(std::move(begun)), std::move(words)};
+              });
 }
 
 /// The oldest command, once all before it are done.

@@ -160,6 +160,14 @@ void TextFiles::Files::give_up() {
 
 TextFiles::TextFiles() : files_(std::make_shared<Files>()) {}
 
+std::function<bool()> TextFiles::waits_for(const fs::path& file) const {
+    return [files = files_, file] {
+        const std::lock_guard lock(files->mutex);
+        return !files->is_given_up &&
+               std::ranges::any_of(files->waiting, [&](const Text& text) { return text.file == file; });
+    };
+}
+
 void TextFiles::write(Text text) {
     if (!disk_) {
         auto started = DiskWork::start("text-files", "that writes what is painted");

@@ -75,6 +75,8 @@ public:
     /// Whole or not at all; folders that are missing are made. A text that still waits and is for the same
     /// file is not written any more: this one has its place, before those that came after it.
     void write(Text text);
+    /// Tells whether a text for this file is still to be written; for any thread, also after this has gone.
+    std::function<bool()> waits_for(const std::filesystem::path& file) const;
     struct Written {
         std::filesystem::path file;
         Kind kind;
