@@ -124,7 +124,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     });
 
     const struct Known {
-        Known(LiveSession& session, HapticLoop& loop) : session(session) { session.set_loop(&loop); }
+        Known(LiveSession& of, HapticLoop& loop) : session(of) { session.set_loop(&loop); }
         ~Known() { session.set_loop(nullptr); }
         LiveSession& session;
     } known(*this, loop);

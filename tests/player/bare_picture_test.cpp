@@ -90,8 +90,8 @@ TEST_F(BarePicture, ImplausibleUnitIsDoubted) {
     const auto facts = [&](const Words& more) {
         return nlohmann::json::parse(run({"info", picture(), "--json"}, more).out, nullptr, false);
     };
-    const auto verdict_begins = [](const nlohmann::json& facts, const std::string& words) {
-        return facts["verdict"].get<std::string>().starts_with(words);
+    const auto verdict_begins = [](const nlohmann::json& given, const std::string& words) {
+        return given["verdict"].get<std::string>().starts_with(words);
     };
     const std::string doubt = ": the unit may be wrong (",
                       mend = "0.418 m if values are millimetres: --depth-unit 0.001)";

@@ -15,6 +15,8 @@
 namespace touchable::test {
 namespace {
 
+using Words = std::vector<std::string>;
+
 /// A finger that presses with this force in every tick.
 template <class ForceAt>
 ForceTable pressing(std::size_t ticks, ForceAt force_at) {

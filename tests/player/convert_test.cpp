@@ -310,10 +310,10 @@ TEST_F(Convert, AListKeepsTimesThatLookLikeARate) {
         for (std::size_t n = 0; n < times_ns.size(); ++n) ASSERT_TRUE((*writer)->write(frames[n]));
         ASSERT_TRUE((*writer)->finish());
         convert({at("own.mkv"), at("own"), "--overwrite"});
-        const auto folder = open_clip(at("own"));
-        ASSERT_TRUE(folder) << folder.error().message;
-        ASSERT_TRUE((*folder)->scene().rate.own_times);
-        EXPECT_EQ(*(*folder)->scene().rate.own_times, times_ns);
+        const auto listed = open_clip(at("own"));
+        ASSERT_TRUE(listed) << listed.error().message;
+        ASSERT_TRUE((*listed)->scene().rate.own_times);
+        EXPECT_EQ(*(*listed)->scene().rate.own_times, times_ns);
     }
 }
 

@@ -104,7 +104,7 @@ struct OnTheWay {
 
 /// From one socket to another.
 struct Direction {
-    explicit Direction(const NetworkFaults& faults) : faults(faults) {}
+    explicit Direction(const NetworkFaults& with) : faults(with) {}
     Faults faults;
     std::deque<OnTheWay> on_the_way;
     std::size_t bytes = 0;   // on the way
@@ -262,8 +262,8 @@ public:
 
 private:
     struct Path {
-        Path(sockaddr_in client, Socket server, const NetworkFaults& faults)
-            : client(client), server(std::move(server)), ways{Direction(faults), Direction(faults)} {}
+        Path(sockaddr_in from, Socket to, const NetworkFaults& faults)
+            : client(from), server(std::move(to)), ways{Direction(faults), Direction(faults)} {}
         sockaddr_in client;
         Socket server;
         Direction ways[2];  // to the server, and back
