@@ -167,8 +167,8 @@ struct StiffnessFinding {
 ///
 /// Climbs in steps of a factor of sqrt(2), from soft to the device's own limit, with 1.5 N or half of the
 /// device's longest force at most; force ends at the first sign of growth, and with the search however it
-/// ends. `tries` is told of each stiffness (N/m). Refuses (ErrorKind::usage) a device that exerts no force;
-/// other errors are those of SpringTrial.
+/// ends. `tries` is called with each stiffness (N/m). Refuses (ErrorKind::usage) a device that exerts no
+/// force; other errors are those of SpringTrial.
 Result<StiffnessFinding> find_stiffness(HapticDevice& device, const TickPace& pace,
                                         const std::function<void(double)>& tries = {});
 
