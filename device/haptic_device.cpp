@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "device/hand.hpp"
-#include "device/newest_value.hpp"
 #include "device/point_motion.hpp"
 #include "engine/base/try.hpp"
 

@@ -1,7 +1,16 @@
 #pragma once
 
-// Motions of one point, the same bits everywhere: of a handle that a hand holds, of a finger that follows a
-// pointer, and which motion of a finger a device may tell.
+// Motions of one point, the same bits everywhere. A HeldHandle is the end of a device in a hand where nothing
+// is connected: a mass under the device's force, friction and the spring of the hand. A LedPoint follows a
+// goal without overshoot, as a finger follows a pointer. PlausibleMotion leaves out what a device says of a
+// finger that no hand can have done, so that a bit lost on a wire is no blow.
+//
+//   HeldHandle handle(dynamics, 0.001);
+//   every millisecond: handle.intend(meant), handle.advance(newtons), then handle.reading()
+//
+// Lengths are metres of the device or of the world, as the caller has them; times are seconds unless a name
+// says ns. Each object belongs to one thread, allocates nothing and waits for nothing, so that the haptic
+// thread may have it.
 
 #include <cstdint>
 #include <glm/vec3.hpp>

@@ -210,7 +210,7 @@ private:
 
 /// Where the surface seen at image location (x, y) is in the world.
 glm::dvec3 surface_point(const HeightField& field, double x, double y);
-/// Its planar depth there.
-double surface_depth(const HeightField& field, double x, double y);
+/// The planar depth of a place on it.
+double surface_depth(const HeightField& field, const Place& at);
 
 }  // namespace touchable

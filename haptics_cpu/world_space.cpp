@@ -133,8 +133,8 @@ glm::dvec3 surface_point(const HeightField& field, double x, double y) {
     return surface_point(WorldSpace(field), face_under(x, y));
 }
 
-double surface_depth(const HeightField& field, double x, double y) {
-    return 1.0 / surface_w(WorldSpace(field), face_under(x, y));
+double surface_depth(const HeightField& field, const Place& at) {
+    return 1.0 / surface_w(WorldSpace(field), at);
 }
 
 }  // namespace touchable

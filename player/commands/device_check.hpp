@@ -2,7 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 #include "engine/camera/camera.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/formats/source_description.hpp"

@@ -4,7 +4,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 #include "engine/base/try.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"

@@ -1,6 +1,6 @@
 #include "player/commands/setting_words.hpp"
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 
 namespace touchable {
 namespace {

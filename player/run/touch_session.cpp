@@ -106,7 +106,7 @@ std::optional<double> FieldProbe::depth_under(double x, double y) const {
             if ((di == 1 && at.a == 0) || (dj == 1 && at.b == 0)) continue;
             if (!field_.vertex(at.i + di, at.j + dj).valid) return std::nullopt;
         }
-    return surface_depth(field_, x, y);
+    return surface_depth(field_, at);
 }
 
 glm::dvec3 FieldProbe::unproject(double x, double y, double planar_depth) const {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 #include "device/point_motion.hpp"
 
 namespace touchable::test {

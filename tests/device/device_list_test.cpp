@@ -1,4 +1,4 @@
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <regex>
 #include <set>
 #include <string>
-#include "device/known_devices.hpp"
+#include "device/drivers/known_devices.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable {

@@ -1,5 +1,5 @@
 // A device that is watched, in virtual time.
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 
 #include <gtest/gtest.h>
 

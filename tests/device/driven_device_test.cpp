@@ -1,6 +1,6 @@
 // The safety contract of every backend, in virtual time: a tick is a reading, a force and a turn of the
 // device's thread.
-#include "device/driven_device.hpp"
+#include "device/drivers/driven_device.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/eventfd.h>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "device/device_driver.hpp"
+#include "device/drivers/device_driver.hpp"
 
 namespace touchable::test {
 

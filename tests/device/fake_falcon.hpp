@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 
 namespace touchable::test {
 

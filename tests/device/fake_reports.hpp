@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/hid_transport.hpp"
+#include "device/drivers/hid_transport.hpp"
 
 namespace touchable {
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "device/driven_device.hpp"
-#include "device/falcon_device.hpp"
+#include "device/drivers/driven_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 #include "tests/device/fake_falcon.hpp"
 
 namespace touchable::test {

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 #include "tests/device/fake_falcon.hpp"
 #include "tests/device/fault_sessions.hpp"
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 
 namespace touchable::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 #include <string>
 
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 
 namespace touchable::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "device/driven_device.hpp"
+#include "device/drivers/driven_device.hpp"
 #include "device/hand.hpp"
 #include "device/haptic_device.hpp"
 #include "tests/sanitizers.hpp"

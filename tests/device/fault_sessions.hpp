@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "device/device_driver.hpp"
+#include "device/drivers/device_driver.hpp"
 #include "tests/device/faulty_line.hpp"
 
 namespace touchable::test {

@@ -9,7 +9,7 @@
 #include <csignal>
 #include <string>
 
-#include "device/driven_device.hpp"
+#include "device/drivers/driven_device.hpp"
 #include "tests/device/fake_driver.hpp"
 
 namespace touchable::test {

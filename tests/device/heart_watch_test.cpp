@@ -1,7 +1,7 @@
 // When a silent thread's device is made unpowered, in virtual time.
 #include <gtest/gtest.h>
 
-#include "device/safety_watchdog.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 
 namespace touchable::test {
 namespace {

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <limits>
 
-#include "device/spacemouse_device.hpp"
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/spacemouse_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 #include "tests/device/fault_sessions.hpp"
 #include "tests/device/wooden_bench.hpp"
 

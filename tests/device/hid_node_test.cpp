@@ -1,4 +1,4 @@
-#include "device/hid_transport.hpp"
+#include "device/drivers/hid_transport.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The driver over a service of lines that a test writes: every fault at a known moment.
-#include "device/inverse3_device.hpp"
+#include "device/drivers/inverse3_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <deque>
 #include <random>
-#include "device/safety_watchdog.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 
 namespace touchable {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <glm/geometric.hpp>
 
-#include "device/inverse3_device.hpp"
+#include "device/drivers/inverse3_device.hpp"
 #include "tests/device/fault_sessions.hpp"
 
 namespace touchable::test {

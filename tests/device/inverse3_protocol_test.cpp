@@ -1,5 +1,5 @@
 // Messages are written by hand, after the examples of the service's public pages.
-#include "device/inverse3_device.hpp"
+#include "device/drivers/inverse3_device.hpp"
 
 #include <gtest/gtest.h>
 

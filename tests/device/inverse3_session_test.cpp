@@ -8,8 +8,8 @@
 #include <functional>
 #include <thread>
 
-#include "device/device_catalog.hpp"
-#include "device/inverse3_device.hpp"
+#include "device/drivers/device_catalog.hpp"
+#include "device/drivers/inverse3_device.hpp"
 #include "tests/device/fake_haply_service.hpp"
 #include "tests/unused_port.hpp"
 

@@ -1,5 +1,5 @@
 // Figures of moments and places, worked out by hand.
-#include "device/device_measure.hpp"
+#include "device/drivers/device_measure.hpp"
 
 #include <gtest/gtest.h>
 

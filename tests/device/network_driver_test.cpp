@@ -1,5 +1,5 @@
 // A network hand over real sockets of this machine.
-#include "device/network_device.hpp"
+#include "device/drivers/network_device.hpp"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <chrono>
 #include <memory>
 #include <vector>
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "device/network_device.hpp"
+#include "device/drivers/network_device.hpp"
 #include "tests/device/fault_sessions.hpp"
 
 namespace touchable::test {

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <deque>
 
-#include "device/driven_device.hpp"
-#include "device/network_device.hpp"
+#include "device/drivers/driven_device.hpp"
+#include "device/drivers/network_device.hpp"
 #include "device/point_motion.hpp"
 #include "tests/unused_port.hpp"
 

@@ -1,5 +1,5 @@
 // Logs are written by hand, by the definition of docs/devices.md.
-#include "device/recorded_device.hpp"
+#include "device/drivers/recorded_device.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 #include "tests/device/temporary_file.hpp"
 
 namespace touchable {
@@ -224,7 +224,7 @@ std::vector<std::string> documented_driver() {
 }
 
 TEST(DeviceDriver, IsDocumentedAsItIs) {
-    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/device/device_driver.hpp");
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/device/drivers/device_driver.hpp");
     const std::string header((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
     const auto calls = documented_driver();
     ASSERT_EQ(calls.size(), 12u);

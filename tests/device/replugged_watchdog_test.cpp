@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "device/safety_watchdog.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 
 namespace touchable::test {
 namespace {

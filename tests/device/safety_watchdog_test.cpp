@@ -1,6 +1,6 @@
 // However a process ends, what it held is left unpowered: the last bytes that reach the other end of a
 // socket.
-#include "device/safety_watchdog.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -7,8 +7,8 @@
 #include <memory>
 #include <thread>
 
-#include "device/driven_device.hpp"
-#include "device/spacemouse_device.hpp"
+#include "device/drivers/driven_device.hpp"
+#include "device/drivers/spacemouse_device.hpp"
 #include "tests/device/fake_reports.hpp"
 
 namespace touchable {

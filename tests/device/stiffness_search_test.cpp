@@ -1,6 +1,6 @@
 // The stiffness at which a spring begins to shake, found in virtual time, against what theory says of it
 // (docs/stability.md).
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "device/device_measure.hpp"
+#include "device/drivers/device_measure.hpp"
 #include "tests/device/bench_device.hpp"
 
 namespace touchable::test {

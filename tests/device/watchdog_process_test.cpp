@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "device/safety_watchdog.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 #include "tests/sanitizers.hpp"
 
 namespace touchable::test {

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 #include "tests/device/fake_reports.hpp"
 #include "tests/device/wooden_build.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 
 namespace touchable {
 

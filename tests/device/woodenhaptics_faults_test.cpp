@@ -7,7 +7,7 @@
 #include <random>
 #include <thread>
 
-#include "device/driven_device.hpp"
+#include "device/drivers/driven_device.hpp"
 #include "tests/device/wooden_bench.hpp"
 
 namespace touchable {

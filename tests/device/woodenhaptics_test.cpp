@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 #include "tests/device/fake_reports.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/device/wooden_build.hpp"

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <span>
 
-#include "device/inverse3_device.hpp"
-#include "device/network_device.hpp"
-#include "device/recorded_device.hpp"
+#include "device/drivers/inverse3_device.hpp"
+#include "device/drivers/network_device.hpp"
+#include "device/drivers/recorded_device.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <span>
 
-#include "device/hid_transport.hpp"
-#include "device/spacemouse_device.hpp"
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/hid_transport.hpp"
+#include "device/drivers/spacemouse_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

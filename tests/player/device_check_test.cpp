@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "device/known_devices.hpp"
-#include "device/network_device.hpp"
+#include "device/drivers/known_devices.hpp"
+#include "device/drivers/network_device.hpp"
 #include "player/commands/device_check.hpp"
 #include "tests/player/program.hpp"
 #include "tests/unused_port.hpp"

@@ -21,7 +21,7 @@
 #include <thread>
 #include <utility>
 
-#include "device/network_device.hpp"
+#include "device/drivers/network_device.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "tests/player/network_peer.hpp"
 #include "tests/player/program.hpp"

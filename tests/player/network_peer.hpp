@@ -13,7 +13,7 @@
 #include <optional>
 #include <span>
 
-#include "device/network_device.hpp"
+#include "device/drivers/network_device.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

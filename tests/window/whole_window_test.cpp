@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "device/network_device.hpp"
+#include "device/drivers/network_device.hpp"
 #include "tests/player/program.hpp"
 #include "tests/unused_port.hpp"
 

@@ -1,4 +1,4 @@
-#include "device/driven_device.hpp"
+#include "device/drivers/driven_device.hpp"
 
 #include <poll.h>
 #include <sys/eventfd.h>

@@ -1,4 +1,4 @@
-#include "device/safety_watchdog.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 
 #include <linux/usbdevice_fs.h>
 #include <poll.h>

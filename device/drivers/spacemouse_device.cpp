@@ -1,4 +1,4 @@
-#include "device/spacemouse_device.hpp"
+#include "device/drivers/spacemouse_device.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

@@ -27,8 +27,8 @@
 #include <string>
 #include <vector>
 
-#include "device/driven_device.hpp"
-#include "device/safety_watchdog.hpp"
+#include "device/drivers/driven_device.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 
 namespace touchable {
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "device/device_driver.hpp"
+#include "device/drivers/device_driver.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 

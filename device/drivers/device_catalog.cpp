@@ -1,14 +1,14 @@
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include "device/falcon_device.hpp"
-#include "device/inverse3_device.hpp"
-#include "device/known_devices.hpp"
-#include "device/network_device.hpp"
-#include "device/recorded_device.hpp"
-#include "device/spacemouse_device.hpp"
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/falcon_device.hpp"
+#include "device/drivers/inverse3_device.hpp"
+#include "device/drivers/known_devices.hpp"
+#include "device/drivers/network_device.hpp"
+#include "device/drivers/recorded_device.hpp"
+#include "device/drivers/spacemouse_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {

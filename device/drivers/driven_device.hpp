@@ -10,10 +10,9 @@
 #include <string>
 #include <thread>
 
-#include "device/device_driver.hpp"
-#include "device/newest_value.hpp"
+#include "device/drivers/device_driver.hpp"
+#include "device/drivers/safety_watchdog.hpp"
 #include "device/point_motion.hpp"
-#include "device/safety_watchdog.hpp"
 
 namespace touchable {
 

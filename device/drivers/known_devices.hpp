@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 
 namespace touchable {
 

@@ -1,4 +1,4 @@
-#include "device/recorded_device.hpp"
+#include "device/drivers/recorded_device.hpp"
 
 #include <cmath>
 

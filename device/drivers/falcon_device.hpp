@@ -14,7 +14,7 @@
 #include <span>
 #include <string_view>
 
-#include "device/device_driver.hpp"
+#include "device/drivers/device_driver.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {

@@ -1,4 +1,4 @@
-#include "device/device_measure.hpp"
+#include "device/drivers/device_measure.hpp"
 
 #include <cmath>
 #include <cstdlib>

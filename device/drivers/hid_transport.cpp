@@ -1,4 +1,4 @@
-#include "device/hid_transport.hpp"
+#include "device/drivers/hid_transport.hpp"
 
 #include <fcntl.h>
 #include <hidapi.h>

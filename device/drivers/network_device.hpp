@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "device/device_driver.hpp"
+#include "device/drivers/device_driver.hpp"
 
 namespace touchable {
 

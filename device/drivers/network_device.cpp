@@ -1,4 +1,4 @@
-#include "device/network_device.hpp"
+#include "device/drivers/network_device.hpp"
 
 #include <arpa/inet.h>
 #include <poll.h>

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "device/device_driver.hpp"
+#include "device/drivers/device_driver.hpp"
 
 struct hid_device_;
 

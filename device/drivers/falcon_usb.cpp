@@ -10,7 +10,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

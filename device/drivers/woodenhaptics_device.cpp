@@ -1,4 +1,4 @@
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 
 #include <cmath>
 #include <cstdlib>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "device/device_catalog.hpp"
+#include "device/drivers/device_catalog.hpp"
 
 namespace touchable {
 

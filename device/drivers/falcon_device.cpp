@@ -1,4 +1,4 @@
-#include "device/falcon_device.hpp"
+#include "device/drivers/falcon_device.hpp"
 
 #include <cmath>
 #include <glm/geometric.hpp>

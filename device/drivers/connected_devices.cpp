@@ -7,10 +7,10 @@
 #include <sstream>
 #include <system_error>
 
-#include "device/hid_transport.hpp"
-#include "device/known_devices.hpp"
-#include "device/spacemouse_device.hpp"
-#include "device/woodenhaptics_device.hpp"
+#include "device/drivers/hid_transport.hpp"
+#include "device/drivers/known_devices.hpp"
+#include "device/drivers/spacemouse_device.hpp"
+#include "device/drivers/woodenhaptics_device.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {

@@ -14,8 +14,8 @@
 #include <string>
 #include <string_view>
 
-#include "device/device_driver.hpp"
-#include "device/hid_transport.hpp"
+#include "device/drivers/device_driver.hpp"
+#include "device/drivers/hid_transport.hpp"
 
 namespace touchable {
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <string_view>
 
-#include "device/device_driver.hpp"
-#include "device/hid_transport.hpp"
+#include "device/drivers/device_driver.hpp"
+#include "device/drivers/hid_transport.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {

@@ -1,4 +1,4 @@
-#include "device/inverse3_device.hpp"
+#include "device/drivers/inverse3_device.hpp"
 
 #include <libwebsockets.h>
 #include <poll.h>
