@@ -16,9 +16,10 @@ work=$(mktemp -d)
 trap 'rm -rf --one-file-system "$work"' EXIT
 apt-config dump Acquire | grep -E '::(Proxy|Retries|https)' >"$work/apt.conf" || true  # how this machine reaches its sources
 export TMPDIR=$work checkout=$PWD made=$work/made tried=$2
+# Debian's installer writes etc/hosts, mmdebstrap does not.
 # shellcheck disable=SC2016  # the shell of mmdebstrap expands these
 if mmdebstrap --quiet --mode=root --format=null --variant=minbase --include=git,ca-certificates --aptopt="$work/apt.conf" \
-    --customize-hook='touch "$made" && git clone -q "$checkout" "$1/touchable" && chroot "$1" env -i PATH="$PATH" HOME=/root LC_ALL=C.UTF-8 sh -c "cd /touchable && $tried"' \
+    --customize-hook='touch "$made" && echo "127.0.0.1 localhost" >"$1/etc/hosts" && git clone -q "$checkout" "$1/touchable" && chroot "$1" env -i PATH="$PATH" HOME=/root LC_ALL=C.UTF-8 sh -c "cd /touchable && $tried"' \
     "$1" - <<<"deb $mirror $1 main"; then exit 0; fi
 [[ -e $made ]] || skip "mmdebstrap could not make a root (above)"
 exit 1
