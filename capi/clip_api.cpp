@@ -268,7 +268,7 @@ touch_status with_reader(touch_clip handle, touch_error* error, Function&& read)
     if (!use->reader)
         return fail(error, TOUCH_INPUT, "the clip could not be read on; right would be to open it anew");
     if (use->stop.stop_requested()) return fail(error, TOUCH_INTERRUPTED, "the clip was interrupted");
-    const WorkUntil until(use->stop.get_token());
+    const StopScope until(use->stop.get_token());
     return read(*use);
 }
 

@@ -11,8 +11,8 @@
 #include "bench/live/plain_decoding.hpp"
 #include "bench/media/codec_run.hpp"
 #include "bench/surface/race.hpp"
+#include "engine/base/threads.hpp"
 #include "player/run/feed_threads.hpp"
-#include "player/run/terminal.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {
@@ -64,7 +64,7 @@ Result<FrameTimes> read_all(const std::filesystem::path& file, bool colour) {
     if (!reader) return reader.error();
     const Stopwatch watch;
     for (std::int64_t frames = 0;; ++frames) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         const auto raw = (*reader)->next();
         if (!raw) return raw.error();
         if (!*raw) return watch.per(frames);
@@ -81,7 +81,7 @@ Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scen
     if (auto begun = threads.start(); !begun) return begun.error();
     FramePair pair;
     while (!threads.end() && !threads.error()) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         feed.timeline().pair_at(std::numeric_limits<std::int64_t>::max(), pair);
         std::this_thread::sleep_for(std::chrono::microseconds(200));
     }

@@ -34,7 +34,7 @@ Result<void> write_clip(const ScenePictures& pictures, const LiveClip& clip,
     auto writer = create_clip(file, described, {.archive = clip.archive});
     if (!writer) return writer.error();
     for (std::int64_t n = 0; n < clip.frames; ++n) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         RawFrame frame = pictures.of(n);
         frame.number = n;
         frame.time_ns = pictures.scene.rate.time_ns(n);
@@ -71,9 +71,9 @@ Result<std::shared_ptr<const ScenePictures>> LiveClips::pictures(const LiveClip&
         if (!made) return made.error();
         auto pictures = std::make_shared<ScenePictures>();
         pictures->scene = (*made)->scene();
-        for (int n = 0; n < different_frames_ && !interrupted(); ++n)
+        for (int n = 0; n < different_frames_ && !stop_requested(); ++n)
             pictures->frames.push_back((*made)->frame(n));
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         scene_ = std::move(pictures);
         scene_name_ = scene_key(clip);
     }

@@ -1,8 +1,8 @@
 #include "bench/live/seek_run.hpp"
 
 #include "bench/clocks.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/content/seeded_noise.hpp"
-#include "player/run/terminal.hpp"
 #include "player/session/run_record.hpp"
 
 namespace touchable {
@@ -21,7 +21,7 @@ Result<void> measure_seek(const LiveClip& clip, int seeks, LiveClips& clips, Fig
     const std::int64_t start = monotonic_ns();
     // Where a seek reads all that comes before, a few of them tell enough.
     while (std::ssize(ms) < seeks && (ms.size() < 3 || monotonic_ns() - start < patience_ns)) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         const auto frame = static_cast<std::int64_t>(random.unit() * clip.frames);
         const std::int64_t begin = monotonic_ns();
         if (auto found = (*reader)->seek(frame); !found) return found;

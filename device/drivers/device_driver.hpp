@@ -42,9 +42,6 @@ struct ZeroForcePacket {
 /// Of a driver, so that a test may have time pass as it likes: ns that do not go back, never 0.
 using DriverClock = std::function<std::int64_t()>;
 
-/// Whether the caller has given up: calls that wait long ask it now and then, and return once it is true.
-using GivenUp = std::function<bool()>;
-
 /// Carries a device's bytes, whatever they mean. One thread's. A call that fails says why (ErrorKind::device)
 /// and what it was that failed; the device is taken for gone then.
 class Transport {
@@ -86,9 +83,10 @@ public:
     virtual DeviceLimits limits() const = 0;
     virtual DeviceCapabilities capabilities() const = 0;
 
-    /// Takes hold of the hardware, which has no force afterwards. Waits as long as that takes, and gives up
-    /// (ErrorKind::interrupted) within a tenth of a second.
-    virtual Result<void> connect(const GivenUp& given_up) = 0;
+    /// Takes hold of the hardware, which has no force afterwards. Waits as long as that takes; once
+    /// stop_requested (engine/base/threads.hpp) says so, it ends within a tenth of a second with
+    /// interrupted_error().
+    virtual Result<void> connect() = 0;
     /// Sends zero force if anything can still be sent, and lets go. Does nothing where not connected.
     virtual void disconnect() noexcept = 0;
 

@@ -199,7 +199,7 @@ Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times,
     std::int64_t received_ns = 0;
     for (int tick = 0; tick < ticks; ++tick) {
         TRY(read_once(device, pace, metres, zeros, received_ns, readings));
-        if (!pace.next_tick()) return Error{ErrorKind::interrupted, "stopped while the device was measured"};
+        if (!pace.next_tick()) return interrupted_error();
     }
     const std::int64_t end = pace.now_ns();
     const auto received = times.received_within(begin, end), sent = times.sent_within(begin, end);
@@ -240,7 +240,7 @@ Result<glm::dvec3> SpringTrial::read() {
 Result<void> SpringTrial::push(const glm::dvec3& newtons) {
     newtons_[0] = newtons;
     if (!device_.write_forces(newtons_)) return failure_of(device_);
-    if (!pace_.next_tick()) return Error{ErrorKind::interrupted, "stopped while a spring was tried"};
+    if (!pace_.next_tick()) return interrupted_error();
     return {};
 }
 

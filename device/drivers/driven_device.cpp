@@ -54,7 +54,7 @@ Result<void> DrivenDevice::open() {
     close();
     wake_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
     if (wake_ < 0) return Error{ErrorKind::internal, "no eventfd can be had for the " + name_};
-    stopping_ = false;
+    stopping_ = std::stop_source();
     misuse_ = nullptr;
     latest_.write({});
     asked_.write({});
@@ -73,7 +73,7 @@ Result<void> DrivenDevice::open() {
 
 void DrivenDevice::close() {
     open_ = false;
-    stopping_ = true;
+    stopping_.request_stop();
     if (wake_ >= 0) wake();
     if (thread_.joinable()) thread_.join();
     if (!settings_.own_thread) driver_->disconnect();
@@ -147,13 +147,9 @@ void DrivenDevice::wake() const {
 
 // ---- The device's thread.
 
-bool DrivenDevice::given_up() const {
-    return stopping_.load(std::memory_order_relaxed) || stop_requested();
-}
-
 /// Hardware that is taken hold of again is new: nothing that came from it before counts.
 Result<void> DrivenDevice::take_hold() {
-    auto held = answer_of(name_, [this] { return driver_->connect([this] { return given_up(); }); });
+    auto held = answer_of(name_, [this] { return driver_->connect(); });
     const auto packet = held && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
     if (packet && !kept_) {
         TRY_ASSIGN(auto kept, SafetyWatchdog::keep(settings_.watchdog));
@@ -172,7 +168,8 @@ Result<void> DrivenDevice::take_hold() {
 /// Whatever ends it, the hardware is let go of with zero force.
 void DrivenDevice::drive() {
     if (settings_.as_thread_begins) settings_.as_thread_begins();
-    while (!given_up() && turn())
+    const StopScope until(stopping_.get_token());
+    while (!stop_requested() && turn())
         if (!held_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     driver_->disconnect();
 }
@@ -247,7 +244,8 @@ Result<void> DrivenDevice::receive(microseconds patience) {
 /// What may go out of what is asked for.
 DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
     const Asked& asked = asked_.read();
-    const bool lives = !misuse_.load() && !stopping_.load() && age_of(asked.time_ns, now) <= silence_s;
+    const bool lives =
+        !misuse_.load() && !stopping_.stop_requested() && age_of(asked.time_ns, now) <= silence_s;
     Forces newtons{};
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
         std::int64_t& since_ns = exerts_since_ns_[finger];

@@ -96,7 +96,6 @@ private:
         std::int64_t received_ns = 0;  // of the position that it answers
     };
 
-    bool given_up() const;
     void drive();
     Result<void> take_hold();
     Result<void> serve();
@@ -120,7 +119,8 @@ private:
 
     std::thread thread_;
     int wake_ = -1;  // eventfd: there is a new force, or an end
-    std::atomic<bool> open_{false}, stopping_{false}, lost_{false}, over_{false};
+    std::stop_source stopping_;
+    std::atomic<bool> open_{false}, lost_{false}, over_{false};
     std::atomic<const char*> misuse_{nullptr};
     std::atomic<std::int64_t> samples_{0}, implausible_{0}, sent_{0}, losses_{0}, left_out_{-1};
     mutable std::mutex words_mutex_;  // never taken by the haptic thread

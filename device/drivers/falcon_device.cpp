@@ -135,10 +135,6 @@ using std::chrono::microseconds;
 
 constexpr std::array<std::int16_t, 3> no_motors{};
 
-Error falcon_given_up() {
-    return {ErrorKind::interrupted, "connecting the Novint Falcon was given up"};
-}
-
 // ---- Keys
 
 constexpr DeviceLimits falcon_limits{8, 1000};
@@ -245,12 +241,12 @@ DeviceCapabilities FalconDriver::capabilities() const {
     return {.reach = glm::dvec3(falcon_reach), .rate_hz = 1000, .buttons = 4, .answers = true};
 }
 
-Result<void> FalconDriver::connect(const GivenUp& given_up) {
+Result<void> FalconDriver::connect() {
     disconnect();
     TRY_ASSIGN(auto port, plug_());
     transport_ = std::make_unique<FtdiTransport>(std::move(port), clock_);
-    TRY_ASSIGN(auto answered, answers(given_up));
-    if (!answered) TRY(load(given_up));
+    TRY_ASSIGN(auto answered, answers());
+    if (!answered) TRY(load());
     runs_ = true;
     return command(no_motors);
 }
@@ -273,13 +269,13 @@ void FalconDriver::disconnect() noexcept {
 }
 
 /// Whether firmware runs on it. One that has just begun may leave the first questions unanswered.
-Result<bool> FalconDriver::answers(const GivenUp& given_up) {
+Result<bool> FalconDriver::answers() {
     constexpr int most_questions = 10;
     TRY(begin_falcon_run(*transport_));
     reader_.forget();
     unanswered_ = 0;
     for (int question = 0; question < most_questions; ++question) {
-        if (given_up()) return falcon_given_up();
+        if (stop_requested()) return interrupted_error();
         TRY(command(no_motors));
         TRY_ASSIGN(const auto report, newest_report(settings_.patience.question));
         if (report) return true;
@@ -288,7 +284,7 @@ Result<bool> FalconDriver::answers(const GivenUp& given_up) {
 }
 
 /// Known to need several goes on real devices.
-Result<void> FalconDriver::load(const GivenUp& given_up) {
+Result<void> FalconDriver::load() {
     constexpr int most_goes = 4;
     if (settings_.firmware.empty())
         return Error{ErrorKind::device,
@@ -297,14 +293,13 @@ Result<void> FalconDriver::load(const GivenUp& given_up) {
                      {{Setting::device, "falcon:firmware=FILE"}}};
     Error last;
     for (int go = 0; go < most_goes; ++go) {
-        const auto loaded =
-            load_falcon_firmware(*transport_, settings_.firmware, settings_.patience, given_up);
+        const auto loaded = load_falcon_firmware(*transport_, settings_.firmware, settings_.patience);
         if (!loaded && loaded.error().kind == ErrorKind::interrupted) return loaded;
         if (!loaded) {
             last = loaded.error();
             continue;
         }
-        TRY_ASSIGN(const auto answered, answers(given_up));
+        TRY_ASSIGN(const auto answered, answers());
         if (answered) return {};
         last = {ErrorKind::device,
                 "Novint Falcon: took its firmware but does not answer; is the file its firmware?"};

@@ -120,7 +120,7 @@ Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path);
 /// is compared byte by byte. Error (device): at which step it did not answer, or differently. (interrupted):
 /// given up.
 Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std::byte> firmware,
-                                  const FalconPatience& patience, const GivenUp& given_up);
+                                  const FalconPatience& patience);
 
 /// Sets the serial line as firmware that runs expects it.
 Result<void> begin_falcon_run(FtdiTransport& transport);
@@ -227,7 +227,7 @@ public:
     std::string name() const override { return "Novint Falcon"; }
     DeviceLimits limits() const override { return settings_.limits; }
     DeviceCapabilities capabilities() const override;
-    Result<void> connect(const GivenUp& given_up) override;
+    Result<void> connect() override;
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
@@ -241,8 +241,8 @@ private:
     bool is_homed() const { return homed_in_a_row_ >= homed_reports; }
     Result<void> command(const std::array<std::int16_t, 3>& motors);
     Result<std::optional<FalconReport>> newest_report(std::chrono::microseconds patience);
-    Result<bool> answers(const GivenUp& given_up);
-    Result<void> load(const GivenUp& given_up);
+    Result<bool> answers();
+    Result<void> load();
     void take(const FalconReport& report, DeviceSample& sample);
 
     const FalconSettings settings_;

@@ -214,12 +214,11 @@ Result<void> command_all(FtdiTransport& transport, std::initializer_list<FtdiCom
 }
 
 /// Up to `room` bytes that come within `patience`; fewer where they do not.
-Result<std::size_t> gather(FtdiTransport& transport, std::span<std::byte> room, milliseconds patience,
-                           const GivenUp& given_up) {
+Result<std::size_t> gather(FtdiTransport& transport, std::span<std::byte> room, milliseconds patience) {
     const std::int64_t until = transport.now_ns() + std::chrono::nanoseconds(patience).count();
     std::size_t filled = 0;
     while (filled < room.size()) {
-        if (given_up()) return Error{ErrorKind::interrupted, "loading the Falcon's firmware was given up"};
+        if (stop_requested()) return interrupted_error();
         const microseconds left((until - transport.now_ns()) / 1000);
         if (left.count() <= 0) break;
         TRY_ASSIGN(const auto came,
@@ -230,15 +229,14 @@ Result<std::size_t> gather(FtdiTransport& transport, std::span<std::byte> room, 
 }
 
 /// It may put a zero before its answer, and may not hear the first greetings.
-Result<void> greet(FtdiTransport& transport, milliseconds patience, const GivenUp& given_up) {
+Result<void> greet(FtdiTransport& transport, milliseconds patience) {
     constexpr int most_greetings = 30;
     for (int greetings = 0; greetings < most_greetings; ++greetings) {
         TRY(transport.send(greeting));
         std::array<std::byte, 16> room;
         std::size_t filled = 0;
         for (bool more = true; more && filled < room.size();) {
-            TRY_ASSIGN(const auto came,
-                       gather(transport, std::span(room).subspan(filled, 1), patience, given_up));
+            TRY_ASSIGN(const auto came, gather(transport, std::span(room).subspan(filled, 1), patience));
             more = came > 0;
             filled += came;
             const auto received = std::span(room).first(filled);
@@ -251,11 +249,11 @@ Result<void> greet(FtdiTransport& transport, milliseconds patience, const GivenU
 }
 
 Result<void> send_and_compare(FtdiTransport& transport, std::span<const std::byte> bytes,
-                              const std::string& what, milliseconds patience, const GivenUp& given_up) {
+                              const std::string& what, milliseconds patience) {
     TRY(transport.send(bytes));
     std::array<std::byte, block_bytes> room;
     const auto echo = std::span(room).first(bytes.size());
-    TRY_ASSIGN(const auto came, gather(transport, echo, patience, given_up));
+    TRY_ASSIGN(const auto came, gather(transport, echo, patience));
     if (came < bytes.size())
         return load_error(what + ": " + std::to_string(came) + " of " + std::to_string(bytes.size()) +
                           " bytes came back");
@@ -335,23 +333,22 @@ Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path) {
 }
 
 Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std::byte> firmware,
-                                  const FalconPatience& patience, const GivenUp& given_up) {
+                                  const FalconPatience& patience) {
     TRY(transport.purge());
     // Packets must not be cut by a short latency here, or greetings fail.
     TRY(command_all(transport, {FtdiCommand::latency(milliseconds(16)), FtdiCommand::divisor(divisor_9600),
                                 FtdiCommand::eight_bits(), FtdiCommand::no_flow_control(),
                                 FtdiCommand::rts(false), FtdiCommand::dtr(false), FtdiCommand::dtr(true)}));
-    TRY(greet(transport, patience.greeting, given_up));
+    TRY(greet(transport, patience.greeting));
     TRY(command_all(transport, {FtdiCommand::dtr(false), FtdiCommand::divisor(divisor_140000)}));
     // A greeting that was answered late has a second answer on its way.
     TRY(transport.purge());
-    TRY(send_and_compare(transport, begin_mark, "the mark that begins it", patience.echo, given_up));
+    TRY(send_and_compare(transport, begin_mark, "the mark that begins it", patience.echo));
     const std::size_t blocks = (firmware.size() + block_bytes - 1) / block_bytes;
     for (std::size_t block = 0; block < blocks; ++block) {
         const auto rest = firmware.subspan(block * block_bytes);
         const std::string what = "block " + std::to_string(block + 1) + " of " + std::to_string(blocks);
-        TRY(send_and_compare(transport, rest.first(std::min(rest.size(), block_bytes)), what, patience.echo,
-                             given_up));
+        TRY(send_and_compare(transport, rest.first(std::min(rest.size(), block_bytes)), what, patience.echo));
     }
     return {};
 }

@@ -187,10 +187,10 @@ private:
 };
 
 /// Until it is past `opening`.
-Result<void> settle(ServiceConnection& connection, milliseconds patience, const GivenUp& given_up) {
+Result<void> settle(ServiceConnection& connection, milliseconds patience) {
     const auto until = ServiceClock::now() + patience;
     while (connection.line().state == ServiceLine::State::opening) {
-        if (given_up && given_up()) return Error{ErrorKind::interrupted, "stopped while it was connecting"};
+        if (stop_requested()) return interrupted_error();
         if (ServiceClock::now() >= until) {
             connection.line().fail(no_answer + " within " + std::to_string(patience.count()) + " ms");
             break;
@@ -264,10 +264,9 @@ Error no_haply_service(const std::string& address, const std::string& why) {
 
 }  // namespace
 
-Result<std::string> LocalHaplyService::get(const std::string& path, milliseconds patience,
-                                           const GivenUp& given_up) {
+Result<std::string> LocalHaplyService::get(const std::string& path, milliseconds patience) {
     ServiceConnection connection(port_, path.c_str(), "GET");
-    TRY(settle(connection, patience, given_up));
+    TRY(settle(connection, patience));
     ServiceLine& line = connection.line();
     if (line.state == ServiceLine::State::finished)
         return line.http_status == 200 ? std::move(line.coming) : std::string();
@@ -275,10 +274,9 @@ Result<std::string> LocalHaplyService::get(const std::string& path, milliseconds
     return no_haply_service(address(), line.failure);
 }
 
-Result<std::unique_ptr<Transport>> LocalHaplyService::connect(milliseconds patience,
-                                                              const GivenUp& given_up) {
+Result<std::unique_ptr<Transport>> LocalHaplyService::connect(milliseconds patience) {
     auto connection = std::make_unique<ServiceConnection>(port_, "/", nullptr);
-    TRY(settle(*connection, patience, given_up));
+    TRY(settle(*connection, patience));
     if (connection->line().state != ServiceLine::State::open)
         return no_haply_service(address(), connection->line().failure);
     return std::unique_ptr<Transport>(std::make_unique<ServiceTransport>(std::move(connection), address()));

@@ -281,31 +281,31 @@ DeviceCapabilities Inverse3Driver::capabilities() const {
             .answers = true};
 }
 
-Result<void> Inverse3Driver::connect(const GivenUp& given_up) {
+Result<void> Inverse3Driver::connect() {
     transport_.reset();
     id_.clear();
     trouble_.clear();
     settings_ = {};
     unanswered_ = nonsense_ = 0;
     pushed_ = false;
-    TRY(learn_version(given_up));
-    TRY_ASSIGN(auto connected, service_->connect(connecting_patience, given_up));
+    TRY(learn_version());
+    TRY_ASSIGN(auto connected, service_->connect(connecting_patience));
     transport_ = std::move(connected);
     // The first message comes by itself and has the arms' configurations.
     answered_ns_ = said_ns_ = clock_();
-    TRY_ASSIGN(const auto inventory, await([](const Inverse3Message&) { return true; }, given_up));
+    TRY_ASSIGN(const auto inventory, await([](const Inverse3Message&) { return true; }));
     TRY(choose(inventory.arms));
     TRY(send_text(zero()));
-    TRY(await([](const Inverse3Message& message) { return !message.arms.empty(); }, given_up));
+    TRY(await([](const Inverse3Message& message) { return !message.arms.empty(); }));
     return {};
 }
 
 /// A force scale belongs to 3.5 and later, and a service that does not tell of it is none the worse.
-Result<void> Inverse3Driver::learn_version(const GivenUp& given_up) {
+Result<void> Inverse3Driver::learn_version() {
     if (choice_.version) {
         version_ = *choice_.version;
     } else {
-        TRY_ASSIGN(const auto answer, service_->get("/version", connecting_patience, given_up));
+        TRY_ASSIGN(const auto answer, service_->get("/version", connecting_patience));
         const auto version = decode_inverse3_version(answer);
         if (!version)
             return Error{ErrorKind::device,
@@ -318,18 +318,17 @@ Result<void> Inverse3Driver::learn_version(const GivenUp& given_up) {
     TRY_ASSIGN(const auto dialect, inverse3_dialect(version_));
     dialect_ = dialect;
     if (dialect_ == Inverse3Dialect::vector) {
-        const auto scale = service_->get("/settings/devices/force_scale", first_word, given_up);
+        const auto scale = service_->get("/settings/devices/force_scale", first_word);
         if (scale) settings_.force_scale = decode_force_scale(*scale);
     }
     return {};
 }
 
 /// The first message that is enough. Where none comes, the service is asked for one.
-Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Message&),
-                                              const GivenUp& given_up) {
+Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Message&)) {
     const std::int64_t since = clock_();
     for (bool asked = false;;) {
-        if (given_up && given_up()) return Error{ErrorKind::interrupted, "stopped while it was connecting"};
+        if (stop_requested()) return interrupted_error();
         TRY_ASSIGN(auto received, receive_message(milliseconds(20)));
         if (received && enough(*received)) return std::move(*received);
         const nanoseconds waited(ns_since(since));

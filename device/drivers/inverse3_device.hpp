@@ -94,11 +94,9 @@ public:
 
     virtual std::string address() const = 0;  ///< "ws://localhost:10001"
     /// The body of what it answers to GET `path`, of 64 KiB at most; empty where the answer is not 200.
-    virtual Result<std::string> get(const std::string& path, std::chrono::milliseconds patience,
-                                    const GivenUp& given_up) = 0;
+    virtual Result<std::string> get(const std::string& path, std::chrono::milliseconds patience) = 0;
     /// A transport of texts.
-    virtual Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds patience,
-                                                       const GivenUp& given_up) = 0;
+    virtual Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds patience) = 0;
 };
 
 /// By libwebsockets, which prints nothing here and leaves SIGPIPE as it was.
@@ -109,10 +107,8 @@ public:
     explicit LocalHaplyService(std::uint16_t port) : port_(port) {}
 
     std::string address() const override { return "ws://localhost:" + std::to_string(port_); }
-    Result<std::string> get(const std::string& path, std::chrono::milliseconds patience,
-                            const GivenUp& given_up) override;
-    Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds patience,
-                                               const GivenUp& given_up) override;
+    Result<std::string> get(const std::string& path, std::chrono::milliseconds patience) override;
+    Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds patience) override;
 
 private:
     const std::uint16_t port_;
@@ -147,7 +143,7 @@ public:
     std::string name() const override { return "Inverse3"; }
     DeviceLimits limits() const override { return choice_.limits; }
     DeviceCapabilities capabilities() const override;
-    Result<void> connect(const GivenUp& given_up) override;
+    Result<void> connect() override;
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
@@ -161,8 +157,8 @@ public:
 
 private:
     std::int64_t ns_since(std::int64_t moment_ns) const { return clock_() - moment_ns; }
-    Result<void> learn_version(const GivenUp& given_up);
-    Result<Inverse3Message> await(bool (*enough)(const Inverse3Message&), const GivenUp& given_up);
+    Result<void> learn_version();
+    Result<Inverse3Message> await(bool (*enough)(const Inverse3Message&));
     Result<void> choose(const std::vector<Inverse3Arm>& arms);
     Result<void> send_text(const std::string& text);
     Result<std::optional<Inverse3Message>> receive_message(std::chrono::microseconds patience);

@@ -265,7 +265,7 @@ DeviceCapabilities NetworkDriver::capabilities() const {
     return {.buttons = 32, .first_button = "the device's first button (bit 0 of its buttons)"};
 }
 
-Result<void> NetworkDriver::connect(const GivenUp&) {
+Result<void> NetworkDriver::connect() {
     peer_.reset();
     if (!settings_.from.empty() && !from_)
         return Error{ErrorKind::device, "network:from=" + settings_.from +

@@ -140,7 +140,7 @@ public:
     int fingers() const override { return settings_.fingers; }
     DeviceLimits limits() const override { return settings_.limits; }
     DeviceCapabilities capabilities() const override;
-    Result<void> connect(const GivenUp& given_up) override;
+    Result<void> connect() override;
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;

@@ -135,7 +135,7 @@ DeviceCapabilities ReplayDriver::capabilities() const {
             .own_watchdog = true};
 }
 
-Result<void> ReplayDriver::connect(const GivenUp&) {
+Result<void> ReplayDriver::connect() {
     connected_ = true;
     since_ = clock_->now();
     next_ = 0;

@@ -53,7 +53,7 @@ public:
     int fingers() const override { return log_.fingers(); }
     DeviceLimits limits() const override { return limits_; }
     DeviceCapabilities capabilities() const override;
-    Result<void> connect(const GivenUp& given_up) override;
+    Result<void> connect() override;
     void disconnect() noexcept override { connected_ = false; }
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;

@@ -83,7 +83,7 @@ DeviceCapabilities SpaceMouseDriver::capabilities() const {
     return {.axes_driven = 0, .reach = glm::dvec3(pace_.reach), .rate_hz = 1000, .buttons = 32};
 }
 
-Result<void> SpaceMouseDriver::connect(const GivenUp&) {
+Result<void> SpaceMouseDriver::connect() {
     TRY_ASSIGN(auto opened, open_());
     transport_ = std::move(opened);
     motion_.emplace(pace_, clock_());

@@ -70,7 +70,7 @@ public:
     /// These forces are not felt; they are only drawn.
     DeviceLimits limits() const override { return {1, 500}; }
     DeviceCapabilities capabilities() const override;
-    Result<void> connect(const GivenUp& given_up) override;
+    Result<void> connect() override;
     void disconnect() noexcept override { transport_.reset(); }
     Result<void> send(std::span<const glm::dvec3>) override { return {}; }
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;

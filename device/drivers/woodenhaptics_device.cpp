@@ -235,14 +235,14 @@ DeviceCapabilities WoodenHapticsDriver::capabilities() const {
             .answers = true};
 }
 
-Result<void> WoodenHapticsDriver::connect(const GivenUp& given_up) {
+Result<void> WoodenHapticsDriver::connect() {
     TRY_ASSIGN(auto opened, open_());
     transport_ = std::move(opened);
     homed_ = Homed::no;
     pressed_ = 0;
     // A board that has just been plugged in loses reports.
-    TRY(await_reading(
-        given_up, [] { return true; }, "does not answer with reports of 14 bytes; is its firmware another?"));
+    TRY(await_reading([] { return true; },
+                      "does not answer with reports of 14 bytes; is its firmware another?"));
     if (was_held_) return {};
     if (build_.homing == WoodenParameters::Homing::button) {
         was_held_ = true;
@@ -250,26 +250,24 @@ Result<void> WoodenHapticsDriver::connect(const GivenUp& given_up) {
         return {};
     }
     TRY(set_counters());
-    TRY(await_reading(
-        given_up, [this] { return is_at_home(); },
-        "does not take the counters of its home pose; is its firmware another?"));
+    TRY(await_reading([this] { return is_at_home(); },
+                      "does not take the counters of its home pose; is its firmware another?"));
     was_held_ = true;
     homed_ = Homed::yes;
     return {};
 }
 
 /// Asks, with no current, until a reading came that is right.
-Result<void> WoodenHapticsDriver::await_reading(const GivenUp& given_up,
-                                                const std::function<bool()>& is_right,
+Result<void> WoodenHapticsDriver::await_reading(const std::function<bool()>& is_right,
                                                 const char* otherwise) {
     const std::int64_t since = clock_();
-    while (!given_up()) {
+    while (!stop_requested()) {
         TRY(transport_->send(encode_wooden_currents({})));
         TRY_ASSIGN(const auto came, read_newest(while_it_wakes));
         if (came && is_right()) return {};
         if (clock_() - since > waking_ns) return Error{ErrorKind::device, build_.name + ": " + otherwise};
     }
-    return Error{ErrorKind::interrupted, build_.name + ": given up"};
+    return interrupted_error();
 }
 
 void WoodenHapticsDriver::disconnect() noexcept {

@@ -111,7 +111,7 @@ public:
     std::string name() const override;
     DeviceLimits limits() const override { return build_.limits; }
     DeviceCapabilities capabilities() const override;
-    Result<void> connect(const GivenUp& given_up) override;
+    Result<void> connect() override;
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
@@ -126,8 +126,7 @@ private:
     enum class Homed { no, counters_sent, yes };
 
     Result<bool> read_newest(std::chrono::microseconds patience);
-    Result<void> await_reading(const GivenUp& given_up, const std::function<bool()>& is_right,
-                               const char* otherwise);
+    Result<void> await_reading(const std::function<bool()>& is_right, const char* otherwise);
     Result<void> set_counters();
     void look_at_button();
     bool has_place() const;

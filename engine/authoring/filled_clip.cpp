@@ -81,10 +81,7 @@ private:
 Result<void> learn(ClipReader& clip, Known& known) {
     Learning learning(clip.scene(), known);
     while (true) {
-        if (stop_requested())
-            return Error{
-                ErrorKind::interrupted,
-                clip.inputs().front().string() + ": interrupted while what is behind its holes was searched"};
+        if (stop_requested()) return interrupted_error();
         const auto frame = clip.next();
         if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
         if (!frame || !*frame) break;

@@ -42,10 +42,6 @@ Error named_error(const std::string& named, const std::string& why) {
     return input_error(named.empty() ? why : named + ": " + why);
 }
 
-Error interrupted_reading() {
-    return {ErrorKind::interrupted, "interrupted while it was read"};
-}
-
 /// A file that is open as long as it has readers.
 class Descriptor {
 public:
@@ -133,7 +129,7 @@ Result<GivenFile> GivenFile::open(const fs::path& file, const std::string& named
 /// What is in memory already comes at once. For a disk, which may be at the other end of a network that has
 /// failed, another thread waits.
 Result<void> GivenFile::fill(std::uint64_t at) {
-    if (stop_requested()) return interrupted_reading();
+    if (stop_requested()) return interrupted_error();
     const auto count = static_cast<std::size_t>(std::min(block_bytes, size_ - at));
     std::string block(count, '\0');
     std::ptrdiff_t got = reading_(at, block.data(), count, false);
@@ -143,7 +139,7 @@ Result<void> GivenFile::fill(std::uint64_t at) {
             const std::ptrdiff_t here = reading(at, bytes.data(), count, true);
             return std::pair(std::move(bytes), here);
         });
-        if (!came) return interrupted_reading();
+        if (!came) return interrupted_error();
         std::tie(block, got) = std::move(*came);
     }
     block.resize(static_cast<std::size_t>(std::max<std::ptrdiff_t>(got, 0)));

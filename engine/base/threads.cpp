@@ -1,12 +1,14 @@
 #include "engine/base/threads.hpp"
 
+#include <poll.h>
+
 namespace touchable {
 namespace {
 
 std::atomic<bool> requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing that locks");
 
-thread_local StopScope::Rules rules;
+thread_local const StopScope* innermost = nullptr;
 
 /// More bands than threads, so that one that is late, or whose core is taken, does not hold up the others for
 /// long; and none so long that its first rows have left the cache when the last are done.
@@ -21,27 +23,44 @@ void request_stop() {
 }
 
 bool stop_requested() {
-    if (requested.load(std::memory_order_relaxed) && !rules.goes_on) return true;
-    for (const WorkUntil* work = rules.until; work != nullptr; work = work->around_)
-        if (work->given_up_.stop_requested()) return true;
-    return false;
+    bool goes_on = false;
+    for (const StopScope* scope = innermost; scope != nullptr; scope = scope->around_) {
+        const bool is_late =
+            scope->deadline_ != StopScope::never && std::chrono::steady_clock::now() > scope->deadline_;
+        if (is_late || scope->given_up_.stop_requested()) return true;
+        goes_on = goes_on || scope->goes_on_;
+    }
+    return !goes_on && requested.load(std::memory_order_relaxed);
 }
 
-WorkUntil::WorkUntil(std::stop_token given_up)
-    : given_up_(std::move(given_up)), around_(std::exchange(rules.until, this)) {}
-
-WorkUntil::~WorkUntil() {
-    rules.until = around_;
+const StopScope* StopScope::current() {
+    return innermost;
 }
 
-StopScope::Rules StopScope::current() {
-    return rules;
+StopScope StopScope::for_all() {
+    bool goes_on = false;
+    for (const StopScope* scope = innermost; scope != nullptr; scope = scope->around_)
+        goes_on = goes_on || scope->goes_on_;
+    return StopScope({}, never, nullptr, goes_on);
 }
 
-StopScope::StopScope(const Rules& new_rules) : before_(std::exchange(rules, new_rules)) {}
+StopScope::StopScope(std::stop_token given_up, Deadline deadline, const StopScope* around, bool goes_on)
+    : given_up_(std::move(given_up)),
+      deadline_(deadline),
+      around_(around),
+      goes_on_(goes_on),
+      before_(std::exchange(innermost, this)) {}
 
 StopScope::~StopScope() {
-    rules = before_;
+    innermost = before_;
+}
+
+bool wait_unless_stopped(int descriptor, short events) {
+    const auto is_ready = [descriptor, events] {
+        pollfd waited{descriptor, events, 0};
+        return ::poll(&waited, 1, static_cast<int>(stop_look.count())) > 0;
+    };
+    return wait_unless_stopped(is_ready, std::chrono::milliseconds(0));
 }
 
 Error interrupted_error() {
@@ -98,12 +117,12 @@ void RowBands::start_others() {
 }
 
 void RowBands::work_on(std::unique_lock<std::mutex>& lock, const RowBand& band) {
-    const auto call = job_.call;
-    void* const work = job_.work;
+    const Job job = job_;
     lock.unlock();
     std::exception_ptr fault;
     try {
-        call(work, band);
+        const StopScope alongside(job.stop);
+        job.call(job.work, band);
     } catch (...) {
         fault = std::current_exception();
     }

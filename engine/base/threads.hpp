@@ -2,16 +2,21 @@
 
 // Threads, and how work is ended.
 //
+// Work that takes long asks `stop_requested()` between its steps, and returns interrupted_error() once that
+// is true. It is true when a person ends the program (request_stop, which a signal handler may call), and
+// when the caller of this thread's work gives it up: a caller that may give up one piece of work alone, such as the
+// opening of a clip, holds a std::stop_source and puts a StopScope with its token, or with a deadline, around
+// that work. Nothing has to be handed down: every read, every wait and every library's callback below asks
+// its thread. A thread that does a part of another one's work takes on that thread's StopScope.
+//
+// Waits hear it too. `unless_stopped` does work that may wait for a disk, a codec or a network, and leaves it
+// to a thread of its own when the wait is given up; `wait_unless_stopped` waits for a condition or a
+// descriptor. Both look every 20 ms, since a signal sets a flag and wakes no thread.
+//
 // start_thread begins a thread with a name, or says why there is none. RowBands shares the rows of a picture
 // among a few threads that sleep in between; the bits do not depend on how many there are. A NewestValue is
-// handed from one thread to another, of which neither waits. A person ends the
-// program by request_stop (a signal handler may call it). Work that takes long asks stop_requested between
-// its steps and returns interrupted_error; what may wait for a disk, a codec or a network is handed to
-// unless_stopped, which leaves it to a thread of its own once the program is to end. A caller that may give
-// up one piece of work alone, such as the opening of a clip, holds a std::stop_source and puts a WorkUntil
-// around that work: stop_requested then says so to its thread. A StopScope puts a part of a thread's work
-// under other rules, such as those of the thread that it works for. boot_ns is the clock that goes on while
-// the machine is suspended.
+// handed from one thread to another, of which neither waits. boot_ns is the clock that goes on while the
+// machine is suspended.
 //
 // Every function may be called by any thread; a RowBands by one at a time.
 
@@ -39,9 +44,12 @@ namespace touchable {
 /// Asks this program to stop. For signal handlers too.
 void request_stop();
 
-/// Whether the program is to stop, or what this thread works for was given up (WorkUntil). Work that takes
-/// long looks here between its steps, and gives up with an error.
+/// Whether the program is to stop, or a StopScope of this thread says that its work is given up. Work that
+/// takes long looks here between its steps, and ends with an error.
 bool stop_requested();
+
+/// What work that ended for that reason returns.
+Error interrupted_error();
 
 /// Calls `work(first, last)` for 0 to `count` - 1, piece by piece, each a few milliseconds of a loop over
 /// pixels. False where it was asked to stop: then the rest is left out.
@@ -54,50 +62,71 @@ bool until_stopped(std::size_t count, auto&& work) {
     return true;
 }
 
-/// What work that stopped for that reason returns.
-Error interrupted_error();
-
-/// As long as it lives, its thread does work that its caller may give up, such as the opening of a clip: once
-/// that happens, `stop_requested` says so to this thread, and with it every read and every wait. Scopes may
-/// lie within each other, and each counts.
-class WorkUntil {
-public:
-    explicit WorkUntil(std::stop_token given_up);
-    ~WorkUntil();
-    WorkUntil(const WorkUntil&) = delete;
-    WorkUntil& operator=(const WorkUntil&) = delete;
-
-private:
-    friend bool stop_requested();
-    const std::stop_token given_up_;
-    const WorkUntil* const around_;
-};
-
-/// As long as it lives, its thread stops by other rules than before.
+/// What ends the work of its thread, beside a stop of the program, as long as it lives. Scopes may lie within
+/// each other, and each counts.
 class StopScope {
 public:
-    /// What `stop_requested` goes by in a thread.
-    struct Rules {
-        const WorkUntil* until = nullptr;
-        bool goes_on = false;
-    };
-    /// Those of this thread. Another one that does a part of its work meanwhile takes them on, as long as
-    /// this one waits for it.
-    static Rules current();
-    /// For work that other threads wait for, too: giving up what this thread works for does not end it.
-    static Rules for_all() { return {nullptr, current().goes_on}; }
-    /// For what is left to do once a person has ended a run, such as reading the frame that is to be drawn:
-    /// this thread goes on. (A second wish to stop ends the program.)
-    static Rules after_stop() { return {current().until, true}; }
+    using Deadline = std::chrono::steady_clock::time_point;
+    static constexpr Deadline never = Deadline::max();
 
-    explicit StopScope(const Rules& rules);
+    /// The work may be given up.
+    explicit StopScope(std::stop_token given_up) : StopScope(std::move(given_up), never, current(), false) {}
+    /// It has to be done by then. Around this scope `stop_requested` tells work that was late from work that
+    /// was given up.
+    explicit StopScope(Deadline deadline) : StopScope({}, deadline, current(), false) {}
+    /// It is a part of the work of another thread, whose `current` this is, and which waits for it.
+    explicit StopScope(const StopScope* of_thread_that_waits)
+        : StopScope({}, never, of_thread_that_waits, false) {}
+    /// Other threads wait for it, too: the scopes around do not end it.
+    static StopScope for_all();
+    /// It is left to do once a person has ended a run, such as reading the frame that is to be drawn: a stop
+    /// of the program does not end it. (A second request ends the program.)
+    static StopScope after_stop() { return StopScope({}, never, current(), true); }
     ~StopScope();
     StopScope(const StopScope&) = delete;
     StopScope& operator=(const StopScope&) = delete;
 
+    /// The innermost of this thread; null: there is none.
+    static const StopScope* current();
+
 private:
-    const Rules before_;
+    friend bool stop_requested();
+    StopScope(std::stop_token given_up, Deadline deadline, const StopScope* around, bool goes_on);
+
+    const std::stop_token given_up_;
+    const Deadline deadline_;
+    const StopScope* const around_;  // which counts, too
+    const bool goes_on_;             // whatever is asked of the program
+    const StopScope* const before_;  // in this thread
 };
+
+/// What `work` returns under a StopScope with this token or deadline.
+auto work_until(auto limit, auto&& work) {
+    const StopScope until(std::move(limit));
+    return work();
+}
+
+/// From one look at `stop_requested` to the next, in a wait.
+inline constexpr std::chrono::milliseconds stop_look{20};
+
+/// Waits until `is_there()` is true, which is asked every `look`. False where it was asked to stop first.
+bool wait_unless_stopped(auto&& is_there, std::chrono::milliseconds look) {
+    while (!is_there()) {
+        if (stop_requested()) return false;
+        std::this_thread::sleep_for(look);
+    }
+    return true;
+}
+/// The same of what `changed` tells. `lock` is held while `is_there` is asked, and at the end.
+bool wait_unless_stopped(std::condition_variable& changed, std::unique_lock<std::mutex>& lock,
+                         auto&& is_there) {
+    while (!changed.wait_for(lock, stop_look, is_there))
+        if (stop_requested()) return false;
+    return true;
+}
+/// Waits until poll(2) says any of `events` of a descriptor, or that it is of no use any more. False where it
+/// was asked to stop first.
+bool wait_unless_stopped(int descriptor, short events);
 
 /// Starts a thread that does `work`, which throws nothing; an error where the machine has none left. `name`
 /// is what debuggers, `top` and `ps` show of it, at most 15 bytes; `what` says in the error what the thread
@@ -122,13 +151,12 @@ Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const 
 /// may not take apart what they use: it ends without (std::_Exit).
 inline std::atomic<int> abandoned_threads{0};
 
-/// What `work` returns; nothing where `is_over` says first that the wait is over, because the program is
-/// asked to stop or, if the caller says so, for another reason. The work may take as long as a disk or a
+/// What `work` returns; nothing where it was asked to stop first. The work may take as long as a disk or a
 /// codec does: it is done by a thread of its own, which then comes to its end alone, so `work` owns all that
 /// it uses. `stop_requested` says there that the work was given up, so that it can end early. Where no thread
 /// is to be had the caller does it.
-template <class Work, class IsOver = bool (*)()>
-std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_over = stop_requested) {
+template <class Work>
+std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
     struct Errand {
         Work work;
         std::mutex mutex{};
@@ -155,9 +183,10 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
         }
     };
     const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
-    const auto run_aside = [errand, rules = StopScope::for_all()] {
-        const StopScope scope(rules);
-        const WorkUntil until(errand->given_up.get_token());
+    const auto run_aside = [errand] {
+        // The thread that waits hears of a stop, and hands it on.
+        const StopScope goes_on = StopScope::after_stop();
+        const StopScope until(errand->given_up.get_token());
         errand->run();
     };
     std::thread thread;
@@ -166,14 +195,12 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work, IsOver is_o
     else
         errand->run();
     std::unique_lock lock(errand->mutex);
-    constexpr std::chrono::milliseconds look_again{20};  // a signal sets a flag and wakes no thread
-    while (!errand->has_ended.wait_for(lock, look_again, [&] { return errand->over; }))
-        if (is_over()) {
-            errand->is_abandoned = true;
-            ++abandoned_threads;
-            errand->given_up.request_stop();
-            return std::nullopt;
-        }
+    if (!wait_unless_stopped(errand->has_ended, lock, [&] { return errand->over; })) {
+        errand->is_abandoned = true;
+        ++abandoned_threads;
+        errand->given_up.request_stop();
+        return std::nullopt;
+    }
     if (errand->fault) std::rethrow_exception(errand->fault);
     return std::move(errand->outcome);
 }
@@ -201,8 +228,8 @@ int threads_for(long pixels, long pixels_per_thread);
 class RowBands {
 public:
     /// `threads` with the one that calls, at least 1. The others start when first needed, and take on the
-    /// scheduling of the thread that calls then. `until_stopped`: bands are left out once the thread that
-    /// calls is asked to stop, which the caller looks for (stop_requested).
+    /// scheduling of the thread that calls then, and in each call its StopScope. `until_stopped`: bands are
+    /// left out once the thread that calls is asked to stop, which the caller looks for (stop_requested).
     explicit RowBands(int threads, bool until_stopped = false);
     ~RowBands();
     RowBands(const RowBands&) = delete;
@@ -226,6 +253,7 @@ private:
         void (*call)(void* work, const RowBand& band) = nullptr;
         void* work = nullptr;
         int band_rows = 0, next_row = 0, bands_at_work = 0;
+        const StopScope* stop = StopScope::current();  // of the thread that calls
     };
     void run(Job job);
     void start_others();

@@ -348,16 +348,12 @@ Result<Address> read_address(const std::string& words) {
 /// 0, or why there is no connection.
 Result<int> wait_for_connection(int socket) {
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-    constexpr int look_again_ms = 100;
-    while (std::chrono::steady_clock::now() < until) {
-        if (stop_requested()) return interrupted_error();
-        pollfd waited{socket, POLLOUT, 0};
-        if (::poll(&waited, 1, look_again_ms) <= 0) continue;
-        int failure = 0;
-        ::socklen_t length = sizeof failure;
-        return ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &failure, &length) == 0 ? failure : errno;
-    }
-    return ETIMEDOUT;
+    const bool is_there = work_until(until, [&] { return wait_unless_stopped(socket, POLLOUT); });
+    if (!is_there && stop_requested()) return interrupted_error();
+    if (!is_there) return ETIMEDOUT;
+    int failure = 0;
+    ::socklen_t length = sizeof failure;
+    return ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &failure, &length) == 0 ? failure : errno;
 }
 
 /// The standard output of a command that /bin/sh runs, in a process group of its own, without standard input.

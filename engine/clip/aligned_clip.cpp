@@ -84,9 +84,7 @@ struct Looked {
 Result<void> look_at_cells(ClipReader& clip, std::int64_t from, std::int64_t count, Looked& looked) {
     TRY(clip.seek(from));
     for (std::int64_t n = 0; n < count; ++n) {
-        if (stop_requested())
-            return Error{ErrorKind::interrupted,
-                         clip.inputs().front().string() + ": interrupted while its scale was searched"};
+        if (stop_requested()) return interrupted_error();
         auto frame = clip.next();
         if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
         if (!frame || !*frame) return {};

@@ -115,16 +115,12 @@ private:
     std::vector<std::string> notes_;
 };
 
-Error interrupted_looking() {
-    return {ErrorKind::interrupted, "interrupted while the clip's far plane was searched"};
-}
-
 /// Whether there is such a frame.
 Result<bool> look_at_frame(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
-    if (stop_requested()) return interrupted_looking();
+    if (stop_requested()) return interrupted_error();
     if (!frame) return frame.error();
     if (*frame) estimator.add((*frame)->depth);
-    if (stop_requested()) return interrupted_looking();
+    if (stop_requested()) return interrupted_error();
     return frame->has_value();
 }
 

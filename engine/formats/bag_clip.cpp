@@ -302,8 +302,7 @@ Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> m
     });
     std::vector<Stamped> stamped;
     for (const BagMessage& message : messages) {
-        if (stop_requested())
-            return Error{ErrorKind::interrupted, "interrupted while " + bag.name() + " was looked through"};
+        if (stop_requested()) return interrupted_error();
         const auto begin = bag.read(message, ros_stamp_bytes);
         if (!begin && bag.is_given_up(message)) continue;
         if (!begin) return begin.error();

@@ -352,8 +352,7 @@ Result<std::vector<Camera>> read_frame_cameras(const PictureFiles& files, int wi
             cameras.push_back(cameras.back());
             continue;
         }
-        if (stop_requested())
-            return Error{ErrorKind::interrupted, "interrupted while the cameras of the frames were read"};
+        if (stop_requested()) return interrupted_error();
         const std::string of_frame = " (camera, frame " + std::to_string(frame) + ")";
         const auto file = read_camera_file(path);
         if (!file) return Error{file.error().kind, file.error().message + of_frame};

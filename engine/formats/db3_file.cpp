@@ -203,7 +203,7 @@ Error SqliteBytes::failed() {
         unread_.reset();
         return why;
     }
-    if (stop_requested()) return {ErrorKind::interrupted, "interrupted while it was read"};
+    if (stop_requested()) return interrupted_error();
     const int status = database_ != nullptr ? sqlite3_errcode(database_) : SQLITE_NOMEM;
     if (status == SQLITE_NOMEM) return {ErrorKind::internal, "SQLite is out of memory"};
     if (status == SQLITE_INTERRUPT) return input_error("is damaged: SQLite comes to no end with it");

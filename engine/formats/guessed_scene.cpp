@@ -30,19 +30,11 @@ constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth wit
 
 using SharedPicture = std::shared_ptr<const StoredImage>;
 
-Error interrupted_reading(const fs::path& file) {
-    return {ErrorKind::interrupted, "interrupted while " + file.string() + " was read"};
-}
-
-Error interrupted_looking(const fs::path& folder) {
-    return {ErrorKind::interrupted, "interrupted while " + folder.string() + " was looked through"};
-}
-
 /// Colour that is grey everywhere as grey.
 Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file) {
     if (!stored->values.empty() || stored->image.channels == 1) return stored;
     auto grey = as_grey(stored->image);
-    if (stop_requested()) return interrupted_reading(file);
+    if (stop_requested()) return interrupted_error();
     if (!grey)
         return input_error(file.string() +
                            ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
@@ -63,9 +55,9 @@ Result<SharedPicture> depth_in_stack(ImageStack& stack, std::int64_t frame, cons
 }
 
 /// Whether a picture has a value; an error where the search was interrupted.
-Result<bool> holds_values(const StoredImage& picture, const fs::path& file) {
+Result<bool> holds_values(const StoredImage& picture) {
     const bool any = estimate_values(picture).any;
-    return stop_requested() ? Result<bool>(interrupted_reading(file)) : any;
+    return stop_requested() ? Result<bool>(interrupted_error()) : any;
 }
 
 /// How well a group goes as depth: 0 not at all.
@@ -107,18 +99,18 @@ std::string found_there(const std::vector<PictureGroup>& groups) {
 /// `files`: one a frame, or one that is a stack of them.
 Result<SharedPicture> telling_depth(const std::vector<fs::path>& files, ReadPictures& pictures) {
     TRY_ASSIGN(const auto first, depth_in(files.front(), pictures));
-    TRY_ASSIGN(const bool any_in_first, holds_values(*first, files.front()));
+    TRY_ASSIGN(const bool any_in_first, holds_values(*first));
     if (any_in_first) return first;
     TRY_ASSIGN(const auto stack, pictures.stack_in(files.front()));
     const bool is_stack = files.size() == 1 && stack;
     for (const std::int64_t n : telling_frames(is_stack ? stack->count() : std::ssize(files))) {
-        if (stop_requested()) return interrupted_reading(files.front());
+        if (stop_requested()) return interrupted_error();
         const fs::path& file = files[is_stack ? 0 : static_cast<std::size_t>(n)];
         auto stored = is_stack ? depth_in_stack(*stack, n, file) : depth_in(file, pictures);
         const bool is_alike = stored && (*stored)->image.width == first->image.width &&
                               (*stored)->image.height == first->image.height;
         if (!is_alike) continue;
-        TRY_ASSIGN(const bool any, holds_values(**stored, file));
+        TRY_ASSIGN(const bool any, holds_values(**stored));
         if (any) return stored;
     }
     return first;
@@ -147,7 +139,7 @@ Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPi
     constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
     if (groups.size() > most_groups) groups.resize(most_groups);
     for (const PictureGroup& group : groups) {
-        if (stop_requested()) return interrupted_looking(folder);
+        if (stop_requested()) return interrupted_error();
         if (!has_word(group.pattern, {"depth"})) continue;
         TRY(pictures.look(group.first));
     }
@@ -337,7 +329,7 @@ Result<void> SceneGuess::describe(const fs::path& folder, const StoredImage& dep
         scene_.depth = *coding;
     } else {
         const EstimatedValues values = estimate_values(depth);
-        if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while it was looked at"};
+        if (stop_requested()) return interrupted_error();
         TRY(find_unit(values));
         doubt_unit(values);
         set_invalid(depth, values.has_negative_none);
@@ -678,11 +670,11 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (depths.empty() &&
         (is_relative || has_word(fs::weakly_canonical(folder).filename().string(), {"depth"})))
         depths = greys_among(groups, *pictures);
-    if (depths.empty() && stop_requested()) return interrupted_looking(folder);
+    if (depths.empty() && stop_requested()) return interrupted_error();
     if (depths.empty()) return without_depth(folder, groups);
     const PictureGroup* const depth = depths.front();
     const PictureGroup* const colour = colour_among(groups, depths, *pictures);
-    if (stop_requested()) return interrupted_looking(folder);  // so it may not be that there is none
+    if (stop_requested()) return interrupted_error();  // so it may not be that there is none
     FolderSource all;
     all.depth = depth->pattern;
     const auto files = depth_files(folder, all);

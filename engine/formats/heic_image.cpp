@@ -491,7 +491,7 @@ Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
                 input_error(where + ": is damaged, or needs more memory than there is"));
         }
     });
-    if (!read) return Error{ErrorKind::interrupted, "interrupted while " + file.string() + " was read"};
+    if (!read) return interrupted_error();
     if (!*read) return read->error();
     return open_depth_photo(file.path(), std::move(**read), described, known);
 }

@@ -330,7 +330,7 @@ private:
             const PlaneView& first = plane_of(first_, role);
             if (same_samples(first, plane)) return {};
             for (std::int64_t frame = 0; frame < frames_; ++frame) {
-                if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted"};
+                if (stop_requested()) return interrupted_error();
                 TRY(write_picture(role, numbered(role, frame), first));
             }
             changes = true;

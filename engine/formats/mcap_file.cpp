@@ -33,8 +33,7 @@ public:
         TRY(records(*bytes_, outside));
         const bool tells_channels = !channels_.empty();  // in its summary
         for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
-            if (stop_requested())
-                return Error{ErrorKind::interrupted, "interrupted while " + name() + " was looked through"};
+            if (stop_requested()) return interrupted_error();
             if (tells_channels && !chunks_[number].indices.empty()) continue;
             TRY(look_into(number));
         }

@@ -535,18 +535,16 @@ Result<GuessedScene> guess_stored(const fs::path& path, const SourceDescription&
 
 /// What was made of files that were read no further, because the caller gave up, may be wrong.
 template <class Made>
-Result<Made> unless_given_up(Result<Made> made, const fs::path& path) {
+Result<Made> unless_given_up(Result<Made> made) {
     const bool is_told = !made && made.error().kind == ErrorKind::interrupted;
     if (is_told || !stop_requested()) return made;
-    return Error{ErrorKind::interrupted, path.string() + ": interrupted while it was opened"};
+    return interrupted_error();
 }
 
 }  // namespace
 
-Result<SceneDescription> guess_clip(const fs::path& path, const SourceDescription& known,
-                                    std::stop_token given_up) {
-    const WorkUntil until(std::move(given_up));
-    TRY_ASSIGN(auto guessed, unless_given_up(guess_stored(path, known), path));
+Result<SceneDescription> guess_clip(const fs::path& path, const SourceDescription& known) {
+    TRY_ASSIGN(auto guessed, unless_given_up(guess_stored(path, known)));
     return SceneDescription(std::move(guessed));
 }
 
@@ -563,15 +561,14 @@ std::vector<ClipFormat> clip_formats() {
 
 Result<std::unique_ptr<ClipReader>> open_clip(const fs::path& path, const std::optional<fs::path>& scene_file,
                                               const std::optional<SourceDescription>& known, Colour colour,
-                                              std::stop_token given_up, DepthAlignment alignment) {
-    const WorkUntil until(std::move(given_up));
+                                              DepthAlignment alignment) {
     OpenSettings wanted{colour, alignment, known ? known->least_confidence : std::nullopt};
     // With a least confidence alone the rest comes from a scene file, or from guesses.
     std::optional<SourceDescription> said = known;
     if (said) said->least_confidence.reset();
     if (said == SourceDescription()) said.reset();
     auto reader = open_stored(path, scene_file, said, wanted);
-    return unless_given_up(reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader), path);
+    return unless_given_up(reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader));
 }
 
 }  // namespace touchable

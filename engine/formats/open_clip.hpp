@@ -15,13 +15,12 @@
 //   for (const Remark& remark : guessed.scene.remarks) show(remark);
 //
 // All functions may be called by any thread, also by several threads at once. They wait for disks and
-// servers: another thread ends that by `given_up`, and soon after it the result is an error of kind
+// servers: once the thread is asked to stop (stop_requested), the result is soon an error of kind
 // interrupted. A reader is used by one thread at a time. Errors are one line with the file's name; below
 // `player/commands` they name a Setting, never an option.
 
 #include <filesystem>
 #include <memory>
-#include <stop_token>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
@@ -45,8 +44,7 @@ std::vector<ClipFormat> clip_formats();
 /// The scene of a path that has no scene file: a folder of pictures, a picture or video of depth, a
 /// recording. Of a clip of ours, the scene that is in it.
 /// What only a whole clip tells is left open (unstated): a reader settles it.
-Result<SceneDescription> guess_clip(const std::filesystem::path& path, const SourceDescription& known,
-                                    std::stop_token given_up = {});
+Result<SceneDescription> guess_clip(const std::filesystem::path& path, const SourceDescription& known);
 /// The scene of a camera's depth, as in its first picture; it says nothing of files. `inputs` gets those that
 /// were read for it.
 Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
@@ -67,7 +65,7 @@ bool doubts_unit(const Remark& remark);
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
                                               const std::optional<SourceDescription>& known = {},
-                                              Colour colour = Colour::wanted, std::stop_token given_up = {},
+                                              Colour colour = Colour::wanted,
                                               DepthAlignment alignment = DepthAlignment::automatic);
 
 /// The video, or the two, that the scene's VideoSource names in `folder`; `depth`: the first of them, if the

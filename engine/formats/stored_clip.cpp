@@ -8,10 +8,6 @@
 namespace touchable {
 namespace {
 
-Error interrupted_search() {
-    return {ErrorKind::interrupted, "interrupted while the clip's range of depth was searched"};
-}
-
 /// A palette is a way to store 8-bit RGB, which a picture of few colours may have and the next one not.
 bool is_same_format(const std::string& a, const std::string& b) {
     const auto is_rgb = [](const std::string& format) { return format == "rgb24" || format == "pal8"; };
@@ -101,7 +97,7 @@ private:
     Result<void> look_at_some(const StoredImage& first) {
         values_.look(first);
         for (const std::int64_t frame : telling_frames(clip_.count)) {
-            if (stop_requested()) return interrupted_search();
+            if (stop_requested()) return interrupted_error();
             if (frame == 0) continue;
             auto picture = clip_.pictures->picture(PlaneRole::depth, frame);
             if (!picture && picture.error().kind == ErrorKind::interrupted) return picture.error();
@@ -109,7 +105,7 @@ private:
             values_.look(picture->image);
             if (frame < first_frames) clip_.pictures->keep(frame, std::move(picture->image));
         }
-        if (stop_requested()) return interrupted_search();
+        if (stop_requested()) return interrupted_error();
         auto said = values_.settle(scene_);
         if (!said) return error_at(clip_.name, said.error());
         note(std::move(*said));
@@ -123,9 +119,7 @@ private:
             if (with_colour_ || tracks_[n].role != PlaneRole::colour) outcomes[n] = read(tracks_[n], frame);
         };
         if (clip_.pictures->reads_side_by_side()) {
-            const StopScope::Rules rules = StopScope::current();
             side_by_side_.for_each_band(static_cast<int>(tracks_.size()), 1, [&](const RowBand& band) {
-                const StopScope alongside(rules);
                 for (int n = band.first; n < band.last; ++n) read_one(static_cast<std::size_t>(n));
             });
         } else {
@@ -169,8 +163,7 @@ private:
             const bool makes_codes = is_depth && values_.makes_codes();
             const int bits = makes_codes ? 16 : stored.bits;
             Image codes = makes_codes ? values_.codes(std::move(stored)) : std::move(stored.image);
-            if (stop_requested())
-                return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+            if (stop_requested()) return interrupted_error();
             plane = plane_from(std::move(codes), bits);
         }
         TRY_ASSIGN(track.newest, fit_plane(track.role, std::move(plane), scene_, where));
@@ -206,7 +199,7 @@ Result<TrackPicture> track_picture(StoredImage stored, PlaneRole role, const Sti
         (role == PlaneRole::depth && rules.depth != DepthCodingKind::hue) || role == PlaneRole::height;
     if (is_grey && stored.image.channels == 3)
         if (auto grey = as_grey(stored.image)) stored.image = std::move(*grey);
-    if (stop_requested()) return Error{ErrorKind::interrupted, "interrupted while " + where + " was read"};
+    if (stop_requested()) return interrupted_error();
     if (role == PlaneRole::haptic && stored.codec == "mjpeg" && !rules.haptic_may_be_lossy)
         return input_error(where + ": is JPEG, which mixes materials; haptic is PNG");
     if (role != PlaneRole::colour && stored.interlaced)

@@ -262,7 +262,7 @@ Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec
     auto frame = unless_stopped([where, codec, packet = std::move(own), last_row]() mutable {
         return decode(where, codec, *packet, last_row ? &*last_row : nullptr);
     });
-    if (!frame) return interrupted_read(where);
+    if (!frame) return interrupted_error();
     return std::move(*frame);
 }
 
@@ -362,13 +362,12 @@ constexpr int rows_at_once = 64;
 /// A picture whose rows `append(samples, first, count)` adds at the end, false where they are of another
 /// kind.
 template <class Append>
-Result<std::optional<Image>> gathered(const std::string& where, AVFrame& frame, int bytes, int channels,
-                                      Append&& append) {
+Result<std::optional<Image>> gathered(AVFrame& frame, int bytes, int channels, Append&& append) {
     Image image{frame.width, frame.height, bytes, channels, {}};
     image.samples.reserve(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height) *
                           static_cast<std::size_t>(bytes * channels));
     for (int first = 0; first < frame.height; first += rows_at_once) {
-        if (stop_requested()) return interrupted_read(where);
+        if (stop_requested()) return interrupted_error();
         const int count = std::min(rows_at_once, frame.height - first);
         if (!append(image.samples, first, count)) return std::optional<Image>{};
         drop_rows(frame, first, count);
@@ -440,20 +439,19 @@ auto rgb_of(const AVFrame& frame) {
 
 /// Nothing of kinds that are not read.
 Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr frame) {
-    if (frame->format == AV_PIX_FMT_MONOBLACK) return gathered(where, *frame, 1, 1, black_and_white(*frame));
-    if (const GreyOfPng grey{*frame}; grey.is_it())
-        return gathered(where, *frame, grey.is_deep() ? 2 : 1, 1, grey);
+    if (frame->format == AV_PIX_FMT_MONOBLACK) return gathered(*frame, 1, 1, black_and_white(*frame));
+    if (const GreyOfPng grey{*frame}; grey.is_it()) return gathered(*frame, grey.is_deep() ? 2 : 1, 1, grey);
     if (const auto plane = grey_samples(*frame))
-        return gathered(where, *frame, plane->bytes_per_sample, 1, packed_grey(*plane));
+        return gathered(*frame, plane->bytes_per_sample, 1, packed_grey(*plane));
     if (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->comp[0].depth != 8)
         return std::optional<Image>{};
     if (!is_rgb8(*frame)) {
         auto rgb = unless_stopped([frame = std::move(frame)] { return RgbConverter().converted(*frame); });
-        if (!rgb) return interrupted_read(where);
+        if (!rgb) return interrupted_error();
         if (!*rgb) return input_error(where + ": " + rgb->error().message);
         frame = std::move(**rgb);
     }
-    return gathered(where, *frame, 1, 3, rgb_of(*frame));
+    return gathered(*frame, 1, 3, rgb_of(*frame));
 }
 
 Result<Image> image_from(const std::string& where, FramePtr frame) {
@@ -570,7 +568,7 @@ Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string
     stored.interlaced = header.interlaced;
     TRY_ASSIGN(stored.image, image_from(where, std::move(frame)));
     if (stored.bits < 8) gather(stored.image, stored.bits);
-    if (stop_requested()) return interrupted_read(where);
+    if (stop_requested()) return interrupted_error();
     return stored;
 }
 
@@ -578,7 +576,7 @@ Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
     TRY_ASSIGN(const auto frame, decode_picture(bytes, where));
     if (codec_of(bytes) == AV_CODEC_ID_PNG && frame->format == AV_PIX_FMT_PAL8) {
         auto indices =
-            gathered(where, *frame, 1, 1,
+            gathered(*frame, 1, 1,
                      packed_grey({frame->data[0], frame->linesize[0], frame->width, frame->height, 1, 1}));
         if (!indices) return indices.error();  // TRY_ASSIGN's move of an optional picture makes GCC 12 warn
         return std::move(**indices);

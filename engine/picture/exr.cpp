@@ -555,7 +555,7 @@ Result<void> ExrFile::read(const ExrPart& part, const std::vector<const ExrChann
     const int across = static_cast<int>(grid.across), down = static_cast<int>(grid.down);
     for (int y = 0; y < data.height; y += down)
         for (int x = 0; x < data.width; x += across) {
-            if (stop_requested()) return interrupted_read(where_);
+            if (stop_requested()) return interrupted_error();
             exr_chunk_info_t chunk;
             const int width = std::min(across, data.width - x), height = std::min(down, data.height - y);
             if (!grid.find(context_, number, data, x, y, chunk) || chunk.width != width ||

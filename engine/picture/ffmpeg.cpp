@@ -19,10 +19,6 @@ namespace {
 
 constexpr int input_buffer_bytes = 1 << 16;
 
-Error interrupted_input() {
-    return {ErrorKind::interrupted, "interrupted while it was read"};
-}
-
 /// What FFmpeg's calls for bytes come to.
 struct InputBytes {
     std::optional<Error> failure{};
@@ -44,7 +40,7 @@ struct StoredBytes final : InputBytes {
     StoredBytes(std::unique_ptr<ByteSource> of, std::uint64_t up_to) : source(std::move(of)), end(up_to) {}
 
     int read(std::uint8_t* to, int count) override {
-        if (stop_requested()) return failed(interrupted_input());
+        if (stop_requested()) return failed(interrupted_error());
         if (at >= end) return AVERROR_EOF;
         const auto some = std::min<std::uint64_t>(static_cast<std::uint64_t>(count), end - at);
         if (auto read = source->read(at, reinterpret_cast<char*>(to), static_cast<std::size_t>(some));
@@ -108,14 +104,9 @@ AVIOContext* open_io(std::unique_ptr<InputBytes> bytes, bool is_stored) {
     return io;
 }
 
-/// For what FFmpeg does between its reads.
-int asks_to_stop(void*) {
-    return stop_requested() ? 1 : 0;
-}
-
 Error failure_of(const InputBytes& bytes, int status) {
     if (bytes.failure) return *bytes.failure;
-    if (status == AVERROR_EXIT) return interrupted_input();
+    if (status == AVERROR_EXIT) return interrupted_error();
     return input_error(ffmpeg_text(status));
 }
 
@@ -129,7 +120,7 @@ Result<InputPtr> open_bytes(std::unique_ptr<InputBytes> bytes, bool is_stored, c
         return memory_error();
     }
     container->pb = io;
-    container->interrupt_callback = {asks_to_stop, nullptr};
+    container->interrupt_callback = stops_with_thread;
     container->error_recognition = kind.error_recognition;
     if (kind.most_streams > 0) container->max_streams = kind.most_streams;
     if (kind.probed > 0) container->probesize = kind.probed;
@@ -162,6 +153,8 @@ std::string ffmpeg_text(int error) {
 std::string file_url(const std::filesystem::path& path) {
     return "file:" + path.string();
 }
+
+const AVIOInterruptCB stops_with_thread{[](void*) { return stop_requested() ? 1 : 0; }, nullptr};
 
 void silence_ffmpeg() {
     static std::once_flag once;

@@ -32,6 +32,10 @@ enum class Base64Padding { required, optional };
 std::optional<std::string> decode_base64(std::string_view text,
                                          Base64Padding padding = Base64Padding::required);
 
+/// Of all that FFmpeg opens here: it gives up waits and work once the thread that it works on is asked to
+/// stop (stop_requested).
+extern const AVIOInterruptCB stops_with_thread;
+
 struct FfmpegDeleter {
     void operator()(AVFrame* frame) const { av_frame_free(&frame); }
     void operator()(AVPacket* packet) const { av_packet_free(&packet); }

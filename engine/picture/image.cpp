@@ -255,10 +255,6 @@ std::string_view picture_kind(std::string_view begin) {
     return kind ? kind->name : std::string_view();
 }
 
-Error interrupted_read(const std::string& where) {
-    return {ErrorKind::interrupted, "interrupted while " + where + " was read"};
-}
-
 Result<void> check_picture_size(std::int64_t width, std::int64_t height, const std::string& where) {
     const auto usable = [](std::int64_t side) { return side >= 1 && side <= largest_picture_side; };
     if (usable(width) && usable(height)) return {};
@@ -296,11 +292,11 @@ Result<StoredImage> decode_stored_image(std::string bytes, const std::string& wh
 
 Result<StoredImage> decode_unless_stopped(std::string bytes, const std::string& where, DecodePicture decode) {
     constexpr std::size_t quick = 4096;  // bytes: what they unpack to is decoded in a few milliseconds
-    if (stop_requested()) return interrupted_read(where);
+    if (stop_requested()) return interrupted_error();
     if (bytes.size() <= quick) return decode(bytes, where);
     auto decoded = unless_stopped(
         [bytes = std::move(bytes), where, decode = std::move(decode)] { return decode(bytes, where); });
-    return decoded ? std::move(*decoded) : interrupted_read(where);
+    return decoded ? std::move(*decoded) : interrupted_error();
 }
 
 Result<Image> read_image(const std::filesystem::path& file) {

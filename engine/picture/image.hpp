@@ -111,8 +111,6 @@ Result<StoredImage> decode_unless_stopped(std::string bytes, const std::string& 
 /// Refuses pictures of more than 64 MiB in files of less than a 4096th of that, before memory is taken for
 /// them.
 Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const std::string& where);
-/// What reading `where` ends with once the program is asked to stop.
-Error interrupted_read(const std::string& where);
 /// Refuses sides of 0 and beyond `largest_picture_side`.
 Result<void> check_picture_size(std::int64_t width, std::int64_t height, const std::string& where);
 

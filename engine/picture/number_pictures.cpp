@@ -550,7 +550,7 @@ Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where
         case TiffOutcome::coloured:
             return input_error(where + ": is in colour of 16 bits: must be grey, or RGB of 8 bits");
         case TiffOutcome::interrupted:
-            return interrupted_read(where);
+            return interrupted_error();
         case TiffOutcome::read:
             break;
     }

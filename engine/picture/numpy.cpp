@@ -258,10 +258,6 @@ private:
     zip_error_t error_;
 };
 
-Error interrupted_unpacking() {
-    return {ErrorKind::interrupted, "interrupted while it was unpacked"};
-}
-
 /// What an archive's member unpacks to. A step back begins again.
 class UnpackedBytes final : public ByteSource {
 public:
@@ -284,14 +280,14 @@ public:
 
 private:
     Result<void> take(char* to, std::uint64_t count) {
-        if (stop_requested()) return interrupted_unpacking();
+        if (stop_requested()) return interrupted_error();
         const zip_int64_t got = zip_fread(member_.get(), to, count);
         if (got < 0) return damage();
         position_ += static_cast<std::uint64_t>(got);
         return static_cast<std::uint64_t>(got) == count ? Result<void>{} : input_error("is cut short");
     }
     Result<void> damage() {
-        if (stop_requested()) return interrupted_unpacking();  // which is why its bytes did not come
+        if (stop_requested()) return interrupted_error();  // which is why its bytes did not come
         return input_error(std::string("is damaged: ") + zip_file_strerror(member_.get()));
     }
 
@@ -394,7 +390,7 @@ Result<NpzMember> open_npz(std::unique_ptr<ByteSource> bytes, const std::string&
     zip_error_fini(&failure);
     if (archive) return depth_member_of(ZipArchive(archive, zip_discard), where);
     if (source) zip_source_free(source);
-    if (stop_requested()) return error_at(where, interrupted_unpacking());
+    if (stop_requested()) return error_at(where, interrupted_error());
     return input_error(where + ": is damaged: " + why);
 }
 
@@ -494,7 +490,7 @@ Result<NumberPicture> NpyStack::read(std::int64_t number) {
                                              static_cast<std::uint64_t>(line) *
                                              static_cast<std::uint64_t>(lines);
     for (int first = 0; first < lines; first += together) {
-        if (stop_requested()) return interrupted_read(where_);
+        if (stop_requested()) return interrupted_error();
         const int now = std::min(together, lines - first);
         const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
         if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
@@ -513,7 +509,7 @@ Result<StoredImage> NpyStack::image(std::int64_t number) {
                            std::to_string(count() - 1));
     TRY_ASSIGN(auto picture, read(number));
     StoredImage image = std::move(picture).finish("npy", floats_);
-    if (stop_requested()) return interrupted_read(where_);
+    if (stop_requested()) return interrupted_error();
     if (!confidence_) return image;
     TRY_ASSIGN(const auto confidence, confidence_->image(number));
     const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
@@ -527,7 +523,7 @@ Result<StoredImage> NpyStack::image(std::int64_t number) {
                             std::uint8_t{0});
         }
     });
-    if (!all_trusted) return interrupted_read(where_);
+    if (!all_trusted) return interrupted_error();
     return image;
 }
 

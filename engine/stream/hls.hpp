@@ -147,9 +147,6 @@ private:
     int good_ = 0;  // segments in a row
 };
 
-/// Returns true when the fetch should be abandoned. Polled by the thread that waits for it.
-using WaitIsOver = std::function<bool()>;
-
 /// Packets of a stream that is played by HTTP Live Streaming: of the planes that are felt, and of colour.
 /// FFmpeg reads the playlists and what their segments hold; it is given nothing but what was fetched from the
 /// stream's own host and judged (check_hls_media), each file whole or not at all: a segment that is missing,
@@ -158,10 +155,10 @@ using WaitIsOver = std::function<bool()>;
 class HlsInput {
 public:
     /// `place`: of a master or a media playlist, "http://...", "https://..." or a file's path. Errors name
-    /// it. Colour that cannot be had is left out, which a remark says. Waits until `is_over`
-    /// returns true (ErrorKind::interrupted); it stays so. `now_ns`: the clock by which the level is
-    /// chosen that the link carries (LevelChoice), where the stream has two; null: the full level alone.
-    static Result<std::unique_ptr<HlsInput>> open(const std::string& place, WaitIsOver is_over,
+    /// it. Colour that cannot be had is left out, which a remark says. Waits until the thread is asked to
+    /// stop (stop_requested; ErrorKind::interrupted), as `next` does. `now_ns`: the clock by which the level
+    /// is chosen that the link carries (LevelChoice), where the stream has two; null: the full level alone.
+    static Result<std::unique_ptr<HlsInput>> open(const std::string& place,
                                                   std::function<std::int64_t()> now_ns = {});
     virtual ~HlsInput() = default;
 

@@ -28,39 +28,25 @@ struct ByteRange {
 
 constexpr std::chrono::seconds longest_fetch{10};
 
-/// When FFmpeg is to stop. The thread that fetches may outlive the one that waits for it.
-struct FetchWait {
-    const std::chrono::steady_clock::time_point until = std::chrono::steady_clock::now() + longest_fetch;
-    std::atomic<bool> is_given_up{false};
-    bool is_late() const { return std::chrono::steady_clock::now() > until; }
-    static int is_over(void* own) {
-        const auto& wait = *static_cast<const FetchWait*>(own);
-        return wait.is_given_up || wait.is_late() ? 1 : 0;
-    }
-};
-
-Error fetch_failure(const FetchWait& wait, int status) {
-    if (wait.is_late()) return input_error("cannot be fetched: it took longer than 10 s");
-    return input_error("cannot be fetched: " + ffmpeg_text(status));
+Error fetch_failure(const std::string& why) {
+    return input_error("cannot be fetched: " + why);
 }
 
-Result<std::string> fetch_from_web(const std::string& place, std::size_t most, const ByteRange& range,
-                                   FetchWait& wait) {
+Result<std::string> fetch_from_web(const std::string& place, std::size_t most, const ByteRange& range) {
     AVDictionary* options = http_options(place.starts_with("https:"));
     if (range.begin > 0) av_dict_set_int(&options, "offset", range.begin, 0);
     if (range.end) av_dict_set_int(&options, "end_offset", *range.end, 0);
-    const AVIOInterruptCB callback{FetchWait::is_over, &wait};
     AVIOContext* opened = nullptr;
-    int status = avio_open2(&opened, place.c_str(), AVIO_FLAG_READ, &callback, &options);
+    int status = avio_open2(&opened, place.c_str(), AVIO_FLAG_READ, &stops_with_thread, &options);
     av_dict_free(&options);
-    if (status < 0) return fetch_failure(wait, status);
+    if (status < 0) return fetch_failure(ffmpeg_text(status));
     const IoPtr io(opened);
     std::string bytes;
     std::array<unsigned char, 1 << 16> some;
     while (true) {
         status = avio_read_partial(io.get(), some.data(), static_cast<int>(some.size()));
         if (status == AVERROR_EOF || status == 0) return bytes;
-        if (status < 0) return fetch_failure(wait, status);
+        if (status < 0) return fetch_failure(ffmpeg_text(status));
         bytes.append(reinterpret_cast<const char*>(some.data()), static_cast<std::size_t>(status));
         if (bytes.size() > most)
             return input_error("is larger than " + in_bytes(most) + ", which nothing of a stream is");
@@ -69,21 +55,17 @@ Result<std::string> fetch_from_web(const std::string& place, std::size_t most, c
 
 /// All that a web server has at a place, or a file. Takes 10 s at most. Refused (ErrorKind::input, behind the
 /// place and a colon): more than `most` bytes, less than the server promised, a redirection.
-/// ErrorKind::interrupted once `is_over` returns true: "did not come in time".
-Result<std::string> fetch_place(const std::string& place, std::size_t most, const WaitIsOver& is_over,
-                                const ByteRange& range = {}) {
+/// ErrorKind::interrupted once the thread is asked to stop: "did not come in time".
+Result<std::string> fetch_place(const std::string& place, std::size_t most, const ByteRange& range = {}) {
     constexpr std::string_view file = "file:";
     if (place.starts_with(file))
         return read_given_file(place.substr(file.size()), "", "a file of a stream", most);
     silence_ffmpeg();
-    const auto wait = std::make_shared<FetchWait>();
-    auto fetched =
-        unless_stopped([place, most, range, wait] { return fetch_from_web(place, most, range, *wait); },
-                       [&] { return is_over() || wait->is_late(); });
-    wait->is_given_up = true;
-    if (is_over()) return Error{ErrorKind::interrupted, "did not come in time"};
-    if (!fetched) return fetch_failure(*wait, AVERROR_EXIT);
-    return std::move(*fetched);
+    auto fetched = work_until(std::chrono::steady_clock::now() + longest_fetch, [&] {
+        return unless_stopped([place, most, range] { return fetch_from_web(place, most, range); });
+    });
+    if (stop_requested()) return Error{ErrorKind::interrupted, "did not come in time"};
+    return fetched ? std::move(*fetched) : fetch_failure("it took longer than 10 s");
 }
 
 constexpr double quick_share = 0.5, slow_share = 0.2;  // of the newest segment in the means
@@ -110,8 +92,7 @@ struct HlsBeginning {
 class HlsRendition {
 public:
     /// `place`: of the media playlist. Errors name a place.
-    static Result<std::unique_ptr<HlsRendition>> open(std::string place, WaitIsOver is_over,
-                                                      HlsBeginning beginning = {});
+    static Result<std::unique_ptr<HlsRendition>> open(std::string place, HlsBeginning beginning = {});
     ~HlsRendition();
     HlsRendition(const HlsRendition&) = delete;
     HlsRendition& operator=(const HlsRendition&) = delete;
@@ -129,16 +110,13 @@ public:
     std::int64_t segments_lost() const { return segments_lost_; }
 
 private:
-    HlsRendition(std::string place, WaitIsOver is_over, const HlsBeginning& beginning)
-        : place_(std::move(place)),
-          is_over_(std::move(is_over)),
-          levels_(beginning.levels),
-          is_low_(beginning.is_low) {}
+    HlsRendition(std::string place, const HlsBeginning& beginning)
+        : place_(std::move(place)), levels_(beginning.levels), is_low_(beginning.is_low) {}
     Result<void> begin(HlsBeginning beginning);
     static int open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
                        AVDictionary** options);
     static int close_io(AVFormatContext* context, AVIOContext* io);
-    static int is_over(void* own);
+    int end(std::optional<Error> fault);
     Result<void> fetch_playlist();
     Result<void> take_playlist(Result<std::string> text);
     Result<std::string> place_named(const std::string& named) const;
@@ -147,7 +125,6 @@ private:
     Error failure(int status) const;
 
     const std::string place_;
-    const WaitIsOver is_over_;
     HlsLevels* const levels_;
     const bool is_low_;
     AVFormatContext* context_ = nullptr;
@@ -158,8 +135,8 @@ private:
     int held_ = 0;                     // times in a row that there was no newer one
     std::int64_t segments_lost_ = 0;
     std::int64_t newest_segment_ = -1;  // its number, where there are levels
-    bool was_ended_ = false;            // where the other level goes on
     std::optional<Error> fault_;        // after which nothing more is read
+    std::stop_source ended_;            // by a fault, or where the other level goes on: what FFmpeg reads
     PacketPtr ahead_;
     bool at_end_ = false;
 };
@@ -180,7 +157,7 @@ struct HlsLevelPlaces {
 class HlsLevels {
 public:
     /// `reading`: null: the full level alone. `text`: of the full level's playlist, where it was fetched.
-    static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
+    static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch,
                                                    std::shared_ptr<HlsLevelReading> reading,
                                                    std::optional<std::string> text = {});
     HlsLevels(const HlsLevels&) = delete;
@@ -208,16 +185,13 @@ public:
     std::int64_t now_ns() const { return reading_->now_ns(); }
 
 private:
-    HlsLevels(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
-              std::shared_ptr<HlsLevelReading> reading)
+    HlsLevels(HlsLevelPlaces places, bool is_touch, std::shared_ptr<HlsLevelReading> reading)
         : places_(std::move(places)),
           is_touch_(is_touch),
-          is_over_(std::move(is_over)),
           reading_(places_.low.empty() ? nullptr : std::move(reading)) {}
 
     const HlsLevelPlaces places_;
     const bool is_touch_;
-    const WaitIsOver is_over_;
     const std::shared_ptr<HlsLevelReading> reading_;
     std::unique_ptr<HlsRendition> read_, next_;  // next_: of the other level, which follows
     bool is_low_ = false, is_opening_ = false;
@@ -327,11 +301,9 @@ ByteRange range_in(const AVDictionary* options) {
     return {number("offset").value_or(0), number("end_offset")};
 }
 
-Result<std::unique_ptr<HlsRendition>> HlsRendition::open(std::string place, WaitIsOver is_over,
-                                                         HlsBeginning beginning) {
+Result<std::unique_ptr<HlsRendition>> HlsRendition::open(std::string place, HlsBeginning beginning) {
     silence_ffmpeg();
-    std::unique_ptr<HlsRendition> rendition(
-        new HlsRendition(std::move(place), std::move(is_over), beginning));
+    std::unique_ptr<HlsRendition> rendition(new HlsRendition(std::move(place), beginning));
     TRY(rendition->begin(std::move(beginning)));
     return rendition;
 }
@@ -353,39 +325,33 @@ Result<void> HlsRendition::begin(HlsBeginning beginning) {
     context_->opaque = this;
     context_->io_open = open_io;
     context_->io_close2 = close_io;
-    context_->interrupt_callback = {is_over, this};
+    context_->interrupt_callback = stops_with_thread;
     AVDictionary* options = nullptr;
     av_dict_set(&options, "format_whitelist", "hls,mov,mp4,m4a,3gp,3g2,mj2,mpegts", 0);
     av_dict_set(&options, "http_persistent", "0", 0);  // connections are ours
     av_dict_set(&options, "http_multiple", "0", 0);
     if (from) av_dict_set(&options, "live_start_index", "0", 0);
-    const int status = avformat_open_input(&context_, place_.c_str(), av_find_input_format("hls"), &options);
+    const int status = work_until(ended_.get_token(), [&] {
+        return avformat_open_input(&context_, place_.c_str(), av_find_input_format("hls"), &options);
+    });
     av_dict_free(&options);
     return status < 0 ? failure(status) : Result<void>{};
 }
 
 Error HlsRendition::failure(int status) const {
     if (fault_) return *fault_;
-    if (is_over_()) return error_at(place_, Error{ErrorKind::interrupted, "gave no picture in time"});
+    if (stop_requested()) return error_at(place_, Error{ErrorKind::interrupted, "gave no picture in time"});
     return error_at(place_, input_error(ffmpeg_text(status)));
-}
-
-int HlsRendition::is_over(void* own) {
-    const auto& it = *static_cast<const HlsRendition*>(own);
-    return it.fault_ || it.was_ended_ || it.is_over_() ? 1 : 0;
 }
 
 int HlsRendition::open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
                           AVDictionary** options) {
     auto& it = *static_cast<HlsRendition*>(context->opaque);
     if ((flags & AVIO_FLAG_WRITE) != 0) return AVERROR(EPERM);
-    if (it.was_ended_) return AVERROR_EXIT;
+    if (it.ended_.stop_requested()) return AVERROR_EXIT;
     try {
         if (url != it.place_) return it.open_segment(io, url, range_in(options ? *options : nullptr));
-        if (auto read = it.fetch_playlist(); !read) {
-            it.fault_ = read.error();
-            return AVERROR_EXIT;
-        }
+        if (auto read = it.fetch_playlist(); !read) return it.end(read.error());
         *io = io_of(it.playlist_);
         return *io ? 0 : AVERROR(ENOMEM);
     } catch (const std::exception&) {
@@ -398,16 +364,11 @@ int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const
     std::optional<HlsListedSegment> listed;
     if (levels_ && place && *place != facts_.header)
         listed = segment_in(playlist_, place_, *place, newest_segment_ + 1);
-    if (listed && levels_->goes_over_before(listed->number, is_low_)) {
-        was_ended_ = true;
-        return AVERROR_EXIT;
-    }
+    if (listed && levels_->goes_over_before(listed->number, is_low_)) return end(std::nullopt);
     const std::int64_t begin_ns = listed ? levels_->now_ns() : 0;
     auto segment = place ? read_segment(*place, range) : Result<std::string>(place.error());
-    if (!segment && segment.error().kind == ErrorKind::interrupted) {
-        fault_ = error_at(named, segment.error());
-        return AVERROR_EXIT;
-    }
+    if (!segment && segment.error().kind == ErrorKind::interrupted)
+        return end(error_at(named, segment.error()));
     if (listed) {
         newest_segment_ = listed->number;
         levels_->note({.bytes = segment ? std::ssize(*segment) : 0,
@@ -423,13 +384,19 @@ int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const
     return *io ? 0 : AVERROR(ENOMEM);
 }
 
+int HlsRendition::end(std::optional<Error> fault) {
+    fault_ = std::move(fault);
+    ended_.request_stop();
+    return AVERROR_EXIT;
+}
+
 int HlsRendition::close_io(AVFormatContext*, AVIOContext* io) {
     close_bytes(io);
     return 0;
 }
 
 Result<void> HlsRendition::fetch_playlist() {
-    return take_playlist(fetch_place(place_, largest_hls_playlist, is_over_));
+    return take_playlist(fetch_place(place_, largest_hls_playlist));
 }
 
 /// The newest that there is; where there is none, the one before stays.
@@ -462,7 +429,7 @@ Result<std::string> HlsRendition::place_named(const std::string& named) const {
 Result<std::string> HlsRendition::read_segment(const std::string& place, const ByteRange& range) {
     const bool is_part = range.begin > 0 || range.end, is_header = place == facts_.header && !is_part;
     if (is_header && !header_.empty()) return header_;
-    auto bytes = fetch_place(place, largest_hls_segment, is_over_, range);
+    auto bytes = fetch_place(place, largest_hls_segment, range);
     if (!bytes) return bytes;
     if (is_hls_playlist(*bytes) || (!facts_.header.empty() && !is_part && !is_whole_mp4(*bytes)))
         return input_error("is no whole segment");
@@ -481,9 +448,9 @@ Result<const AVPacket*> HlsRendition::peek() {
     if (fault_) return *fault_;
     PacketPtr packet(av_packet_alloc());
     if (!packet) return Error{ErrorKind::internal, "out of memory"};
-    const int status = av_read_frame(context_, packet.get());
-    if (fault_ || is_over_()) return failure(status);
-    at_end_ = status == AVERROR_EOF || (status < 0 && was_ended_);
+    const int status = work_until(ended_.get_token(), [&] { return av_read_frame(context_, packet.get()); });
+    if (fault_ || stop_requested()) return failure(status);
+    at_end_ = status == AVERROR_EOF || (status < 0 && ended_.stop_requested());
     if (!at_end_ && status < 0) return failure(status);
     if (!at_end_) ahead_ = std::move(packet);
     return static_cast<const AVPacket*>(ahead_.get());
@@ -491,14 +458,13 @@ Result<const AVPacket*> HlsRendition::peek() {
 
 // --- HlsLevels
 
-Result<std::unique_ptr<HlsLevels>> HlsLevels::open(HlsLevelPlaces places, bool is_touch, WaitIsOver is_over,
+Result<std::unique_ptr<HlsLevels>> HlsLevels::open(HlsLevelPlaces places, bool is_touch,
                                                    std::shared_ptr<HlsLevelReading> reading,
                                                    std::optional<std::string> text) {
-    std::unique_ptr<HlsLevels> levels(
-        new HlsLevels(std::move(places), is_touch, std::move(is_over), std::move(reading)));
+    std::unique_ptr<HlsLevels> levels(new HlsLevels(std::move(places), is_touch, std::move(reading)));
     HlsLevels* const chooses = levels->reading_ ? levels.get() : nullptr;
-    TRY_ASSIGN(levels->read_, HlsRendition::open(levels->places_.full, levels->is_over_,
-                                                 {.text = std::move(text), .levels = chooses}));
+    TRY_ASSIGN(levels->read_,
+               HlsRendition::open(levels->places_.full, {.text = std::move(text), .levels = chooses}));
     return levels;
 }
 
@@ -507,7 +473,7 @@ bool HlsLevels::goes_over_before(std::int64_t number, bool from_low) {
     const bool to_low = reading_->choice.is_low();
     if (is_opening_ || next_ || to_low == from_low) return false;
     is_opening_ = true;
-    auto other = HlsRendition::open(to_low ? places_.low : places_.full, is_over_,
+    auto other = HlsRendition::open(to_low ? places_.low : places_.full,
                                     {.from = number, .levels = this, .is_low = to_low});
     is_opening_ = false;
     if (other) next_ = std::move(*other);
@@ -538,12 +504,8 @@ constexpr std::chrono::seconds longest_wait_for_colour{4};
 
 class BothRenditions final : public HlsInput {
 public:
-    BothRenditions(std::unique_ptr<HlsLevels> touch, WaitIsOver is_over,
-                   std::shared_ptr<HlsLevelReading> reading)
-        : touch_(std::move(touch)),
-          is_over_(std::move(is_over)),
-          reading_(std::move(reading)),
-          is_live_(!touch_->has_ended()) {}
+    BothRenditions(std::unique_ptr<HlsLevels> touch, std::shared_ptr<HlsLevelReading> reading)
+        : touch_(std::move(touch)), reading_(std::move(reading)), is_live_(!touch_->has_ended()) {}
 
     void add_colour(Result<std::unique_ptr<HlsLevels>> colour) {
         if (colour)
@@ -582,7 +544,7 @@ private:
     Result<const AVPacket*> next_of_colour() {
         if (!colour_) return static_cast<const AVPacket*>(nullptr);
         auto packet = colour_->peek();
-        if (packet || is_over_()) return packet;
+        if (packet || stop_requested()) return packet;
         leave_out_colour(packet.error());
         return static_cast<const AVPacket*>(nullptr);
     }
@@ -594,7 +556,6 @@ private:
     }
 
     const std::unique_ptr<HlsLevels> touch_;
-    const WaitIsOver is_over_;
     const std::shared_ptr<HlsLevelReading> reading_;  // null: there is one level
     const bool is_live_;
     std::unique_ptr<HlsLevels> colour_;  // null: there is none, or none any more
@@ -653,32 +614,27 @@ void LevelChoice::add(const FetchedSegment& fetched) {
 
 // --- HlsInput
 
-Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named, WaitIsOver is_over,
+Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named,
                                                  std::function<std::int64_t()> now_ns) {
     const std::string place = place_of(named);
-    auto text = fetch_place(place, largest_hls_playlist, is_over);
+    auto text = fetch_place(place, largest_hls_playlist);
     if (!text) return error_at(named, text.error());
     const auto places = places_in_playlist(*text, place);
     if (!places) return error_at(named, places.error());
     // Colour first: of a live stream it then begins no later.
-    const auto is_opening = std::make_shared<bool>(true);
-    const auto without_colour = std::chrono::steady_clock::now() + longest_wait_for_colour;
-    const WaitIsOver is_over_for_colour = [is_over, is_opening, without_colour] {
-        return is_over() || (*is_opening && std::chrono::steady_clock::now() > without_colour);
-    };
     std::shared_ptr<HlsLevelReading> reading;
     if (now_ns && !places->low_touch.empty()) {
         reading = std::make_shared<HlsLevelReading>();
         reading->now_ns = std::move(now_ns);
     }
-    auto colour = places->colour.empty() ? Result<std::unique_ptr<HlsLevels>>(nullptr)
-                                         : HlsLevels::open({places->colour, places->low_colour}, false,
-                                                           is_over_for_colour, reading);
-    *is_opening = false;
+    auto colour = work_until(std::chrono::steady_clock::now() + longest_wait_for_colour, [&] {
+        return places->colour.empty() ? Result<std::unique_ptr<HlsLevels>>(nullptr)
+                                      : HlsLevels::open({places->colour, places->low_colour}, false, reading);
+    });
     const bool is_media = places->touch == place;
-    TRY_ASSIGN(auto touch, HlsLevels::open({places->touch, places->low_touch}, true, is_over, reading,
+    TRY_ASSIGN(auto touch, HlsLevels::open({places->touch, places->low_touch}, true, reading,
                                            is_media ? std::optional(std::move(*text)) : std::nullopt));
-    auto input = std::make_unique<BothRenditions>(std::move(touch), is_over, std::move(reading));
+    auto input = std::make_unique<BothRenditions>(std::move(touch), std::move(reading));
     input->add_colour(std::move(colour));
     return std::unique_ptr<HlsInput>(std::move(input));
 }

@@ -64,15 +64,14 @@ public:
     HlsPackets(std::shared_ptr<StreamWait> wait, std::unique_ptr<HlsInput> input)
         : wait_(std::move(wait)), input_(std::move(input)) {}
     Result<std::optional<Next>> next() override {
-        auto packet = input_->next();
-        if (!packet) return wait_->in_time(packet.error());
-        if (!*packet) return std::optional<Next>();
+        TRY_ASSIGN(auto packet, wait_->in_time([this] { return input_->next(); }));
+        if (!packet) return std::optional<Next>();
         constexpr int of_colour = 1000, of_low = 2000;
-        const bool is_touch = (*packet)->is_touch, is_low = (*packet)->is_low;
-        const int track = (*packet)->stream->index + (is_touch ? 0 : of_colour);
-        if ((*packet)->stream->codecpar->codec_id == AV_CODEC_ID_H264) seen_.insert(track);
-        return std::optional(Next{track + (is_low ? of_low : 0), (*packet)->stream,
-                                  std::move((*packet)->packet), is_touch && is_low ? hls_low_step : 1});
+        const bool is_touch = packet->is_touch, is_low = packet->is_low;
+        const int track = packet->stream->index + (is_touch ? 0 : of_colour);
+        if (packet->stream->codecpar->codec_id == AV_CODEC_ID_H264) seen_.insert(track);
+        return std::optional(Next{track + (is_low ? of_low : 0), packet->stream, std::move(packet->packet),
+                                  is_touch && is_low ? hls_low_step : 1});
     }
     /// Segments have all of their tracks.
     int tracks() const override { return static_cast<int>(seen_.size()); }
@@ -254,10 +253,8 @@ Result<std::unique_ptr<StreamPictures>> open_hls_stream(const StreamUrl& url,
                                                         std::shared_ptr<StreamWait> wait,
                                                         const std::optional<SceneDescription>& described,
                                                         std::function<std::int64_t()> now_ns) {
-    auto input = HlsInput::open(
-        url.text, [wait] { return wait->is_over(); }, std::move(now_ns));
-    if (!input) return wait->in_time(input.error());
-    return open_packets(std::make_unique<HlsPackets>(std::move(wait), std::move(*input)), url.name(),
+    TRY_ASSIGN(auto input, wait->in_time([&] { return HlsInput::open(url.text, std::move(now_ns)); }));
+    return open_packets(std::make_unique<HlsPackets>(std::move(wait), std::move(input)), url.name(),
                         described);
 }
 

@@ -92,6 +92,7 @@ private:
     StreamSource source_;
     const std::optional<SceneDescription> described_;
     std::shared_ptr<StreamWait> wait_ = std::make_shared<StreamWait>();
+    std::stop_source ending_;
     CameraRun run_;
     Scene scene_;
     UnstatedFilters unstated_filters_;
@@ -146,7 +147,7 @@ Result<void> LiveStream::open() {
 }
 
 LiveStream::~LiveStream() {
-    wait_->interrupt();
+    ending_.request_stop();
     {
         const std::lock_guard lock(mutex_);
         stopping_ = true;
@@ -163,7 +164,8 @@ void LiveStream::is_over(const std::string& why) {
 }
 
 void LiveStream::receive() {
-    const StopScope until_this_ends(StopScope::after_stop());  // the wait of the stream ends it
+    const StopScope goes_on = StopScope::after_stop();  // the end of this stream ends it
+    const StopScope until(ending_.get_token());
     while (true) {
         if (leaves_out_colour_) receiver_->leave_out_colour();
         auto received = receiver_->next(source_.patience.silence);
@@ -172,7 +174,7 @@ void LiveStream::receive() {
             put(std::move(**received));
             continue;
         }
-        if (wait_->is_interrupted()) return;
+        if (stop_requested()) return;
         if (!received && received.error().kind == ErrorKind::internal)
             return is_over(received.error().message);
         const std::string why =
@@ -215,7 +217,7 @@ bool LiveStream::connect_again(std::string why) {
             if (stopped_.wait_for(lock, pause, [this] { return stopping_; })) return false;
         }
         auto receiver = connect();
-        if (wait_->is_interrupted()) return false;
+        if (stop_requested()) return false;
         if (!receiver) {
             why = "cannot be had: " + in_short(receiver.error());
             continue;

@@ -3,7 +3,6 @@
 #include <srt/access_control.h>
 #include <srt/srt.h>
 
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
@@ -78,14 +77,14 @@ public:
     Result<void> wait_for_caller(const SrtSettings& settings, const SocketAddress& address) {
         TRY_ASSIGN(door_, SrtSocket::create(settings, SrtSocket::Direction::receives));
         TRY(door_.listen(address, may_come_));
-        while (!waits()->is_over()) {
+        const auto is_there = [this] {
             if (auto caller = door_.accept()) {
                 has_caller_ = true;
                 socket_ = std::move(caller->first);
-                return {};
             }
-            std::this_thread::sleep_for(look_for_caller_again);
-        }
+            return has_caller_.load();
+        };
+        if (wait_unless_stopped(is_there, look_for_caller_again)) return {};
         return input_error("no connection: nobody called in time");
     }
     std::optional<StreamFigures::Link> link() const override {
@@ -96,7 +95,7 @@ public:
 private:
     std::int64_t some(std::uint8_t* to, std::size_t count) override {
         while (at_ == message_.size()) {
-            if (waits()->is_over()) return AVERROR_EXIT;
+            if (stop_requested()) return AVERROR_EXIT;
             if (!take_next()) return 0;  // SRT has no other end
         }
         const std::size_t given = std::min(count, message_.size() - at_);
@@ -160,17 +159,16 @@ private:
 };
 
 /// Calls until the sender answers; an error says why it does not.
-Result<SrtSocket> call(const SrtSettings& settings, const SocketAddress& address, StreamWait& wait) {
+Result<SrtSocket> call(const SrtSettings& settings, const SocketAddress& address) {
     // libsrt repeats a part of the handshake, but not all of it: a call that takes so long is begun anew.
     constexpr int longest_call_ms = 1500;
     Error why = input_error("it did not answer in time");
-    while (!wait.is_over()) {
+    while (!stop_requested()) {
         TRY_ASSIGN(auto socket, SrtSocket::create(settings, SrtSocket::Direction::receives));
         TRY(socket.call(address, longest_call_ms));
-        while (!wait.is_over() && socket.state() == SrtSocket::State::calling)
-            std::this_thread::sleep_for(look_for_caller_again);
+        const auto is_answered = [&socket] { return socket.state() != SrtSocket::State::calling; };
+        if (!wait_unless_stopped(is_answered, look_for_caller_again)) break;
         if (socket.state() == SrtSocket::State::connected) return socket;
-        if (wait.is_over()) break;
         const auto refusal = socket.refusal();
         why = input_error(refusal.why);
         if (refusal.is_final) break;
@@ -408,18 +406,14 @@ std::optional<StreamFigures::Link> SrtSocket::figures() const {
 Result<std::shared_ptr<StreamBytes>> connect_by_srt(const StreamUrl& url, std::shared_ptr<StreamWait> wait) {
     TRY_ASSIGN(const auto settings, read_srt_settings(url));
     const auto find = [url, listens = settings.listens] { return listens ? own_address(url) : look_up(url); };
-    const auto found = unless_stopped(find, [wait] { return wait->is_over(); });
-    if (wait->is_interrupted()) return interrupted_error();
+    const auto found = unless_stopped(find);
     if (!found || !*found) return input_error("no connection: there is no such host");
     if (settings.listens) {
         auto bytes = std::make_shared<SrtBytes>(wait, SrtSocket());
-        const auto called = bytes->wait_for_caller(settings, **found);
-        if (wait->is_interrupted()) return interrupted_error();
-        TRY(called);
+        TRY(bytes->wait_for_caller(settings, **found));
         return std::shared_ptr<StreamBytes>(std::move(bytes));
     }
-    auto socket = call(settings, **found, *wait);
-    if (wait->is_interrupted()) return interrupted_error();
+    auto socket = call(settings, **found);
     if (!socket)
         return input_error("no connection: " + socket.error().message + "; does the sender listen there?");
     return std::shared_ptr<StreamBytes>(std::make_shared<SrtBytes>(std::move(wait), std::move(*socket)));

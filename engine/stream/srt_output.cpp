@@ -84,7 +84,7 @@ public:
         return start_thread(thread_, "stream-output", "that sends a stream", [this] { serve(); });
     }
     void end() override {
-        stop_ = true;
+        stop_.request_stop();
         time_.end();
     }
     bool is_over() const override { return is_over_; }
@@ -104,7 +104,8 @@ private:
     const StreamRing& ring_;
     StreamAudience& audience_;
     StreamSender::Time time_;
-    std::atomic<bool> stop_{false}, is_over_{false};
+    std::stop_source stop_;
+    std::atomic<bool> is_over_{false};
     std::atomic<std::int64_t> refused_{0};
     std::function<bool()> may_come_ = [this] {
         const bool may = audience_.has_room();
@@ -284,8 +285,10 @@ Result<void> SrtSender::open_door() {
 
 void SrtSender::serve() {
     constexpr std::chrono::milliseconds turn_of_listeners{5}, turn_of_none{20};
+    const StopScope goes_on = StopScope::after_stop();  // `end` alone ends it
+    const StopScope until(stop_.get_token());
     auto newest = ring_.join();
-    while (!stop_) {
+    while (!stop_requested()) {
         turn(time_.now_ns());
         const bool is_ended = ring_.is_ended();
         if (is_ended && listeners_.empty()) break;
@@ -309,7 +312,7 @@ void SrtSender::turn(std::int64_t now_ns) {
         if (stayed) {
             calls_in_vain_ = 0;
             is_said_ = is_short_said_ = false;
-        } else if (!stop_ && !ring_.is_ended() && !std::exchange(is_short_said_, true)) {
+        } else if (!stop_requested() && !ring_.is_ended() && !std::exchange(is_short_said_, true)) {
             audience_.remark(url_.name() + ": goes again within a second; called less and less often");
         }
         if (!stayed) call_later(time_.now_ns());  // closing takes a while
@@ -362,9 +365,8 @@ void SrtSender::go_on_calling(std::int64_t now_ns) {
 
 void SrtSender::begin_call(std::int64_t now_ns) {
     // A name server may take its time.
-    const auto address =
-        unless_stopped([url = url_] { return look_up(url); }, [this] { return stop_.load(); });
-    if (stop_) return;
+    const auto address = unless_stopped([url = url_] { return look_up(url); });
+    if (stop_requested()) return;
     if (!address || !*address) return call_failed("there is no such host", now_ns);
     auto socket = SrtSocket::create(settings_, SrtSocket::Direction::sends);
     if (!socket) return call_failed(socket.error().message, now_ns);
@@ -377,7 +379,7 @@ void SrtSender::begin_call(std::int64_t now_ns) {
 void SrtSender::call_failed(const std::string& why, std::int64_t now_ns) {
     calling_.close();
     call_later(now_ns);
-    if (stop_ || ring_.is_ended() || std::exchange(is_said_, true)) return;
+    if (stop_requested() || ring_.is_ended() || std::exchange(is_said_, true)) return;
     audience_.remark(url_.name() + ": nobody answers (" + why + "); tried again until somebody does");
 }
 

@@ -2,13 +2,11 @@
 // files on a server that are read part by part (open_http).
 
 #include <fcntl.h>
-#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
 
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/stream/srt.hpp"
 #include "engine/stream/stream_bytes.hpp"
@@ -71,27 +69,21 @@ Error no_connection(const StreamUrl& url, const std::string& why, int status = 0
 }
 
 /// While FFmpeg looks a name up it waits as long as the system does, so another thread does that.
-Result<IoPtr> open_network(const StreamUrl& url, const std::shared_ptr<StreamWait>& wait) {
+Result<IoPtr> open_network(const StreamUrl& url) {
     struct Opened {
         int status = 0;
         IoPtr io;
     };
-    auto opened = unless_stopped(
-        [url, wait] {
-            // FFmpeg would read UDP's settings in units of its own.
-            const bool has_settings = url.transport == StreamTransport::udp;
-            const std::string address = has_settings ? url.text.substr(0, url.text.find('?')) : url.text;
-            AVDictionary* options = network_options(url);
-            AVIOContext* io = nullptr;
-            // FFmpeg keeps the wait's address as long as the connection is there.
-            const AVIOInterruptCB is_over{
-                [](void* of) { return static_cast<const StreamWait*>(of)->is_over() ? 1 : 0; }, wait.get()};
-            const int status = avio_open2(&io, address.c_str(), AVIO_FLAG_READ, &is_over, &options);
-            av_dict_free(&options);
-            return Opened{status, IoPtr(io)};
-        },
-        [wait] { return wait->is_over(); });
-    if (wait->is_interrupted()) return interrupted_error();
+    auto opened = unless_stopped([url] {
+        // FFmpeg would read UDP's settings in units of its own.
+        const bool has_settings = url.transport == StreamTransport::udp;
+        const std::string address = has_settings ? url.text.substr(0, url.text.find('?')) : url.text;
+        AVDictionary* options = network_options(url);
+        AVIOContext* io = nullptr;
+        const int status = avio_open2(&io, address.c_str(), AVIO_FLAG_READ, &stops_with_thread, &options);
+        av_dict_free(&options);
+        return Opened{status, IoPtr(io)};
+    });
     if (!opened || opened->status == AVERROR_EXIT) return no_connection(url, "it did not answer in time");
     if (opened->status < 0) return no_connection(url, ffmpeg_text(opened->status), opened->status);
     return std::move(opened->io);
@@ -106,10 +98,7 @@ public:
 
 private:
     std::int64_t some(std::uint8_t* to, std::size_t count) override {
-        constexpr int look_again_ms = 50;
-        while (!waits()->is_over()) {
-            pollfd waited{descriptor_, POLLIN, 0};
-            if (::poll(&waited, 1, look_again_ms) <= 0) continue;
+        while (wait_unless_stopped(descriptor_, POLLIN)) {
             const auto got = ::read(descriptor_, to, count);
             if (got >= 0) return got;
             if (errno != EAGAIN && errno != EINTR) return AVERROR(errno);
@@ -185,12 +174,13 @@ private:
         for (int go = 0; go < 2; ++go) {
             if (!connection_) connect();
             wait_->at_most(patience_.frameset);
+            const StopScope in_time(wait_->until());
             if (connection_ && connection_->read_at(at, part_.data(), part_.size())) return 0;
             connection_.reset();
-            if (wait_->is_over()) break;
+            if (stop_requested()) break;
         }
         part_.clear();
-        if (wait_->is_interrupted()) return EIO;
+        if (stop_requested()) return EIO;
         failure_ = wait_->is_too_long() ? ETIMEDOUT : EIO;
         return failure_;
     }
@@ -231,26 +221,11 @@ AVDictionary* http_options(bool is_tls) {
 // --- StreamWait
 
 void StreamWait::at_most(std::chrono::milliseconds longest) {
-    until_ns_ = std::min<std::int64_t>(steady_now_ns() + std::chrono::nanoseconds(longest).count(),
-                                       together_until_ns_);
+    until_ = std::min(std::chrono::steady_clock::now() + longest, together_until_);
 }
 
 void StreamWait::together_at_most(std::chrono::milliseconds longest) {
-    until_ns_ = together_until_ns_ = steady_now_ns() + std::chrono::nanoseconds(longest).count();
-}
-
-bool StreamWait::is_interrupted() const {
-    return interrupted_ || stop_requested();
-}
-
-bool StreamWait::is_too_long() const {
-    return steady_now_ns() > until_ns_;
-}
-
-Error StreamWait::in_time(Error error) const {
-    if (is_interrupted()) return interrupted_error();
-    if (error.kind == ErrorKind::interrupted) error.kind = ErrorKind::input;
-    return error;
+    until_ = together_until_ = std::chrono::steady_clock::now() + longest;
 }
 
 // --- StreamBytes
@@ -262,10 +237,12 @@ Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
     const bool listens = url.transport == StreamTransport::srt && url.value("mode") == "listener";
     wait->at_most(listens ? patience.caller : patience.connection);
     if (url.transport == StreamTransport::pipe) return open_pipe(url, std::move(wait));
-    if (url.transport == StreamTransport::srt) return connect_by_srt(url, std::move(wait));
-    TRY_ASSIGN(auto io, open_network(url, wait));
-    return std::shared_ptr<StreamBytes>(
-        std::make_shared<NetworkBytes>(std::move(wait), std::move(io), url.transport));
+    return wait->in_time([&]() -> Result<std::shared_ptr<StreamBytes>> {
+        if (url.transport == StreamTransport::srt) return connect_by_srt(url, wait);
+        TRY_ASSIGN(auto io, open_network(url));
+        return std::shared_ptr<StreamBytes>(
+            std::make_shared<NetworkBytes>(wait, std::move(io), url.transport));
+    });
 }
 
 Result<std::uint8_t> StreamBytes::peek() {
@@ -282,14 +259,14 @@ Result<std::size_t> StreamBytes::read(std::uint8_t* to, std::size_t count) {
     }
     if (has_ended_) return std::size_t{0};
     if (left_ == 0) return input_error("sends without end what is no frameset");
-    if (wait_->is_interrupted()) return interrupted_error();
-    if (wait_->is_too_long()) return input_error("sent no whole frameset in time");
-    const std::int64_t got = some(to, static_cast<std::size_t>(std::min<std::uint64_t>(count, left_)));
+    std::int64_t got = AVERROR_EXIT;
+    if (const StopScope in_time(wait_->until()); !stop_requested())
+        got = some(to, static_cast<std::size_t>(std::min<std::uint64_t>(count, left_)));
     if (got > 0) {
         left_ -= static_cast<std::uint64_t>(got);
         return static_cast<std::size_t>(got);
     }
-    if (wait_->is_interrupted()) return interrupted_error();
+    if (stop_requested()) return interrupted_error();
     if (wait_->is_too_long()) return input_error("sent no whole frameset in time");
     has_ended_ = true;
     was_lost_ = got < 0;

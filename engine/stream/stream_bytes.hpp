@@ -4,14 +4,13 @@
 // long they are waited for (StreamWait), for what makes pictures and framesets of them (stream_pictures.hpp,
 // receiver.hpp).
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 
 #include "engine/base/result.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/receiving.hpp"
@@ -23,27 +22,31 @@ inline std::int64_t steady_now_ns() {
     return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// When a wait for a stream ends: it is interrupted, by any thread, or its time is over.
+/// For how long a stream is waited for: the deadline of the next read, or of several together. One thread at
+/// a time.
 class StreamWait {
 public:
     /// The next wait, which also ends when `together_at_most` does.
     void at_most(std::chrono::milliseconds longest);
     /// All waits from now on together, until this or `each_alone` is called.
     void together_at_most(std::chrono::milliseconds longest);
-    void each_alone() { together_until_ns_ = never; }
-    bool is_together() const { return together_until_ns_ != never; }
-    void interrupt() { interrupted_ = true; }
-    /// By `interrupt`, or by a request to stop the program.
-    bool is_interrupted() const;
-    bool is_too_long() const;
-    bool is_over() const { return is_interrupted() || is_too_long(); }
-    /// `error`, but ErrorKind::interrupted exactly where this wait was interrupted.
-    Error in_time(Error error) const;
+    void each_alone() { together_until_ = StopScope::never; }
+    bool is_together() const { return together_until_ != StopScope::never; }
+    StopScope::Deadline until() const { return until_; }
+    bool is_too_long() const { return std::chrono::steady_clock::now() > until_; }
+    /// What `work` returns, a Result, under a StopScope until then. An error is ErrorKind::interrupted
+    /// exactly where the thread is asked to stop; of what is late it is ErrorKind::input.
+    auto in_time(auto&& work) const -> decltype(work()) {
+        auto made = work_until(until_, work);
+        if (made) return made;
+        if (stop_requested()) return interrupted_error();
+        Error why = made.error();
+        if (why.kind == ErrorKind::interrupted) why.kind = ErrorKind::input;
+        return why;
+    }
 
 private:
-    static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
-    std::atomic<bool> interrupted_{false};
-    std::atomic<std::int64_t> until_ns_{never}, together_until_ns_{never};
+    StopScope::Deadline until_ = StopScope::never, together_until_ = StopScope::never;
 };
 
 struct IoCloser {

@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/result.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/commands/device_check.hpp"
 #include "player/commands/machine_check.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {
@@ -69,7 +69,7 @@ Result<BuilderFacts> builder_facts(const char* name) {
     SurfaceFrame reference, cpu, lazy, vulkan;
     Result<void> built;
     const auto build = [&](std::unique_ptr<SurfaceBuilder> builder, SurfaceFrame& out) {
-        if (built && interrupted()) built = interrupted_error();
+        if (built && stop_requested()) built = interrupted_error();
         if (built) built = builder->build(raw, out);
     };
     bool same_lazily = false;
@@ -80,7 +80,7 @@ Result<BuilderFacts> builder_facts(const char* name) {
         if (built) built = lazy_builder->build(raw, lazy);
         if (built) same_lazily = same_depths(lazy, reference);
     });
-    if (built && interrupted()) built = interrupted_error();
+    if (built && stop_requested()) built = interrupted_error();
     if (!built) return built.error();
     facts.identical = same_lazily && same_bits(cpu, reference);
     if (const auto device = GpuDevice::open(); device) {
@@ -196,7 +196,7 @@ void print_json(const MachineReport& report, const std::vector<std::string>& fau
 Result<MachineReport> look_around(bool tell) {
     MachineReport report{cpu_facts(), timer_facts(), ffmpeg_facts(), {}, {}};
     if (tell) print_machine(report);
-    if (interrupted()) return interrupted_error();
+    if (stop_requested()) return interrupted_error();
     report.vulkan = vulkan_facts();
     if (tell) print_vulkan(std::cout, report.vulkan);
     for (const char* scene : {"globe", "noise"}) {

@@ -462,7 +462,7 @@ RawFrame Conversion::as_written(const RawFrame& frame) const {
 
 /// The source's next frame, which is written if it was not yet.
 Result<std::optional<RawFrame>> Conversion::next() {
-    if (interrupted()) return interrupted_error();
+    if (stop_requested()) return interrupted_error();
     auto frame = source_->next();
     if (!frame || !*frame) return frame;
     if ((*frame)->number == done_.frames) TRY(write_frame(**frame));
@@ -500,7 +500,7 @@ Result<void> Conversion::write() {
 Result<void> Conversion::compare(ClipReader& written) {
     Progress progress("comparing frame", done_.frames);
     for (std::int64_t number = 0; number < done_.frames; ++number) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         progress.at(number + 1);
         TRY_ASSIGN(const auto now, written.next());
         if (!now || mark_of(*now) != marks_[static_cast<std::size_t>(number)])

@@ -182,7 +182,7 @@ Result<void> wait_for_position(HapticDevice& device, int seconds) {
     std::vector<glm::dvec3> metres(static_cast<std::size_t>(device.fingers()));
     StatusLine line;
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-    while (!interrupted()) {
+    while (!stop_requested()) {
         if (!device.read_positions(metres)) return failure_of(device);
         if (std::isfinite(metres[0].x + metres[0].y + metres[0].z)) return {};
         const std::string prompt = device.prompt();
@@ -214,7 +214,7 @@ private:
             due_ = now;
         }
         sleep_until(due_);
-        return !interrupted();
+        return !stop_requested();
     }
     std::chrono::steady_clock::time_point due_{};
     std::int64_t late_ = 0;
@@ -256,7 +256,7 @@ Result<void> watch(const MeasuredDevice& measured, int seconds, DeviceReport& re
             if (line.is_due())
                 line.show("measuring for " + std::to_string(seconds) + " s: let the handle rest");
         });
-    if (!figures) return interrupted() ? interrupted_error() : figures.error();
+    if (!figures) return stop_requested() ? interrupted_error() : figures.error();
     report.watch = *figures;
     report.facts = between(before, measured.facts());
     report.thread = grant.in_words();
@@ -272,14 +272,9 @@ bool says_yes() {
            "to 1.5 N look\nfor the largest stiffness (a minute or less; Ctrl-C ends it at once). n and Enter "
            "leaves that out. "
         << std::flush;
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    while (!interrupted()) {
-        if (poll(&input, 1, 50) <= 0) continue;
-        char line[64];
-        const auto typed = read(STDIN_FILENO, line, sizeof line);
-        return typed > 0 && line[0] == '\n';
-    }
-    return false;
+    char line[64];
+    return wait_unless_stopped(STDIN_FILENO, POLLIN) && read(STDIN_FILENO, line, sizeof line) > 0 &&
+           line[0] == '\n';
 }
 
 /// Why no spring may be tried; empty: one may.
@@ -294,7 +289,7 @@ std::string why_no_spring(const HapticDevice& device, bool hands_off) {
 /// What fails here is part of the report.
 Result<void> find_out_stiffness(const MeasuredDevice& measured, bool hands_off, DeviceReport& report) {
     report.no_stiffness = why_no_spring(*measured.device, hands_off);
-    if (interrupted()) return interrupted_error();
+    if (stop_requested()) return interrupted_error();
     if (!report.no_stiffness.empty()) return {};
     std::atomic<double> tried{0};
     RealtimeGrant grant;
@@ -308,7 +303,7 @@ Result<void> find_out_stiffness(const MeasuredDevice& measured, bool hands_off, 
         [&] {
             if (line.is_due()) line.show("trying " + std::to_string(std::lround(tried)) + " N/m, hands off");
         });
-    if (interrupted()) return interrupted_error();
+    if (stop_requested()) return interrupted_error();
     if (!found) {
         report.no_stiffness = found.error().message;
         return found.error();

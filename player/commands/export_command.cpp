@@ -324,7 +324,7 @@ Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportO
     number = std::max<std::int64_t>(0, options.first - (scene.filter.temporal ? temporal_warm_up_frames : 0));
     TRY(reader.seek(number));
     for (; !options.last || number <= *options.last; ++number) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         TRY_ASSIGN(auto raw, reader.next());
         if (!raw) break;
         raw->epoch = 1;  // not that of the frame that told the scale

@@ -13,12 +13,12 @@ extern "C" {
 #include <iterator>
 #include <ostream>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/gpu/gpu_commands.hpp"
-#include "player/run/terminal.hpp"
 #include "shaders/self_check.h"
 #include "shaders/self_check.spv.h"
 
@@ -212,7 +212,7 @@ Result<void> make_clip(const TouchDemand& demand, const fs::path& file, int fram
     TRY_ASSIGN(const auto source, make_scene("moving", options));
     TRY_ASSIGN(auto writer, create_clip(file, source->scene()));
     for (int n = 0; n < frames; ++n) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         TRY(writer->write(source->frame(n)));
     }
     return writer->finish();
@@ -225,7 +225,7 @@ Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures
     feed.forget_times();
     const double cpu_before = cpu_ms();
     for (int n = before; n < frames; ++n) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         TRY(feed.pair_at(setup.scene.rate.time_ns(n - 1)));
     }
     figures.frames = static_cast<int>(feed.frames()) - before;

@@ -153,7 +153,7 @@ int run(int argc, char** argv) {
     const Result<void> result = command();
     if (!result) {
         const int code = fail(app, result.error());
-        return interrupted() ? exit_code(ErrorKind::interrupted) : code;
+        return stop_requested() ? exit_code(ErrorKind::interrupted) : code;
     }
     const Result<void> told = flush_standard_output();
     return told ? 0 : fail(app, told.error());

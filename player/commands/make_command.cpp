@@ -75,7 +75,7 @@ Result<void> write_frames(const AnalyticScene& source, std::int64_t frames, Clip
     };
     std::future<RawFrame> made = make(0);
     for (std::int64_t n = 0; n < frames; ++n) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         progress.at(n + 1);
         const RawFrame frame = made.get();
         if (n + 1 < frames) made = make(n + 1);

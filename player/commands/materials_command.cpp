@@ -189,7 +189,7 @@ Result<Image> MaterialsRun::haptic_of(ClipReader& clip) {
     const std::int64_t wanted = options_.frame.value_or(0);
     Progress progress("looking at frame", wanted + 1);
     for (std::int64_t number = 0;; ++number) {
-        if (interrupted()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         progress.at(number + 1);
         TRY_ASSIGN(const auto frame, clip.next());
         if (!frame)

@@ -217,10 +217,8 @@ void Serving::say_where() const {
 }
 
 Result<void> Serving::send() {
-    while (audience_.there() < options_.listeners) {
-        if (interrupted()) return interrupted_error();
-        std::this_thread::sleep_for(serve_look_again);
-    }
+    const auto are_there = [this] { return audience_.there() >= options_.listeners; };
+    if (!wait_unless_stopped(are_there, serve_look_again)) return interrupted_error();
     std::vector<StreamSender::Channel> channels;
     for (auto* const form : {&matroska_, &mpegts_})
         if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
@@ -237,16 +235,15 @@ Result<void> Serving::send() {
         is_over = true;
     };
     TRY(start_thread(thread_, "stream-sender", "that reads and encodes", work));
-    while (!is_over && !interrupted()) std::this_thread::sleep_for(serve_look_again);
-    if (interrupted()) sender_->end();
+    if (!wait_unless_stopped([&] { return is_over.load(); }, serve_look_again)) sender_->end();
     thread_.join();
     for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
-    if (hls_ && sender_->figures().framesets > 0 && (sent || interrupted()))
+    if (hls_ && sender_->figures().framesets > 0 && (sent || stop_requested()))
         if (auto finished = hls_->finish(); !finished && sent) sent = finished;
-    if (!interrupted() && sent) wait_for_the_last();
+    if (!stop_requested() && sent) wait_for_the_last();
     cpu_ns_ = cpu_ns() - cpu_ns_;
     end_ns_ = time_.now_ns();
-    return interrupted() ? interrupted_error() : std::move(sent);
+    return stop_requested() ? interrupted_error() : std::move(sent);
 }
 
 bool Serving::is_all_given() const {
@@ -259,14 +256,13 @@ bool Serving::is_all_given() const {
 /// the longest latency.
 void Serving::wait_for_the_last() const {
     const std::chrono::seconds longest{outputs_.empty() ? 10 : 130};
-    const auto until = std::chrono::steady_clock::now() + longest;
-    while (!is_all_given() && !interrupted() && std::chrono::steady_clock::now() < until)
-        std::this_thread::sleep_for(serve_look_again);
+    const StopScope in_time(std::chrono::steady_clock::now() + longest);
+    (void)wait_unless_stopped([this] { return is_all_given(); }, serve_look_again);
 }
 
 /// A camera has no end of its own, as a recording that plays one has.
 std::optional<Error> Serving::lost_camera() const {
-    if (!options_.clip.plugged || !sender_->figures().clip_ended || interrupted()) return std::nullopt;
+    if (!options_.clip.plugged || !sender_->figures().clip_ended || stop_requested()) return std::nullopt;
     const auto remarks = sender_->remarks();
     return Error{ErrorKind::device, remarks.empty() ? "the camera gives no more frames" : remarks.back()};
 }
@@ -378,7 +374,7 @@ Result<void> Serving::run() {
     TRY(open_forms());
     TRY(open_places());
     const auto sent = send();
-    if (!sent && !interrupted()) return sent;
+    if (!sent && !stop_requested()) return sent;
     for (const auto& output : outputs_) output->end();
     server_.reset();
     if (!sender_) return sent;

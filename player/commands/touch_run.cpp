@@ -395,7 +395,7 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     if (!moment_ || !(reached_ || cut_short))
         return usage_error("--picture: the run ended before " + std::to_string(tick_) +
                            " ms, the moment to draw; --picture-at says another");
-    const StopScope drawing(StopScope::after_stop());  // of a run that a person has ended
+    const StopScope drawing = StopScope::after_stop();  // of a run that a person has ended
     TRY_ASSIGN(auto reader, setup.clip.open());
     // Frames of the GPU that also draws stay there; others are built here, whole.
     const bool on_gpu = setup.feed->builder_name() == "vulkan";

@@ -60,13 +60,13 @@ Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
 Result<void> StandardOutput::give_all() {
     using Clock = std::chrono::steady_clock;
     // What a live run has when a person ends it is still given.
-    const bool was_interrupted = pace_ == Pace::wall_clock && interrupted();
+    const bool was_interrupted = pace_ == Pace::wall_clock && stop_requested();
     std::size_t taken_before = written_;
     Clock::time_point since = Clock::now();
     while (!rest().empty()) {
         TRY_ASSIGN(const auto taken, give(look_ms));
         const bool waits = pace_ == Pace::wall_clock || taken == Taken::nothing_yet;
-        if (waits && !was_interrupted && interrupted()) return interrupted_error();
+        if (waits && !was_interrupted && stop_requested()) return interrupted_error();
         if (pace_ == Pace::own || rest().empty()) continue;
         if (written_ - taken_before >= least_taken) {
             taken_before = written_;

@@ -327,7 +327,7 @@ Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     };
     // The reader's oldest frame follows it before each build, so that a slot is free however far time jumps.
     while (!ended_ && !is_there()) {
-        if (given_up_.stop_requested()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         timeline_.pair_at(moment, pair);
         TRY(feed_next());
     }

@@ -6,7 +6,6 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <stop_token>
 
 #include "engine/base/result.hpp"
 #include "engine/base/same_bits.hpp"
@@ -204,9 +203,6 @@ public:
         return pair_of(0, 0, prev, next, blend);
     }
 
-    /// Once it is requested, `pair_at` waits for no frame any more: an error of kind interrupted.
-    void stop_at(std::stop_token given_up) { given_up_ = std::move(given_up); }
-
     // The parts, for a thread each (FeedThreads).
     /// What is read from now on is of this epoch: from the frame at its start on (the clip's last where that
     /// is beyond), and where a filter remembers from the warm-up before. By the thread that
@@ -274,7 +270,6 @@ private:
     void note_dropped(std::int64_t frames);
     Result<bool> build(const FedFrame& frame);
 
-    std::stop_token given_up_;
     std::unique_ptr<ClipReader> reader_;
     std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;

@@ -65,10 +65,6 @@ void catch_interrupts() {
     std::signal(SIGXFSZ, SIG_IGN);  // a file at its allowed size is an error of that write, told as any other
 }
 
-bool interrupted() {
-    return stop_requested();
-}
-
 void ignore_stop_keys() {
     for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(signal, SIG_IGN);
 }

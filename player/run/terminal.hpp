@@ -6,7 +6,7 @@
 // later than `same_wish` ends the program. Progress, of any work or of a run whose ticks it takes, and
 // LiveLine show on a terminal; Progress may also write lines into a log.
 //
-// Objects are one thread's; `interrupted` is any thread's.
+// Objects are one thread's.
 
 #include <filesystem>
 #include <functional>
@@ -25,9 +25,6 @@ inline constexpr std::chrono::milliseconds same_wish{300};
 /// after it ends the program at once. Those that are ignored already, as under nohup, stay so. A file-size
 /// limit no longer ends it at all.
 void catch_interrupts();
-
-/// True once the person asked to stop. Long work looks here between frames.
-bool interrupted();
 
 /// From now on neither Ctrl-Z nor a terminal stops the program: it would stop with a force on.
 void ignore_stop_keys();

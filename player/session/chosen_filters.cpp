@@ -12,13 +12,12 @@
 
 namespace touchable {
 
-Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
-                                    const std::stop_token& given_up) {
+Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene) {
     DepthEstimator estimator(scene);
     Prefetch ahead(std::move(reader));
     ChosenFilters measured;
     for (bool is_first = true; !estimator.enough(); is_first = false) {
-        if (interrupted() || given_up.stop_requested()) return interrupted_error();
+        if (stop_requested()) return interrupted_error();
         const auto frame = ahead.next();
         if (!frame && (is_first || frame.error().kind == ErrorKind::interrupted)) return frame.error();
         if (!frame) measured.damage = frame.error().message;
@@ -28,17 +27,16 @@ Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const S
     TRY_ASSIGN(auto clip, ahead.finish());
     reader = std::move(clip);
     measured.measured = estimator.measured();
-    if (interrupted() || given_up.stop_requested()) return interrupted_error();
+    if (stop_requested()) return interrupted_error();
     return measured;
 }
 
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
                                                     const UnstatedFilters& unstated, Scene& scene,
-                                                    const std::optional<ChosenFilters>& known,
-                                                    const std::stop_token& given_up) {
+                                                    const std::optional<ChosenFilters>& known) {
     if (!needs_measuring(unstated, scene)) return std::optional<ChosenFilters>();
     const bool automatic = scene.filter.terraces == TerraceRemoval::automatic;
-    TRY_ASSIGN(auto chosen, known ? Result<ChosenFilters>(*known) : measure_depth(reader, scene, given_up));
+    TRY_ASSIGN(auto chosen, known ? Result<ChosenFilters>(*known) : measure_depth(reader, scene));
     chosen.chosen = unstated;
     chosen.chosen.terraces = unstated.terraces || automatic;
     TRY(settle_filters(chosen.measured, unstated, scene));

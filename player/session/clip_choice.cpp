@@ -217,7 +217,7 @@ Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_f
     if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
     // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows
     // nothing.
-    const StopScope work(StopScope::for_all());
+    const StopScope work = StopScope::for_all();
     // Not known where reading fails.
     if (std::exchange(position_, std::nullopt) != number) TRY(clip_->seek(number));
     auto frame = clip_->next();
@@ -305,7 +305,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
             ": is touched as a camera, of which no later frame can tell what is behind a hole: "
             "leave filling from motion off");
     const Colour read = fill_from_motion ? Colour::wanted : colour;  // which tells what is behind
-    auto opened = !plugged        ? open_clip(file, scene_file, camera, read, {}, alignment)
+    auto opened = !plugged        ? open_clip(file, scene_file, camera, read, alignment)
                   : shared_camera ? shared_camera->open(*plugged, camera, scene_file)
                                   : open_plugged_camera(*plugged, camera, scene_file);
     if (fill_from_motion && opened) opened = with_filled_holes(std::move(*opened));
@@ -318,23 +318,18 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
     return reader;
 }
 
-Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour,
-                                       const std::stop_token& given_up) {
-    const WorkUntil until(given_up);
+Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour) {
     TRY_ASSIGN(auto reader, choice.open(colour));
     TRY_ASSIGN(auto wanted, applied(choice, reader->described()));
-    TRY_ASSIGN(auto chosen,
-               settle_filters(reader, wanted.unstated.filters, wanted.scene, choice.measured, given_up));
+    TRY_ASSIGN(auto chosen, settle_filters(reader, wanted.unstated.filters, wanted.scene, choice.measured));
     return ClipChoice::Opened{std::move(reader), std::move(wanted.scene), std::move(chosen)};
 }
 
 Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
-                                          const std::function<void(std::int64_t frame)>& progress,
-                                          const std::stop_token& given_up) {
+                                          const std::function<void(std::int64_t frame)>& progress) {
     if (choice.is_camera())
         return usage_error(
             "materials are painted on clips, whose segments can be found beforehand; this is a camera");
-    const WorkUntil until(given_up);
     ClipChoice own = choice;
     own.shared_clip.reset();
     own.relief.reset();  // heights tell nothing of segments

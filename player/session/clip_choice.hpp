@@ -17,7 +17,6 @@
 #include <deque>
 #include <map>
 #include <mutex>
-#include <stop_token>
 #include <thread>
 
 #include "engine/authoring/materials.hpp"
@@ -42,15 +41,13 @@ struct ChosenFilters {
     std::string damage{};                   ///< why the frames ended early; empty: they did not
 };
 /// Measures and chooses nothing (`chosen` stays empty). Needs a reader at the beginning, and leaves one that
-/// is there again. An error of kind interrupted once it was `given_up`.
-Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene,
-                                    const std::stop_token& given_up = {});
+/// is there again.
+Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene);
 /// Settles in the scene what is unstated (choose_filters), and levels that terrace removal needs. Nothing
 /// where nothing is open: then no frame is read. `known`: what was measured before; nothing: measure now.
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
                                                     const UnstatedFilters& unstated, Scene& scene,
-                                                    const std::optional<ChosenFilters>& known = {},
-                                                    const std::stop_token& given_up = {});
+                                                    const std::optional<ChosenFilters>& known = {});
 
 /// The filters of a scene and the reason for each: "terraces (levels 11.4 mm apart at 2 m), temporal for 3.2
 /// mm (noise 2.1 mm), no median (roughness 0.1 mm, 0.02 of a pixel's width)"; "stated" is the reason of those
@@ -252,17 +249,13 @@ private:
 Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words);
 
 /// Opens the clip; colour is decoded only where it is wanted. Refused (ErrorKind::usage) where what is wanted
-/// does not go with the clip. An error of kind interrupted soon after it was `given_up`, during any read or
-/// wait.
-Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour,
-                                       const std::stop_token& given_up = {});
+/// does not go with the clip.
+Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour);
 
 /// The segments of all frames of a clip, by a reader of its own, so that a run over it is not led to and
-/// fro. `progress` as read_segments has it. Refused (ErrorKind::usage) of a camera. Takes long; once it was
-/// `given_up`, an error of kind interrupted.
+/// fro. `progress` as read_segments has it. Refused (ErrorKind::usage) of a camera. Takes long.
 Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
-                                          const std::function<void(std::int64_t frame)>& progress,
-                                          const std::stop_token& given_up);
+                                          const std::function<void(std::int64_t frame)>& progress);
 
 /// What a person said of the clip on which its segments depend, so that they are the same where it is; empty:
 /// nothing.

@@ -130,7 +130,6 @@ Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, const Session
     setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(builder), setup.scene,
                                                setup.warm_up_frames, eye);
     if (!options.recorded) setup.feed->leave_out_hash();
-    setup.feed->stop_at(options.given_up);
     return {};
 }
 
@@ -460,7 +459,6 @@ Result<void> validate(const SessionOptions& options) {
 }
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options) {
-    const WorkUntil until(options.given_up);
     TRY(validate(options));
     auto setup = std::make_unique<TouchSetup>();
     setup->clip = options.clip;
@@ -477,8 +475,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
 
     TRY(take_held_device(*setup, options));
     TRY(repeat_hand(*setup, options));
-    TRY_ASSIGN(auto clip, open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out,
-                                      options.given_up));
+    TRY_ASSIGN(auto clip, open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out));
     if (options.recorded && options.clip.plugged) {
         setup->film = std::make_shared<CameraCapture>(clip.reader->described());
         clip.reader = with_film(std::move(clip.reader), setup->film);

@@ -25,7 +25,6 @@
 #include <memory>
 #include <mutex>
 #include <set>
-#include <stop_token>
 #include <string_view>
 #include <thread>
 
@@ -95,8 +94,8 @@ double whole_frames_ms_per_second(const BuilderChoice::Load& load);
 double lazy_ms_per_second(const BuilderChoice::Load& load);
 
 /// What `--builder auto` is: cpu, lazy or vulkan, and why. `has_gpu`, which opens a device, is asked only
-/// where whole frames cost so much that this pays: whether there is a GPU, and not a software Vulkan. Its name
-/// and why alone say something: a GPU's name and the fallback are the caller's.
+/// where whole frames cost so much that this pays: whether there is a GPU, and not a software Vulkan. Its
+/// name and why alone say something: a GPU's name and the fallback are the caller's.
 BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& has_gpu);
 
 /// What a person wants of the clip's clock, one command a line: "SECONDS play", "pause", "rate X", "seek
@@ -145,8 +144,6 @@ struct SessionOptions {
     /// Shared with the rest of the program; nothing: the run opens one of its own if it needs one.
     std::shared_ptr<RunGpu> gpu;
     bool watched = false;  ///< live: what the hand holds is shown, with its colour
-    /// The setup is wanted no more: it is then an error of kind interrupted, soon.
-    std::stop_token given_up{};
 };
 
 /// Refuses (ErrorKind::usage) what no run can be made of, whatever the clip, in the options' names.

@@ -510,9 +510,7 @@ private:
     void ask_and_wait(std::function<void()> errand) {
         const std::uint64_t number = ask(std::move(errand));
         std::unique_lock lock(mutex_);
-        constexpr std::chrono::milliseconds look_again{20};
-        while (!has_news_.wait_for(lock, look_again, [&] { return done_ >= number; }))
-            if (stop_requested()) return;
+        (void)wait_unless_stopped(has_news_, lock, [&] { return done_ >= number; });
     }
     /// Where the window is gone, that is why.
     Error why(const Error& error) {

@@ -14,8 +14,8 @@ namespace touchable {
 template <class Made>
 class LongWork {
 public:
-    /// Looks at the token between its steps, and gives up once it was asked to stop.
-    using Make = std::function<Result<Made>(const std::stop_token&)>;
+    /// Asks stop_requested between its steps, and gives up once that is true.
+    using Make = std::function<Result<Made>()>;
 
     /// As start_thread has them: the thread's name, and what it is for.
     template <std::size_t bytes>
@@ -35,7 +35,7 @@ public:
         else
             start_next();
     }
-    /// Nothing is wanted any more. Does not wait: what is on its way ends once it looks at its token, and
+    /// Nothing is wanted any more. Does not wait: what is on its way ends once it hears of it, and
     /// what is asked for next begins then.
     void let_go() {
         next_.reset();
@@ -43,7 +43,7 @@ public:
         work_->stop.request_stop();
         work_->is_wanted = false;
     }
-    /// As `give_up`, and waits until the work looks at its token.
+    /// As `give_up`, and waits until the work hears of it.
     void give_up() {
         let_go();
         if (work_ && work_->thread.joinable()) work_->thread.join();
@@ -107,7 +107,7 @@ private:
     /// Nothing thrown leaves the thread.
     static Result<Made> made_by(Work& work) {
         try {
-            return work.make(work.stop.get_token());
+            return work_until(work.stop.get_token(), work.make);
         } catch (const std::bad_alloc&) {
             return input_error(work.words + ": memory does not suffice");
         } catch (const std::exception& fault) {

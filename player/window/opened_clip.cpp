@@ -96,10 +96,9 @@ OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, Windo
 }
 
 Result<std::unique_ptr<OpenedClip>> OpenedClip::open(const PlayOptions& options, const ClipChoice& clip,
-                                                     const SessionSettings& settings, WindowSound& sound,
-                                                     const std::stop_token& given_up) {
+                                                     const SessionSettings& settings, WindowSound& sound) {
     std::unique_ptr<OpenedClip> made(new OpenedClip(options, clip, sound));
-    TRY(made->make_ready(settings, given_up));
+    TRY(made->make_ready(settings));
     return made;
 }
 
@@ -164,10 +163,9 @@ void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& setti
     if (clip_.shared_clip) clip_.shared_clip->forget_first_frames();
 }
 
-Result<void> OpenedClip::make_ready(const SessionSettings& settings, const std::stop_token& given_up) {
+Result<void> OpenedClip::make_ready(const SessionSettings& settings) {
     if (options_.hand) TRY(options_.hand->open());
     SessionOptions session = session_options(settings, clip_.painted);
-    session.given_up = given_up;
     TRY_ASSIGN(auto setup, setup_from_options(session));
     TouchSetup& s = *setup;
     name_ = s.clip.file.filename().empty() ? s.clip.file.parent_path().filename().string()
@@ -275,15 +273,13 @@ std::vector<PlaybackCommand> OpenedClip::choose_begin(Change& change, std::int64
 }
 
 Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
-                                               std::shared_ptr<const PaintedSegments> painted,
-                                               const std::stop_token& given_up) const {
+                                               std::shared_ptr<const PaintedSegments> painted) const {
     using Clock = std::chrono::steady_clock;
     Change change;
     change.settings = settings;
     change.painted = painted;
     Clock::time_point chosen_at;
     SessionOptions session = session_options(settings, std::move(painted));
-    session.given_up = given_up;
     session.workspace = workspace_;
     // A camera's time only goes on, and begins with each of its runs.
     session.late_playback = [&]() -> std::vector<PlaybackCommand> {

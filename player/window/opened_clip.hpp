@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
-#include <stop_token>
 
 #include "device/haptic_device.hpp"
 #include "engine/base/result.hpp"
@@ -45,10 +44,9 @@ private:
 class OpenedClip {
 public:
     /// As `options` say, which outlive it, over `clip` and by these settings; ready to be begun. `sound`
-    /// outlives it too. Takes long; on any thread. Once it was `given_up`, an error of kind interrupted.
+    /// outlives it too. Takes long; on any thread.
     static Result<std::unique_ptr<OpenedClip>> open(const PlayOptions& options, const ClipChoice& clip,
-                                                    const SessionSettings& settings, WindowSound& sound,
-                                                    const std::stop_token& given_up = {});
+                                                    const SessionSettings& settings, WindowSound& sound);
     /// Begins its session, and a recording of it where one is asked for. Once, when no other clip runs any
     /// more.
     Result<void> begin();
@@ -68,8 +66,8 @@ public:
     };
     /// Takes long; on any thread, while the session goes on and is not changed. Refused mostly
     /// (ErrorKind::usage) where the clip does not go with the settings.
-    Result<Change> prepare(const SessionSettings& settings, std::shared_ptr<const PaintedSegments> painted,
-                           const std::stop_token& given_up = {}) const;
+    Result<Change> prepare(const SessionSettings& settings,
+                           std::shared_ptr<const PaintedSegments> painted) const;
     Result<Change> prepare(const SessionSettings& settings) const { return prepare(settings, clip_.painted); }
     /// Whether the clip, as it plays, has come to where the change begins, or will not.
     bool has_come_to(const Change& change) const;
@@ -139,7 +137,7 @@ private:
     OpenedClip(const PlayOptions& options, const ClipChoice& clip, WindowSound& sound);
     SessionOptions session_options(const SessionSettings& settings,
                                    std::shared_ptr<const PaintedSegments> painted) const;
-    Result<void> make_ready(const SessionSettings& settings, const std::stop_token& given_up);
+    Result<void> make_ready(const SessionSettings& settings);
     bool goes_on_to(const Change& change, const PlaybackState& now) const;
     std::vector<PlaybackCommand> choose_begin(Change& change, std::int64_t reading_ns) const;
     bool is_left_behind(const Change& change) const;

@@ -30,6 +30,7 @@ PersistentDevice::~PersistentDevice() {
 
 Result<void> PersistentDevice::open() {
     if (state() != State::closed) return {};
+    const StopScope work = StopScope::for_all();  // whichever clip is given up meanwhile
     TRY(device_->open());
     state_.store(State::open, std::memory_order_release);
     return {};

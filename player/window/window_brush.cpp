@@ -110,18 +110,13 @@ void WindowBrush::begin() {
                            .opened_as = segments_depend_on(choice)};
     frames_read_ = std::make_shared<std::atomic<std::int64_t>>(0);
     work_.ask("segments",
-              [choice, files, read = frames_read_, is_history_late = files_.waits_for(files.history())](
-                  const std::stop_token& given_up) -> Result<Work> {
-                  const WorkUntil until(given_up);
-                  TRY_ASSIGN(auto segments, read_chosen_segments(
-                                                choice,
-                                                [&read](std::int64_t frame) {
-                                                    read->store(frame, std::memory_order_relaxed);
-                                                },
-                                                given_up));
+              [choice, files, read = frames_read_,
+               is_history_late = files_.waits_for(files.history())]() -> Result<Work> {
+                  TRY_ASSIGN(auto segments, read_chosen_segments(choice, [&read](std::int64_t frame) {
+                                 read->store(frame, std::memory_order_relaxed);
+                             }));
                   // Of a clip that was left just now the changes are read once they are written.
-                  while (is_history_late() && !stop_requested())
-                      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                  (void)wait_unless_stopped([&] { return !is_history_late(); }, std::chrono::milliseconds(5));
                   TRY_ASSIGN(auto begun, KeptBrush::begin(std::move(segments), files));
                   std::string words = begun.begun_with();
                   if (words.empty()) words = "each segment feels as guessed: choose a material and click one";
@@ -139,13 +134,11 @@ void WindowBrush::do_next() {
         return asked_.pop_front();
     }
     frames_read_.reset();
-    work_.ask("changing segments",
-              [brush = brush_, command](const std::stop_token& given_up) -> Result<Work> {
-                  const WorkUntil until(given_up);
-                  Work done{brush, done_by(brush->brush(), command)};
-                  if (done.said) done.history = brush->history();
-                  return done;
-              });
+    work_.ask("changing segments", [brush = brush_, command]() -> Result<Work> {
+        Work done{brush, done_by(brush->brush(), command)};
+        if (done.said) done.history = brush->history();
+        return done;
+    });
 }
 
 /// What the thread has done, if it has.

@@ -49,19 +49,18 @@ void WindowLoop::ask_for_first_clip() {
 
 /// Settings that do not go with the clip are not in effect then; they stay kept for another one. Those of the
 /// relief are the first to go.
-Result<WindowLoop::Ready> WindowLoop::open_clip(ClipChoice choice, const TwoSettings& kept,
-                                                const std::stop_token& given_up) {
+Result<WindowLoop::Ready> WindowLoop::open_clip(ClipChoice choice, const TwoSettings& kept) {
     choice.share_clip();
-    auto opened = OpenedClip::open(options_, choice, kept.now(), *sound_, given_up);
+    auto opened = OpenedClip::open(options_, choice, kept.now(), *sound_);
     if (opened) return Ready{.clip = std::move(*opened), .settings = {kept, kept}};
     const std::string why = opened.error().message;
     TwoSettings tried = kept;
     for (const bool all : {false, true}) {
         TwoSettings in_effect = kept;
         (kept.b_is_on ? *in_effect.b : in_effect.a) = all ? SessionSettings{} : without_relief(kept.now());
-        if (in_effect == tried || given_up.stop_requested()) continue;
+        if (in_effect == tried || stop_requested()) continue;
         tried = in_effect;
-        opened = OpenedClip::open(options_, choice, in_effect.now(), *sound_, given_up);
+        opened = OpenedClip::open(options_, choice, in_effect.now(), *sound_);
         if (!opened) continue;
         return Ready{.clip = std::move(*opened),
                      .settings = {kept, in_effect},
@@ -73,11 +72,11 @@ Result<WindowLoop::Ready> WindowLoop::open_clip(ClipChoice choice, const TwoSett
 /// `choice`, which is the list's now; where it cannot be opened, the first that can be of those `by` which
 /// the list is gone through, each once; 0: of no other.
 Result<WindowLoop::Ready> WindowLoop::open_first(Playlist list, int by, ClipChoice choice,
-                                                 const TwoSettings& kept, const std::stop_token& given_up) {
+                                                 const TwoSettings& kept) {
     std::vector<Error> skipped;
     for (std::size_t tries = list.size(); tries > 0; --tries) {
-        auto opened = open_clip(std::move(choice), kept, given_up);
-        if (!opened && (opened.error().kind == ErrorKind::interrupted || given_up.stop_requested()))
+        auto opened = open_clip(std::move(choice), kept);
+        if (!opened && (opened.error().kind == ErrorKind::interrupted || stop_requested()))
             return opened.error();
         if (!opened) skipped.push_back(opened.error());
         const ClipChoice* const other = !opened && by != 0 ? list.go(by) : nullptr;
@@ -99,10 +98,9 @@ void WindowLoop::ask_for_clip(const Playlist& list, int by, const ClipChoice& ch
     asked_settings_.reset();
     wanted_list_ = list;
     next_is_paused_ = false;
-    opening_.ask("opening " + title_of(choice.file),
-                 [this, list, by, choice, kept = settings_.kept](const std::stop_token& given_up) {
-                     return open_first(list, by, choice, kept, given_up);
-                 });
+    opening_.ask("opening " + title_of(choice.file), [this, list, by, choice, kept = settings_.kept] {
+        return open_first(list, by, choice, kept);
+    });
 }
 
 /// The first of them, and of the clips in folders among them, that can be opened. A folder may lie on a disk
@@ -114,32 +112,28 @@ void WindowLoop::ask_for_named(std::vector<std::string> named) {
     next_is_paused_ = false;
     const std::string words = "opening " + title_of(named.front());
     const auto open = [this, named = std::move(named), kept = settings_.kept,
-                       wraps = kiosk_.has_value()](const std::stop_token& given_up) -> Result<Ready> {
-        const auto is_over = [&given_up] { return given_up.stop_requested() || stop_requested(); };
-        const auto files = unless_stopped(
-            [named, list = options_.clips_of] {
-                std::vector<std::filesystem::path> all;
-                for (const std::string& name : named)
-                    for (auto& file : list(name)) all.push_back(std::move(file));
-                return all;
-            },
-            is_over);
-        if (!files) return Error{ErrorKind::interrupted, "interrupted"};
+                       wraps = kiosk_.has_value()]() -> Result<Ready> {
+        const auto files = unless_stopped([named, list = options_.clips_of] {
+            std::vector<std::filesystem::path> all;
+            for (const std::string& name : named)
+                for (auto& file : list(name)) all.push_back(std::move(file));
+            return all;
+        });
+        if (!files) return interrupted_error();
         std::vector<ClipChoice> clips;
         for (const auto& file : *files) clips.emplace_back().file = file;
         Playlist list(std::move(clips), wraps);
         const ClipChoice first = list.now();
-        return open_first(std::move(list), 1, first, kept, given_up);
+        return open_first(std::move(list), 1, first, kept);
     };
     opening_.ask(words, open);
 }
 
 void WindowLoop::ask_for_change(const WindowSettings& wanted) {
-    opening_.ask("changing to " + in_words(wanted),
-                 [clip = clip_.get(), wanted](const std::stop_token& given_up) -> Result<Ready> {
-                     TRY_ASSIGN(auto change, clip->prepare(wanted.in_effect.now(), wanted.painted, given_up));
-                     return Ready{.clip = nullptr, .change = std::move(change), .settings = wanted};
-                 });
+    opening_.ask("changing to " + in_words(wanted), [clip = clip_.get(), wanted]() -> Result<Ready> {
+        TRY_ASSIGN(auto change, clip->prepare(wanted.in_effect.now(), wanted.painted));
+        return Ready{.clip = nullptr, .change = std::move(change), .settings = wanted};
+    });
 }
 
 /// One after the other: a key that is held shows each clip that there is time for, and in the end the

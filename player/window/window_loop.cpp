@@ -8,9 +8,9 @@
 #include <ctime>
 #include <iostream>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/run/terminal.hpp"
 
 namespace touchable {
 namespace {
@@ -148,7 +148,7 @@ Result<void> WindowLoop::open_graphics_anew(const Error& error) {
 
 Result<PlayFigures> WindowLoop::run() {
     Result<void> ended = open();
-    while (ended && !interrupted() && (!quit_ || has_to_stay())) ended = turn();
+    while (ended && !stop_requested() && (!quit_ || has_to_stay())) ended = turn();
     return end(std::move(ended));
 }
 
@@ -319,7 +319,7 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     end_log(ended);
     if (!clip_) return end_without_clip(std::move(ended));
     Result<void> kept;
-    const bool is_kept = ended && options_.screenshot && !interrupted();
+    const bool is_kept = ended && options_.screenshot && !stop_requested();
     if (is_kept) {
         ended = draw_newest();
         if (ended) kept = keep_picture(*options_.screenshot);
@@ -333,7 +333,7 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     // However the window ends.
     for (const std::string& line : measured_) std::printf("%-24s%s\n", "measured", line.c_str());
     note_last_failure();
-    const bool is_filmed = film_ && (begun_ || !interrupted());
+    const bool is_filmed = film_ && (begun_ || !stop_requested());
     const Result<void> filmed = is_filmed ? film_->finish(now_s()) : Result<void>();
     if (film_) figures_.film_pictures = film_->pictures();
     if (film_) figures_.film_left_out = film_->left_out();
@@ -341,23 +341,23 @@ Result<PlayFigures> WindowLoop::end(Result<void> ended) {
     figures_.materials = brush_.unsaved_words();
     kept = finish_screenshots(is_kept, std::move(kept));
     const bool has_failed =
-        failure_ && failure_->kind != ErrorKind::interrupted && !(kiosk_ && interrupted());
+        failure_ && failure_->kind != ErrorKind::interrupted && !(kiosk_ && stop_requested());
     const Result<void> failed = has_failed ? Result<void>(*failure_) : Result<void>();
     TRY(all_ok({ended, failed, recorded, heard, filmed, kept, saved, results}));
-    if (interrupted()) return interruption();
+    if (stop_requested()) return interruption();
     return std::move(figures_);
 }
 
 /// Closed while the first clip was opened, or waited for; or it cannot be opened.
 Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
     opening_.let_go();
-    const bool is_kept = ended && begun_ && options_.screenshot && !interrupted();
+    const bool is_kept = ended && begun_ && options_.screenshot && !stop_requested();
     if (is_kept) {
         ended = draw_opening();
         if (ended) ended = keep_picture(*options_.screenshot);
     }
     if (ended = finish_screenshots(is_kept, std::move(ended)); !ended) return ended.error();
-    if (interrupted()) return interruption();
+    if (stop_requested()) return interruption();
     if (failure_) return *failure_;
     figures_.seconds = now_s();
     return std::move(figures_);
@@ -366,10 +366,10 @@ Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
 /// Waits for their disk, but not for ever.
 Result<void> WindowLoop::write_settings() const {
     if (!options_.settings_file) return {};
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    const StopScope goes_on = StopScope::after_stop();
+    const StopScope in_time(std::chrono::steady_clock::now() + std::chrono::seconds(2));
     const auto written =
-        unless_stopped([file = settings_file_, kept = to_keep()] { return file.write(kept); },
-                       [until] { return std::chrono::steady_clock::now() >= until; });
+        unless_stopped([file = settings_file_, kept = to_keep()] { return file.write(kept); });
     if (written) return *written;
     return disk_does_not_answer(*options_.settings_file);
 }
@@ -417,7 +417,7 @@ Result<void> WindowLoop::finish_screenshots(bool is_kept, Result<void> kept) {
 /// interrupted.
 Result<void> WindowLoop::finish_brush() {
     Result<void> saved = brush_.finish();
-    if (interrupted()) saved = {};
+    if (stop_requested()) saved = {};
     for (const auto& remark : brush_.take_news().remarks)
         if (remark.tone != Tone::remark && (saved || remark.words != saved.error().message))
             warn(remark.words);

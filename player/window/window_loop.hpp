@@ -204,9 +204,8 @@ private:
     // Clips and settings that come and go (window_clips.cpp).
     bool waits_for_wish() const { return !clip_ && options_.session.clip.file.empty(); }
     void ask_for_first_clip();
-    Result<Ready> open_clip(ClipChoice choice, const TwoSettings& kept, const std::stop_token& given_up);
-    Result<Ready> open_first(Playlist list, int by, ClipChoice choice, const TwoSettings& kept,
-                             const std::stop_token& given_up);
+    Result<Ready> open_clip(ClipChoice choice, const TwoSettings& kept);
+    Result<Ready> open_first(Playlist list, int by, ClipChoice choice, const TwoSettings& kept);
     void ask_for_clip(const Playlist& list, int by, const ClipChoice& choice);
     void ask_for_named(std::vector<std::string> named);
     void ask_for_change(const WindowSettings& wanted);

@@ -126,7 +126,7 @@ TEST(LeftAlone, AClipThatSomebodyGaveUp) {
         EXPECT_LE(n, 20);
         return StillScene{}.frame(n);
     });
-    const WorkUntil until(person.get_token());
+    const StopScope until(person.get_token());
     const auto given_up = with_filled_holes(std::move(clip));
     ASSERT_FALSE(given_up);
     EXPECT_EQ(given_up.error().kind, ErrorKind::interrupted);

@@ -219,7 +219,7 @@ TEST(FramesetCamera, OpeningEndsWhenItIsGivenUp) {
         if (pipe) sender.choice = {.command = "exec sleep 1000"};
         std::stop_source given_up;
         auto opening = std::async(std::launch::async, [&] {
-            const WorkUntil until(given_up.get_token());
+            const StopScope until(given_up.get_token());
             return open_frameset_camera(sender.choice);
         });
         given_up.request_stop();

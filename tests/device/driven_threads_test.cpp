@@ -30,7 +30,7 @@ public:
     int fingers() const override { return 1; }
     DeviceLimits limits() const override { return {10, 3000}; }
     DeviceCapabilities capabilities() const override { return {}; }
-    Result<void> connect(const GivenUp&) override {
+    Result<void> connect() override {
         if (!hardware_.plugged) return gone();
         ++hardware_.connections;
         return {};

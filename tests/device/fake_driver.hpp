@@ -57,7 +57,7 @@ public:
     int fingers() const override { return 1; }
     DeviceLimits limits() const override { return {10, 3000}; }
     DeviceCapabilities capabilities() const override { return {.reach = glm::dvec3(0.1), .buttons = 2}; }
-    Result<void> connect(const GivenUp&) override {
+    Result<void> connect() override {
         if (!hardware_.plugged && !hardware_.not_opened_because.empty())
             return Error{ErrorKind::device, hardware_.not_opened_because};
         if (!hardware_.plugged) return hardware_.gone();

@@ -51,7 +51,7 @@ protected:
             std::move(clock));
     }
     void connect(FalconDriver& driver) {
-        const auto connected = driver.connect([] { return false; });
+        const auto connected = driver.connect();
         ASSERT_TRUE(connected) << connected.error().message;
     }
     /// As the device's thread does it.
@@ -86,7 +86,7 @@ TEST_F(Falcon, OneThatRunsIsOnlyAsked) {
 
 TEST_F(Falcon, WithoutFirmwareItSaysHowToGiveIt) {
     falcon->has_firmware = false;
-    const auto connected = driver_for()->connect([] { return false; });
+    const auto connected = driver_for()->connect();
     ASSERT_FALSE(connected);
     EXPECT_EQ(connected.error().kind, ErrorKind::device);
     EXPECT_NE(connected.error().message.find("has no firmware"), std::string::npos);
@@ -145,7 +145,7 @@ TEST_F(Falcon, LoadingThatNeverSucceedsSaysWhere) {
     std::string message;
     const auto refused = [&] {
         falcon->blocks.clear();
-        const auto connected = driver_for(falcon->image)->connect([] { return false; });
+        const auto connected = driver_for(falcon->image)->connect();
         return connected ? std::string() : connected.error().message;
     };
     falcon->spoil_echo = [&](const std::string& block) {
@@ -165,7 +165,7 @@ TEST_F(Falcon, AFileThatIsNotItsFirmwareIsNotTakenForIt) {
     in_vain = true;
     falcon->has_firmware = false;
     falcon->image = some_image(2000);
-    const auto connected = driver_for(some_image(1500))->connect([] { return false; });
+    const auto connected = driver_for(some_image(1500))->connect();
     ASSERT_FALSE(connected);
     EXPECT_NE(connected.error().message.find("is the file its firmware?"), std::string::npos);
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
@@ -174,7 +174,13 @@ TEST_F(Falcon, AFileThatIsNotItsFirmwareIsNotTakenForIt) {
 TEST_F(Falcon, LoadingIsGivenUpInTheMiddle) {
     falcon->has_firmware = false;
     falcon->image = some_image(8000);
-    const auto connected = driver_for(falcon->image)->connect([this] { return falcon->blocks.size() >= 20; });
+    std::stop_source given_up;
+    falcon->spoil_echo = [&](const std::string& block) {
+        if (falcon->blocks.size() >= 20) given_up.request_stop();
+        return block;
+    };
+    const auto connected =
+        work_until(given_up.get_token(), [&] { return driver_for(falcon->image)->connect(); });
     ASSERT_FALSE(connected);
     EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
     EXPECT_LT(falcon->blocks.size(), 25U);
@@ -351,7 +357,7 @@ TEST_F(Falcon, UnpluggedInTheMiddleIsAnErrorAndNoMore) {
     ASSERT_FALSE(gone);
     EXPECT_EQ(gone.error().message, "fake: was unplugged");
     driver->disconnect();
-    EXPECT_FALSE(driver->connect([] { return false; }));
+    EXPECT_FALSE(driver->connect());
     falcon->plugged = true;
     connect(*driver);
     EXPECT_NE(driver->prompt(), "");  // homing is believed anew

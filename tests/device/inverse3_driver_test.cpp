@@ -63,10 +63,10 @@ class WireService final : public HaplyService {
 public:
     explicit WireService(Wire& wire) : wire_(wire) {}
     std::string address() const override { return "ws://wire"; }
-    Result<std::string> get(const std::string& path, std::chrono::milliseconds, const GivenUp&) override {
+    Result<std::string> get(const std::string& path, std::chrono::milliseconds) override {
         return path == "/version" ? wire_.version : R"({"ok":true,"data":)" + wire_.scale + "}";
     }
-    Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds, const GivenUp&) override {
+    Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds) override {
         wire_.coming.push_front(wire_.state);
         return std::unique_ptr<Transport>(std::make_unique<WireTransport>(wire_));
     }
@@ -84,7 +84,7 @@ struct Driven {
     explicit Driven(Inverse3Choice choice = {})
         : driver(std::move(choice), std::make_unique<WireService>(wire), [this] { return wire.now_ns; }) {}
 
-    Result<void> connect() { return driver.connect({}); }
+    Result<void> connect() { return driver.connect(); }
     Result<void> push(const glm::dvec3& newtons) { return driver.send(std::span(&newtons, 1)); }
     std::string refusal() {
         const auto connected = connect();
@@ -349,7 +349,9 @@ TEST(Inverse3Driver, WhateverComesItEndsWithZeroAndTellsNumbers) {
 TEST(Inverse3Driver, GivesUpConnectingWhenItIsToldTo) {
     Driven driven;
     driven.wire.state = "garbage";
-    const auto connected = driven.driver.connect([] { return true; });
+    std::stop_source given_up;
+    given_up.request_stop();
+    const auto connected = work_until(given_up.get_token(), [&] { return driven.connect(); });
     ASSERT_FALSE(connected);
     EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
 }

@@ -74,11 +74,11 @@ private:
     public:
         explicit Service(FaultyInverse3& to) : to_(to) {}
         std::string address() const override { return "ws://fake"; }
-        Result<std::string> get(const std::string& path, std::chrono::milliseconds, const GivenUp&) override {
+        Result<std::string> get(const std::string& path, std::chrono::milliseconds) override {
             if (to_.line.is_cut()) return cut();
             return path == "/version" ? std::string(R"({"project_version":"3.5.0.0"})") : std::string();
         }
-        Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds, const GivenUp&) override {
+        Result<std::unique_ptr<Transport>> connect(std::chrono::milliseconds) override {
             if (to_.line.is_cut()) return cut();
             to_.line.clear();
             to_.answer();

@@ -198,7 +198,7 @@ TEST(Inverse3Session, TheZeroForcePacketLeavesTheArmLimp) {
     FakeHaplyService service({});
     Inverse3Choice choice;
     Inverse3Driver driver(choice, std::make_unique<LocalHaplyService>(service.port()));
-    const auto connected = driver.connect({});
+    const auto connected = driver.connect();
     ASSERT_TRUE(connected) << connected.error().message;
     const glm::dvec3 push(0, 0, -4);
     ASSERT_TRUE(driver.send(std::span(&push, 1)));

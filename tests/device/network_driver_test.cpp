@@ -77,7 +77,7 @@ private:
 class NetworkHand : public testing::Test {
 protected:
     NetworkHand() {
-        auto connected = driver.connect([] { return false; });
+        auto connected = driver.connect();
         EXPECT_TRUE(connected) << connected.error().message;
     }
     bool hears(const glm::dvec3& place, int patience_ms = 1000) {
@@ -138,7 +138,7 @@ TEST(NetworkHandFrom, OnlyPacketsOfTheAddressThatIsNamedCount) {
     for (const auto& [from, counts] : {std::pair{"127.0.0.1", true}, std::pair{"192.0.2.7", false}}) {
         settings.from = from;
         NetworkDriver driver(settings);
-        ASSERT_TRUE(driver.connect([] { return false; }));
+        ASSERT_TRUE(driver.connect());
         EXPECT_NE(driver.prompt().find(std::string(", from ") + from + " alone"), std::string::npos)
             << driver.prompt();
         EXPECT_EQ(takes_one_from_here(driver), counts) << from;
@@ -153,7 +153,7 @@ TEST(NetworkHandFrom, ThatAnybodyMayTouchIsSaidWhereThatIsSo) {
          {std::pair{"0.0.0.0", true}, std::pair{"::", true}, std::pair{"127.0.0.1", false},
           std::pair{"127.0.0.2", false}, std::pair{"::1", false}}) {
         NetworkDriver driver({.listen = listen, .port = unused_port()});
-        if (!driver.connect([] { return false; })) continue;  // a machine without IPv6
+        if (!driver.connect()) continue;  // a machine without IPv6
         EXPECT_EQ(driver.prompt().find("ANY machine") != std::string::npos, anybody) << driver.prompt();
     }
 }
@@ -164,7 +164,7 @@ TEST(NetworkHandFrom, ThatIsNoAddressIsRefused) {
     EXPECT_EQ(settings.error().kind, ErrorKind::usage);
     EXPECT_NE(settings.error().message.find("from=my-robot"), std::string::npos) << settings.error().message;
     NetworkDriver driver({.listen = "127.0.0.1", .port = unused_port(), .from = "my-robot"});
-    EXPECT_FALSE(driver.connect([] { return false; })) << "and lets nobody touch";
+    EXPECT_FALSE(driver.connect()) << "and lets nobody touch";
 }
 
 /// While this process stood still.

@@ -36,7 +36,7 @@ private:
 std::unique_ptr<ReplayDriver> replay(const std::string& text, nanoseconds& time) {
     auto driver = read_recorded_device(text, std::make_unique<HandClock>(time));
     EXPECT_TRUE(driver) << (driver ? "" : driver.error().message);
-    EXPECT_TRUE((*driver)->connect({}));
+    EXPECT_TRUE((*driver)->connect());
     return std::move(*driver);
 }
 
@@ -86,7 +86,7 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_FALSE(*driver->receive(sample, milliseconds(5)));
     driver->disconnect();
     EXPECT_FALSE(driver->receive(sample, milliseconds(5)));
-    ASSERT_TRUE(driver->connect({})) << "and again from the start";
+    ASSERT_TRUE(driver->connect()) << "and again from the start";
     EXPECT_FALSE(driver->is_over());
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
     EXPECT_EQ(sample.metres[0], glm::dvec3(0.1, 0.2, 0.3));

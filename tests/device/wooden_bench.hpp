@@ -70,9 +70,7 @@ struct Bench {
             },
             [wire = wire] { return wire->now_ns(); });
     }
-    Result<void> connect() {
-        return driver->connect([] { return false; });
-    }
+    Result<void> connect() { return driver->connect(); }
     /// As the device's thread does.
     Result<bool> turn(const glm::dvec3& newtons) {
         const std::array<glm::dvec3, 1> forces{newtons};

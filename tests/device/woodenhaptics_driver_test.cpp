@@ -232,7 +232,9 @@ TEST(WoodenDriver, ABoardWithoutCommandsIsRefused) {
 TEST(WoodenDriver, WaitingForItCanBeGivenUp) {
     Bench bench;
     bench.board->silent = true;
-    const auto connected = bench.driver->connect([] { return true; });
+    std::stop_source given_up;
+    given_up.request_stop();
+    const auto connected = work_until(given_up.get_token(), [&] { return bench.connect(); });
     ASSERT_FALSE(connected);
     EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
 }

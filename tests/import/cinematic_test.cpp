@@ -54,7 +54,7 @@ TEST(Cinematic, DisparityIsDepthAndTheFilmIsItsColour) {
     if (std::system("command -v ffmpeg >/dev/null") != 0) GTEST_SKIP() << "there is no ffmpeg";
     write_cinematic(folder / "IMG_0001.MOV");
     if (HasFatalFailure()) return;
-    auto clip = open_clip(folder / "IMG_0001.MOV", {}, {}, Colour::wanted, {}, DepthAlignment::off);
+    auto clip = open_clip(folder / "IMG_0001.MOV", {}, {}, Colour::wanted, DepthAlignment::off);
     ASSERT_EQ(message(clip), "");
     const Scene& scene = (*clip)->scene();
     EXPECT_EQ(scene.width, disparity_width);

@@ -361,7 +361,7 @@ TEST(EstimatedValues, MedianIsExact) {
 
 TEST(EstimatedValues, EndsWhenStopped) {
     std::stop_source given_up;
-    const WorkUntil until(given_up.get_token());
+    const StopScope until(given_up.get_token());
     EXPECT_TRUE(estimate_values(words(3, {1, 2, 3})).any);
     given_up.request_stop();
     EXPECT_FALSE(estimate_values(words(3, {1, 2, 3})).any);

@@ -103,7 +103,7 @@ Ending open_on(const std::filesystem::path& clip, int answers) {
         asked = Clock::now();
         given_up.request_stop();
     });
-    const auto reader = open_clip(clip, {}, {}, Colour::wanted, given_up.get_token());
+    const auto reader = work_until(given_up.get_token(), [&] { return open_clip(clip); });
     const auto ended = Clock::now();
     over.request_stop();
     person.join();
@@ -158,17 +158,17 @@ TEST(GivenUp, WorkWithinWork) {
     std::stop_source around, within;
     EXPECT_FALSE(stop_requested());
     {
-        const WorkUntil outer(around.get_token());
+        const StopScope outer(around.get_token());
         {
-            const WorkUntil inner(within.get_token());
+            const StopScope inner(within.get_token());
             EXPECT_FALSE(stop_requested());
             around.request_stop();
             EXPECT_TRUE(stop_requested()) << "who gives up all gives up each part";
-            const auto rules = StopScope::current();
+            const StopScope* const of_this_thread = StopScope::current();
             std::thread([&] {
                 EXPECT_FALSE(stop_requested()) << "of this thread alone";
                 {
-                    const StopScope part(rules);
+                    const StopScope part(of_this_thread);
                     EXPECT_TRUE(stop_requested()) << "but for what it does a part of";
                 }
                 EXPECT_FALSE(stop_requested());
@@ -179,7 +179,7 @@ TEST(GivenUp, WorkWithinWork) {
     EXPECT_FALSE(stop_requested());
     {
         within.request_stop();
-        const WorkUntil inner(within.get_token());
+        const StopScope inner(within.get_token());
         EXPECT_TRUE(stop_requested());
     }
 }

@@ -143,7 +143,7 @@ TEST_P(LargePicture, EndsWhenStopped) {
     auto bytes = read_picture_bytes(file);
     ASSERT_EQ(message(bytes), "");
     std::stop_source given_up;
-    const WorkUntil until(given_up.get_token());
+    const StopScope until(given_up.get_token());
     given_up.request_stop();
     // The decoders themselves, where they last: `decode_stored_image` does not begin once it is stopped.
     const std::map<std::string, Result<StoredImage> (*)(std::string_view, const std::string&)> decoders{

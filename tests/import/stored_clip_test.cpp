@@ -258,7 +258,7 @@ TEST_F(StoredClipsOfFloats, TheSearchForItsRangeIsGivenUp) {
         return TrackPicture{std::move(stored)};
     };
     taken();
-    const WorkUntil until(person.get_token());
+    const StopScope until(person.get_token());
     const auto clip = opened(20);
     ASSERT_FALSE(clip);
     EXPECT_EQ(clip.error().kind, ErrorKind::interrupted);

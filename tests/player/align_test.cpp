@@ -105,7 +105,7 @@ TEST_F(PumpingFolder, OfAClipOfOursIsAlignedByWhateverWritesItAnew) {
         run_touchable({"convert", pictures(), raw, "--preset", "relative-inverse", "--align", "off"}).code,
         0);
     const auto hash_of_depth = [&](const std::string& file, DepthAlignment alignment) {
-        auto clip = open_clip(file, {}, {}, Colour::wanted, {}, alignment);
+        auto clip = open_clip(file, {}, {}, Colour::wanted, alignment);
         EXPECT_TRUE(clip) << file;
         ByteHash hash;
         while (clip) {

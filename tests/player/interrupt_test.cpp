@@ -15,13 +15,13 @@ namespace {
 [[noreturn]] void be_asked(std::initializer_list<int> signals, std::chrono::milliseconds last_after) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
     catch_interrupts();
-    if (interrupted()) std::_Exit(1);
+    if (stop_requested()) std::_Exit(1);
     int left = static_cast<int>(signals.size());
     for (const int signal : signals) {
         if (--left == 0) std::this_thread::sleep_for(last_after);
         std::raise(signal);
     }
-    std::_Exit(interrupted() ? 0 : 1);
+    std::_Exit(stop_requested() ? 0 : 1);
 }
 
 using std::chrono::milliseconds;

@@ -125,7 +125,7 @@ TEST_F(Shared, AFrameIsReadToItsEndThoughItsRunIsGivenUp) {
     auto run = reader();
     std::stop_source given_up;
     given_up.request_stop();
-    const WorkUntil until(given_up.get_token());
+    const StopScope until(given_up.get_token());
     expect_frames(*run, 0, 5);
 }
 

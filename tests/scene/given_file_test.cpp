@@ -7,15 +7,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <future>
-#include <memory>
-#include <stop_token>
 #include <thread>
 
 #include "engine/base/threads.hpp"
@@ -176,8 +172,8 @@ TEST(GivenFileDeathTest, NothingIsReadOnceSomebodyAsksToStop) {
     char bytes[10];
     request_stop();
     {
-        const StopScope outer(StopScope::after_stop());
-        { const StopScope inner(StopScope::after_stop()); }
+        const StopScope outer = StopScope::after_stop();
+        { const StopScope inner = StopScope::after_stop(); }
         if (stop_requested() || !file.read(0, bytes, sizeof bytes)) std::_Exit(2);
         bool elsewhere = false;
         std::thread([&elsewhere] { elsewhere = stop_requested(); }).join();
@@ -188,28 +184,6 @@ TEST(GivenFileDeathTest, NothingIsReadOnceSomebodyAsksToStop) {
 
 TEST(GivenFileDeathTest, WhatIsLeftToDoAfterAStopIsReadByTheThreadThatDoesIt) {
     EXPECT_EXIT(read_after_a_stop(), ::testing::ExitedWithCode(0), "");
-}
-
-TEST(UnlessStopped, GivesWhatWorkGivesOrThrows) {
-    EXPECT_EQ(unless_stopped([] { return 7; }), 7);
-    EXPECT_THROW((void)unless_stopped([]() -> int { throw std::bad_alloc(); }), std::bad_alloc);
-}
-
-/// Abandoned work can ask only its own thread whether to stop.
-TEST(UnlessStopped, AbandonedWorkHearsIt) {
-    std::stop_source given_up;
-    const WorkUntil until(given_up.get_token());
-    const auto has_ended = std::make_shared<std::atomic<bool>>(false);
-    const auto made = unless_stopped([given_up, has_ended]() mutable {
-        given_up.request_stop();
-        for (int k = 0; k < 60'000 && !stop_requested(); ++k)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        *has_ended = stop_requested();
-        return 7;
-    });
-    EXPECT_FALSE(made);
-    for (int k = 0; k < 60'000 && !*has_ended; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    EXPECT_TRUE(*has_ended);
 }
 
 }  // namespace

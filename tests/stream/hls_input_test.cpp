@@ -55,10 +55,6 @@ struct WebStream {
     }
 };
 
-bool never() {
-    return false;
-}
-
 /// What a receiver has of it.
 struct HlsReceived {
     std::string error;
@@ -112,7 +108,7 @@ struct LinkedServer {
               return reply;
           }) {}
     Result<std::unique_ptr<HlsInput>> open() {
-        return HlsInput::open(server.url("/master.m3u8"), never, [this] { return now_ns.load(); });
+        return HlsInput::open(server.url("/master.m3u8"), [this] { return now_ns.load(); });
     }
     std::atomic<std::int64_t> now_ns{0};
     std::function<WebReply(const std::string&)> answer{};
@@ -140,9 +136,8 @@ Came depth_in(const Came& all) {
     return depth;
 }
 
-HlsReceived received_at(const std::string& place, const std::vector<RawFrame>& frames,
-                        const WaitIsOver& is_over = never) {
-    auto input = HlsInput::open(place, is_over);
+HlsReceived received_at(const std::string& place, const std::vector<RawFrame>& frames) {
+    auto input = HlsInput::open(place);
     if (!input) return {.error = input.error().message};
     return received_from(**input, frames);
 }
@@ -200,8 +195,8 @@ TEST(HlsInput, OneLevelIsReadAsBefore) {
         const WebStream stream(60, 0, {true, true}, has_low);
         LinkedServer link(stream);
         link.rate_of = [](const std::string&) { return 1000; };
-        auto input = has_low ? HlsInput::open(link.server.url("/master.m3u8"), never)
-                             : link.open();  // which no clock has
+        auto input =
+            has_low ? HlsInput::open(link.server.url("/master.m3u8")) : link.open();  // which no clock has
         ASSERT_EQ(message(input), "");
         const HlsReceived all = received_from(**input, stream.frames);
         EXPECT_EQ(all.error, "");
@@ -271,7 +266,7 @@ TEST(HlsInput, ALiveStreamIsFollowedToItsEnd) {
         if (path == "/touch.m3u8" && reloads == 3) stream.finish();
         return stream.reply(path);
     });
-    auto input = HlsInput::open(server.url("/master.m3u8"), never);
+    auto input = HlsInput::open(server.url("/master.m3u8"));
     ASSERT_EQ(message(input), "");
     EXPECT_TRUE((*input)->is_live());
     std::vector<RawFrame> frames;
@@ -393,16 +388,16 @@ TEST(HlsInput, NobodyIsAskedForWhatIsElsewhere) {
 TEST(HlsInput, AWaitEndsWhenItIsToldTo) {
     const WebStream stream(12);
     for (const char* const silent : {"/master.m3u8", "/touch.m3u8", "segment"}) {
-        std::atomic<bool> waits{false};
+        std::stop_source told;
         const std::string path = std::string(silent) == "segment" ? stream.segment("touch", 0) : silent;
         WebServer server([&](const std::string& of) {
             if (of != path) return stream.reply(of);
-            waits = true;
+            told.request_stop();
             return WebReply{.is_silent = true};
         });
         const auto begin = Clock::now();
-        const HlsReceived all =
-            received_at(server.url("/master.m3u8"), stream.frames, [&] { return waits.load(); });
+        const StopScope until(told.get_token());
+        const HlsReceived all = received_at(server.url("/master.m3u8"), stream.frames);
         EXPECT_NE(all.error, "") << silent;
         EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8)) << silent;  // 10 where nobody tells it
     }

@@ -185,8 +185,9 @@ TEST(SrtOutput, RefusesWrongPassphrase) {
     EXPECT_TRUE(SrtPeer(Kind::calls, port, "0123456789abc").is_connected());
     const auto wait = std::make_shared<StreamWait>();
     wait->at_most(std::chrono::minutes(1));
-    const auto bytes =
-        connect_by_srt(*read_stream_url(place_of(port) + "?passphrase=another-passphrase"), wait);
+    const auto bytes = wait->in_time([&] {
+        return connect_by_srt(*read_stream_url(place_of(port) + "?passphrase=another-passphrase"), wait);
+    });
     ASSERT_FALSE(bytes);
     EXPECT_NE(bytes.error().message.find("passphrase"), std::string::npos) << bytes.error().message;
 }
@@ -200,7 +201,7 @@ TEST(SrtOutput, RefusesCallersBeyondTheLimit) {
     sent.wait_until_said("1 caller is refused");
     const auto wait = std::make_shared<StreamWait>();
     wait->at_most(std::chrono::minutes(1));
-    const auto bytes = connect_by_srt(*read_stream_url(place_of(port)), wait);
+    const auto bytes = wait->in_time([&] { return connect_by_srt(*read_stream_url(place_of(port)), wait); });
     ASSERT_FALSE(bytes);
     EXPECT_NE(bytes.error().message.find("as many listeners"), std::string::npos) << bytes.error().message;
 }
@@ -304,7 +305,8 @@ TEST(SrtOutput, FirstCallIsTriedAgain) {
         while ((*relay)->lost() < 10) std::this_thread::sleep_for(a_moment);
         (*relay)->stall(false);
     });
-    const auto bytes = connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait);
+    const auto bytes =
+        wait->in_time([&] { return connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait); });
     later.join();
     EXPECT_TRUE(bytes);
 }
@@ -320,7 +322,8 @@ TEST(SrtOutput, ConnectsThroughLoss) {
         sent.add_all();
         const auto wait = std::make_shared<StreamWait>();
         wait->at_most(std::chrono::minutes(1));
-        const auto bytes = connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait);
+        const auto bytes =
+            wait->in_time([&] { return connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait); });
         ASSERT_TRUE(bytes);
         (*bytes)->allow(6);
         std::string header(6, '\0');

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "engine/base/threads.hpp"
+#include "engine/stream/stream_bytes.hpp"
 #include "tests/stream/loopback_sender.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 
@@ -272,9 +272,30 @@ TEST(StreamClip, AWaitEndsWhenItIsTold) {
         while (silent.connections() == 0) std::this_thread::yield();
         told.request_stop();
     });
-    const auto clip = open_clip(silent.url(), {}, {}, Colour::wanted, told.get_token());
+    const auto clip = work_until(told.get_token(), [&] { return open_clip(silent.url()); });
     ASSERT_FALSE(clip);
     EXPECT_EQ(clip.error().kind, ErrorKind::interrupted);
+}
+
+TEST(StreamWait, TellsWhatWasLateFromWhatWasGivenUp) {
+    StreamWait wait;
+    wait.at_most(milliseconds(-1));
+    const auto waits_in_vain = []() -> Result<int> {
+        return stop_requested() ? Result<int>(interrupted_error()) : 7;
+    };
+    const auto late = wait.in_time(waits_in_vain);
+    ASSERT_FALSE(late);
+    EXPECT_EQ(late.error().kind, ErrorKind::input);
+    std::stop_source told;
+    told.request_stop();
+    const auto given_up = work_until(told.get_token(), [&] { return wait.in_time(waits_in_vain); });
+    ASSERT_FALSE(given_up);
+    EXPECT_EQ(given_up.error().kind, ErrorKind::interrupted);
+    wait.at_most(std::chrono::hours(1));
+    EXPECT_EQ(wait.in_time(waits_in_vain).value(), 7);
+    wait.together_at_most(milliseconds(-1));
+    wait.at_most(std::chrono::hours(1));
+    EXPECT_FALSE(wait.in_time(waits_in_vain)) << "all of them together are late";
 }
 
 TEST(StreamClip, NobodyThereIsSaid) {

@@ -151,5 +151,5 @@ int main(int argc, char** argv) {
         std::cerr << "touchable-soak: " << done.error().message << '\n';
         return exit_code(done.error().kind);
     }
-    return !one && interrupted() ? 130 : 0;
+    return !one && stop_requested() ? 130 : 0;
 }

@@ -6,8 +6,6 @@
 #include <mutex>
 #include <thread>
 
-#include "player/run/terminal.hpp"
-
 namespace touchable::stress {
 
 namespace {
@@ -109,7 +107,7 @@ Result<SoakState> soak(const SoakSettings& settings, std::ostream& progress) {
     Ledger ledger(state, settings, progress);
     std::atomic<std::int64_t> next{state.units};
     auto work = [&] {
-        for (std::int64_t n = next++; n < units && !interrupted() && !ledger.failed(); n = next++)
+        for (std::int64_t n = next++; n < units && !stop_requested() && !ledger.failed(); n = next++)
             ledger.enter(n, watch_unit(state.plan, n));
     };
     std::vector<std::thread> threads;

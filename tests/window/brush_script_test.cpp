@@ -114,7 +114,7 @@ TEST_F(BrushScript, WhatIsSavedMakesTheClipThatWasFelt) {
     ASSERT_EQ(made.code, 0) << made.err;
     ClipChoice felt;
     felt.file = clip_;
-    auto segments = read_chosen_segments(felt, {}, {});
+    auto segments = read_chosen_segments(felt, {});
     ASSERT_TRUE(segments);
     const auto names = parse_segment_names(saved(), "saved");
     ASSERT_TRUE(names) << names.error().message;

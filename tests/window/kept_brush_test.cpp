@@ -191,7 +191,7 @@ TEST_F(BrushOfAClip, StoppedAtItsHistoryLeavesItThere) {
     std::stop_source given_up;
     given_up.request_stop();
     {
-        const WorkUntil until(given_up.get_token());
+        const StopScope until(given_up.get_token());
         const auto stopped = begin();
         ASSERT_FALSE(stopped);
         EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);

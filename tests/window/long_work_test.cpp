@@ -15,13 +15,13 @@ public:
 };
 
 Opening::Make at_once(int value) {
-    return [value](const std::stop_token&) -> Result<int> { return value; };
+    return [value]() -> Result<int> { return value; };
 }
 /// Until it is given up, which it says.
 Opening::Make never(std::atomic<int>& begun, std::atomic<int>& given_up) {
-    return [&begun, &given_up](const std::stop_token& token) -> Result<int> {
+    return [&begun, &given_up]() -> Result<int> {
         ++begun;
-        while (!token.stop_requested()) std::this_thread::yield();
+        while (!stop_requested()) std::this_thread::yield();
         ++given_up;
         return input_error("given up");
     };
@@ -79,11 +79,11 @@ TEST(LongWork, LettingGoWaitsForNothing) {
     std::atomic<int> begun{0}, given_up{0};
     std::atomic<bool> may_end{false};
     Opening opening;
-    // Looks at its token late.
-    opening.ask("a long work", [&](const std::stop_token& token) -> Result<int> {
+    // Asks late whether to stop.
+    opening.ask("a long work", [&]() -> Result<int> {
         ++begun;
         while (!may_end) std::this_thread::yield();
-        given_up += token.stop_requested() ? 1 : 0;
+        given_up += stop_requested() ? 1 : 0;
         return 1;
     });
     while (begun == 0) std::this_thread::yield();
@@ -92,7 +92,7 @@ TEST(LongWork, LettingGoWaitsForNothing) {
     EXPECT_EQ(opening.words(), "");
     EXPECT_FALSE(opening.take());
     std::atomic<bool> is_alone{false};
-    opening.ask("the next", [&](const std::stop_token&) -> Result<int> {
+    opening.ask("the next", [&]() -> Result<int> {
         is_alone = may_end.load();
         return 2;
     });
@@ -109,12 +109,11 @@ TEST(LongWork, LettingGoWaitsForNothing) {
 
 TEST(LongWork, WhatIsThrownIsAnError) {
     Opening opening;
-    opening.ask("opening a.mkv", [](const std::stop_token&) -> Result<int> { throw std::bad_alloc(); });
+    opening.ask("opening a.mkv", []() -> Result<int> { throw std::bad_alloc(); });
     auto made = wait_for(opening);
     ASSERT_TRUE(made && !*made);
     EXPECT_EQ(made->error().message, "opening a.mkv: memory does not suffice");
-    opening.ask("opening b.mkv",
-                [](const std::stop_token&) -> Result<int> { throw std::runtime_error("no such thing"); });
+    opening.ask("opening b.mkv", []() -> Result<int> { throw std::runtime_error("no such thing"); });
     made = wait_for(opening);
     ASSERT_TRUE(made && !*made);
     EXPECT_EQ(made->error().kind, ErrorKind::internal);

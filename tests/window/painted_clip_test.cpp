@@ -23,7 +23,7 @@ protected:
     void SetUp() override {
         choice_.file = folder_ / "wall.mkv";
         ASSERT_NO_FATAL_FAILURE(write_two_surfaces(choice_.file, 30));
-        auto segments = read_chosen_segments(choice_, [this](std::int64_t) { ++frames_read_; }, {});
+        auto segments = read_chosen_segments(choice_, [this](std::int64_t) { ++frames_read_; });
         ASSERT_TRUE(segments) << segments.error().message;
         auto brush = MaterialBrush::begin(std::move(*segments));
         ASSERT_TRUE(brush) << brush.error().message;
@@ -96,13 +96,14 @@ TEST_F(PaintedClip, ItsSegmentsAreReadFrameByFrame) {
     EXPECT_EQ(segments.frames(), 30);
     EXPECT_NE(segments.label_at(29, 20, 32), segments.label_at(29, 70, 32));
     std::stop_source given_up;
-    const auto stopped = read_chosen_segments(
-        choice_, [&](std::int64_t) { given_up.request_stop(); }, given_up.get_token());
+    const auto stopped = work_until(given_up.get_token(), [&] {
+        return read_chosen_segments(choice_, [&](std::int64_t) { given_up.request_stop(); });
+    });
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);
     ClipChoice camera;
     camera.as_camera.emplace();
-    EXPECT_EQ(read_chosen_segments(camera, {}, {}).error().kind, ErrorKind::usage);
+    EXPECT_EQ(read_chosen_segments(camera, {}).error().kind, ErrorKind::usage);
 }
 
 TEST_F(PaintedClip, FeelsLikeWhatWasPaintedAndUndone) {
