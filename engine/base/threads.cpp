@@ -23,14 +23,13 @@ void request_stop() {
 }
 
 bool stop_requested() {
-    bool goes_on = false;
+    if (requested.load(std::memory_order_relaxed) && !(innermost && innermost->goes_on_)) return true;
     for (const StopScope* scope = innermost; scope != nullptr; scope = scope->around_) {
         const bool is_late =
             scope->deadline_ != StopScope::never && std::chrono::steady_clock::now() > scope->deadline_;
         if (is_late || scope->given_up_.stop_requested()) return true;
-        goes_on = goes_on || scope->goes_on_;
     }
-    return !goes_on && requested.load(std::memory_order_relaxed);
+    return false;
 }
 
 const StopScope* StopScope::current() {
@@ -38,17 +37,14 @@ const StopScope* StopScope::current() {
 }
 
 StopScope StopScope::for_all() {
-    bool goes_on = false;
-    for (const StopScope* scope = innermost; scope != nullptr; scope = scope->around_)
-        goes_on = goes_on || scope->goes_on_;
-    return StopScope({}, never, nullptr, goes_on);
+    return StopScope({}, never, nullptr, innermost && innermost->goes_on_);
 }
 
 StopScope::StopScope(std::stop_token given_up, Deadline deadline, const StopScope* around, bool goes_on)
     : given_up_(std::move(given_up)),
       deadline_(deadline),
       around_(around),
-      goes_on_(goes_on),
+      goes_on_(goes_on || (around && around->goes_on_)),
       before_(std::exchange(innermost, this)) {}
 
 StopScope::~StopScope() {

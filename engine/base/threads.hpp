@@ -3,15 +3,15 @@
 // Threads, and how work is ended.
 //
 // Work that takes long asks `stop_requested()` between its steps, and returns interrupted_error() once that
-// is true. It is true when a person ends the program (request_stop, which a signal handler may call), and
-// when the caller of this thread's work gives it up: a caller that may give up one piece of work alone, such as the
-// opening of a clip, holds a std::stop_source and puts a StopScope with its token, or with a deadline, around
-// that work. Nothing has to be handed down: every read, every wait and every library's callback below asks
-// its thread. A thread that does a part of another one's work takes on that thread's StopScope.
+// is true: a person ends the program (request_stop, which a signal handler may call), or the caller of this
+// thread's work gives it up. A caller that may give up one piece of work alone, such as the opening of a
+// clip, holds a std::stop_source, and puts a StopScope with its token, or with a deadline, around that work.
+// Nothing is handed down: each read, wait and callback below asks its thread. A thread that does a part of
+// another one's work takes on that thread's StopScope.
 //
-// Waits hear it too. `unless_stopped` does work that may wait for a disk, a codec or a network, and leaves it
-// to a thread of its own when the wait is given up; `wait_unless_stopped` waits for a condition or a
-// descriptor. Both look every 20 ms, since a signal sets a flag and wakes no thread.
+// `unless_stopped` does work that may wait for a disk, a codec or a network, and leaves it behind in a thread
+// of its own when the wait is given up; `wait_unless_stopped` waits for a condition or a descriptor. Both
+// look every 20 ms, since a signal sets a flag and wakes no thread.
 //
 // start_thread begins a thread with a name, or says why there is none. RowBands shares the rows of a picture
 // among a few threads that sleep in between; the bits do not depend on how many there are. A NewestValue is
@@ -96,7 +96,7 @@ private:
     const std::stop_token given_up_;
     const Deadline deadline_;
     const StopScope* const around_;  // which counts, too
-    const bool goes_on_;             // whatever is asked of the program
+    const bool goes_on_;             // whatever is asked of the program; also where one around does
     const StopScope* const before_;  // in this thread
 };
 

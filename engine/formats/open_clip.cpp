@@ -536,9 +536,7 @@ Result<GuessedScene> guess_stored(const fs::path& path, const SourceDescription&
 /// What was made of files that were read no further, because the caller gave up, may be wrong.
 template <class Made>
 Result<Made> unless_given_up(Result<Made> made) {
-    const bool is_told = !made && made.error().kind == ErrorKind::interrupted;
-    if (is_told || !stop_requested()) return made;
-    return interrupted_error();
+    return stop_requested() ? interrupted_error() : std::move(made);
 }
 
 }  // namespace

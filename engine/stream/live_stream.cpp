@@ -122,7 +122,6 @@ private:
     std::int64_t given_up_ = 0;        // framesets that were overdue when a connection was given up
     std::string why_again_;            // it is being connected to again; empty: it is connected
     std::string over_;                 // why no more will come; empty: they may
-    bool stopping_ = false;
     std::thread thread_;
 };
 
@@ -147,10 +146,9 @@ Result<void> LiveStream::open() {
 }
 
 LiveStream::~LiveStream() {
-    ending_.request_stop();
     {
         const std::lock_guard lock(mutex_);
-        stopping_ = true;
+        ending_.request_stop();
         stopped_.notify_all();
     }
     if (thread_.joinable()) thread_.join();
@@ -214,7 +212,7 @@ bool LiveStream::connect_again(std::string why) {
             std::unique_lock lock(mutex_);
             why_again_ = why;
             const auto pause = source_.patience.back_off * (1 << std::min(attempt, most_doublings));
-            if (stopped_.wait_for(lock, pause, [this] { return stopping_; })) return false;
+            if (stopped_.wait_for(lock, pause, stop_requested)) return false;
         }
         auto receiver = connect();
         if (stop_requested()) return false;
@@ -260,7 +258,8 @@ void LiveStream::put(Received received) {
     moments.taken_ns = taken_ns(received.sent_ns, moments, now);
     std::unique_lock lock(mutex_);
     const auto has_room = [this] {
-        return stopping_ || (waiting_.size() < most_waiting / 2 && waiting_bytes_ < most_waiting_bytes / 2);
+        return stop_requested() ||
+               (waiting_.size() < most_waiting / 2 && waiting_bytes_ < most_waiting_bytes / 2);
     };
     if (in_segments) stopped_.wait(lock, has_room);
     figures_.longest_gap_ms = std::max(figures_.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);

@@ -69,7 +69,7 @@ TEST(StopScope, RowBandsTakeOnTheCallers) {
     given_up.request_stop();
     RowBands bands(3);
     std::atomic<int> asked{0}, heard{0}, of_others{0};
-    const auto ask = [&](const RowBand& band) {
+    auto ask = [&](const RowBand& band) {
         ++asked;
         heard += stop_requested() ? 1 : 0;
         of_others += band.thread > 0 ? 1 : 0;
