@@ -74,7 +74,7 @@ bool parse_falcon_loading(std::string_view bytes) {
     FtdiTransport transport(std::make_unique<ToldPort>(bytes, now_ns), [&now_ns] { return now_ns; });
     std::array<std::byte, 70> firmware;  // two blocks
     for (std::size_t k = 0; k < firmware.size(); ++k) firmware[k] = static_cast<std::byte>(k);
-    const auto loaded = load_falcon_firmware(transport, firmware, {}, [] { return false; });
+    const auto loaded = load_falcon_firmware(transport, firmware, {});
     require(loaded || loaded.error().kind == ErrorKind::device, "what a device says is no device's error");
     return is_taken(loaded);
 }

@@ -62,7 +62,7 @@ bool parse_hls_stream(std::string_view bytes) {
         "hls.m3u8");
     file_of(bytes.substr(0, cut), "hls-init.mp4");
     file_of(bytes.substr(cut), "hls-0.m4s");
-    const auto input = HlsInput::open(playlist.string(), [] { return false; });
+    const auto input = HlsInput::open(playlist.string());
     if (!is_taken(input)) return false;
     constexpr std::int64_t most_pixels = 1 << 16;
     LabelledDecoder decoder(most_pixels);

@@ -194,7 +194,7 @@ TEST_F(Serve, ACameraIsSentAsItTakesFrames) {
 
 /// Frames of depth that a receiver of the folder has, each as it was sent.
 int frames_of_depth(const std::filesystem::path& master, const Scene& scene, int round) {
-    auto input = HlsInput::open(master.string(), [] { return false; });
+    auto input = HlsInput::open(master.string());
     EXPECT_EQ(message(input), "");
     LabelledDecoder decoder(1 << 22);
     std::map<std::pair<bool, int>, std::size_t> tracks;

@@ -6,6 +6,8 @@
 #include <mutex>
 #include <thread>
 
+#include "engine/base/threads.hpp"
+
 namespace touchable::stress {
 
 namespace {
