@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/base/threads.hpp"
 #include "engine/stream/sending.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/web_server.hpp"
