@@ -375,43 +375,20 @@ std::optional<std::size_t> RestingFingers::take(std::span<const LabelledFinger> 
     return said;
 }
 
-struct UseLog::Rows {
-    Rows(std::filesystem::path named, int to, WriteRow by)
-        : file(std::move(named)), out(to), write(std::move(by)) {}
-    ~Rows() { close(out); }
-    Rows(const Rows&) = delete;
-    Rows& operator=(const Rows&) = delete;
-
-    void add(const std::string& row) {
-        if (const int why = write(out, row))
-            miss(std::string("rows of the log of use are lost: ") + std::strerror(why));
-    }
-    void miss(const std::string& why) {
-        const std::lock_guard lock(mutex);
-        if (!missing) missing = input_error(file.string() + ": " + why);
-    }
-
-    const std::filesystem::path file;
-    const int out;
-    const WriteRow write;
-    std::mutex mutex;
-    std::optional<Error> missing;  // guarded by it
-};
-
 Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, WriteRow write) {
     const int out = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);
     if (out < 0) return input_error(file.string() + ": cannot be written: " + std::strerror(errno));
-    const auto rows = std::make_shared<Rows>(file, out, std::move(write));
+    const std::shared_ptr<void> closing(nullptr, [out](void*) { close(out); });
     if (const auto why = why_no_log(out))
         return input_error(file.string() + ": " + *why +
                            "; right would be a new file, or a log of use to go on with");
-    TRY_ASSIGN(auto disk, DiskWork::start("use-log", "that writes the log of use"));
-    return std::unique_ptr<UseLog>(new UseLog(rows, std::move(disk)));
+    return std::unique_ptr<UseLog>(new UseLog(
+        file, [out, closing, write = std::move(write)](std::string_view row) { return write(out, row); }));
 }
 
 Result<void> UseLog::finish(std::chrono::milliseconds longest) {
-    if (!disk_->finish(longest))
-        return input_error(rows_->file.string() +
+    if (!writer_.finish(longest, BackgroundWriter::Late::done))
+        return input_error(file_.string() +
                            ": its disk does not answer; the last rows of the log of use may be lost");
     const auto lost = missing();
     return lost ? Result<void>(*lost) : Result<void>();
@@ -425,16 +402,29 @@ void UseLog::fault(Time now, const std::string& words) {
     add(now, "fault,,," + quoted_field(words));
 }
 
-std::optional<Error> UseLog::missing() const {
-    const std::lock_guard lock(rows_->mutex);
-    return rows_->missing;
+std::optional<Error> UseLog::missing() {
+    for (const auto& row : writer_.take())
+        if (!row.result && !missing_) missing_ = row.result.error();
+    return missing_;
 }
 
 void UseLog::add(Time time, const std::string& rest) {
-    constexpr std::size_t most_waiting = 1000;
-    if (disk_->waiting() >= most_waiting)
-        return rows_->miss("its disk does not answer; rows of the log of use are lost");
-    disk_->give([rows = rows_, row = in_universal_time(time) + ',' + rest + '\n'] { rows->add(row); });
+    writer_.give({.file = file_,
+                  .write = [append = append_, row = in_universal_time(time) + ',' + rest +
+                                                    '\n'](const std::filesystem::path& file) -> Result<void> {
+                      const int why = append(row);
+                      if (why == 0) return {};
+                      return input_error(file.string() +
+                                         ": rows of the log of use are lost: " + std::strerror(why));
+                  }});
+}
+
+std::string in_universal_time(std::chrono::system_clock::time_point time) {
+    const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
+    std::tm parts{};
+    gmtime_r(&seconds, &parts);
+    char words[32];
+    return {words, std::strftime(words, sizeof words, "%Y-%m-%dT%H:%M:%SZ", &parts)};
 }
 
 }  // namespace touchable

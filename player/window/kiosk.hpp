@@ -20,7 +20,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/scene/checked_json.hpp"
-#include "player/window/disk_work.hpp"
+#include "player/window/background_writer.hpp"
 #include "player/window/input_event.hpp"
 #include "player/window/persistent_device.hpp"
 
@@ -275,17 +275,21 @@ public:
     std::int64_t visitors() const { return visitors_; }
 
     /// Why rows are missing, of the first that is; nothing: none is.
-    std::optional<Error> missing() const;
+    std::optional<Error> missing();
 
 private:
-    struct Rows;  // what the thread that writes works on
-    UseLog(std::shared_ptr<Rows> rows, std::unique_ptr<DiskWork> disk)
-        : rows_(std::move(rows)), disk_(std::move(disk)) {}
+    using Append = std::function<int(std::string_view row)>;  // owns the open file
+    UseLog(std::filesystem::path file, Append append) : file_(std::move(file)), append_(std::move(append)) {}
     void add(Time time, const std::string& rest);
 
-    const std::shared_ptr<Rows> rows_;
-    const std::unique_ptr<DiskWork> disk_;
+    const std::filesystem::path file_;
+    const Append append_;
+    BackgroundWriter writer_{"use-log", "rows of the log of use", 1000};
+    std::optional<Error> missing_;
     std::int64_t visitors_ = 0;
 };
+
+/// "2026-11-24T10:00:00Z": universal time, to the second.
+std::string in_universal_time(std::chrono::system_clock::time_point time);
 
 }  // namespace touchable

@@ -203,6 +203,7 @@ std::string plain_field(std::string words) {
 constexpr std::string_view file_stem = "participant-";
 constexpr const char *partial_ending = ".partial.csv", *whole_ending = ".csv", *left_ending = ".left.csv";
 constexpr std::size_t largest_number = 999'999;
+constexpr const char* begin_tag = "begin";  // of the job by which a participant begins
 
 /// The participant's number in a file's name; 0: it is no file of results.
 std::size_t participant_of(const std::string& name) {
@@ -331,215 +332,107 @@ TouchMeasures TouchMeter::measures() const {
     return measures;
 }
 
-/// The table of one participant. All calls wait for the disk. (Outside the unnamed namespace, as is the class
-/// below: a member of StudyRun holds it.)
-class ParticipantFile {
+/// The tables of participants, one after the other. All calls wait for the disk: they are made by jobs of the
+/// writer, and the result of the last one says whether all answers are kept.
+class StudyRun::Tables {
 public:
-    /// Makes the file of the next participant: its number is one more than the largest number in the folder,
-    /// whole or not. A number that another program takes at the same moment is left to that one.
-    static Result<ParticipantFile> create(const fs::path& folder);
-    ~ParticipantFile() {
-        if (out_ >= 0) close(out_);
-    }
-    ParticipantFile(ParticipantFile&& other) noexcept
-        : folder_(std::move(other.folder_)),
-          number_(other.number_),
-          out_(std::exchange(other.out_, -1)),
-          waiting_(std::move(other.waiting_)),
-          fault_(std::move(other.fault_)) {}
-    ParticipantFile& operator=(ParticipantFile&&) = delete;
+    explicit Tables(fs::path folder) : folder_(std::move(folder)) {}
+    ~Tables() { close_table(); }
+    Tables(const Tables&) = delete;
+    Tables& operator=(const Tables&) = delete;
 
+    const fs::path& folder() const { return folder_; }
+    /// Of the participant. The window reads it once `begin` is done, until it asks for the next one.
     std::size_t number() const { return number_; }
-    /// Makes its name safe on the disk: until then a machine that is switched off may lose the file.
-    void secure() { sync_folder(folder_); }
-    /// Writes a row, and what still waits. If there is no room it waits for the next one, and `fault` says
-    /// so.
-    void add(const std::string& row) {
-        waiting_ += row;
-        write();
+
+    /// Makes the table of the next participant. If that of the one before could not be finished, that comes
+    /// first. The number is one more than the largest in the folder, whole or not. A number that another
+    /// program takes at the same moment is left to that one.
+    Result<void> begin();
+    /// After `begin`: makes the name safe on the disk. Until then a machine that is switched off may lose the
+    /// table.
+    Result<void> secure() {
+        if (last) sync_folder(folder_);
+        return last;
     }
-    /// Why rows are not in the file; nothing: all are.
-    const std::optional<Error>& fault() const { return fault_; }
+    /// Writes a row, and what still waits. If there is no room, both wait for the next row.
+    Result<void> add(const std::string& row) {
+        waiting_ += row;
+        return write();
+    }
     /// Makes it safe on the disk, under its last name. If rows are missing, or the name is taken, it stays
     /// partial.
-    Result<void> finish(bool is_whole);
+    Result<void> end(bool is_whole);
+    /// Ends the table once more, if it could not be ended.
+    Result<void> end_again() { return unended_ ? end(*unended_) : last; }
+
+    Result<void> last;  ///< the result of the last job
 
 private:
-    ParticipantFile(fs::path folder, std::size_t number) : folder_(std::move(folder)), number_(number) {}
     fs::path named(const char* ending) const {
         return folder_ / (std::string(file_stem) + formatted("%03zu", number_) + ending);
     }
     Error failed(int why) const {
         return input_error(named(partial_ending).string() + ": answers are not kept: " + std::strerror(why));
     }
-    void write();
+    Result<void> write();
+    void close_table() {
+        if (out_ >= 0) close(std::exchange(out_, -1));
+    }
 
-    fs::path folder_;
-    std::size_t number_;
+    const fs::path folder_;
+    std::size_t number_ = 0;
     int out_ = -1;
-    std::string waiting_ = table_header;  // whole rows
-    std::optional<Error> fault_;
+    std::string waiting_;          // whole rows
+    std::optional<bool> unended_;  // the table could not be ended so
 };
 
-Result<ParticipantFile> ParticipantFile::create(const fs::path& folder) {
-    constexpr int most_tries = 100;
-    TRY_ASSIGN(const auto largest, largest_in(folder));
-    for (std::size_t number = largest + 1; number <= largest + most_tries; ++number) {
-        if (number > largest_number) break;
-        ParticipantFile file(folder, number);
-        const fs::path name = file.named(partial_ending);
-        file.out_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
-        if (file.out_ < 0 && errno == EEXIST) continue;
-        if (file.out_ < 0) return file.failed(errno);
+Result<void> StudyRun::Tables::begin() {
+    constexpr std::size_t most_tries = 100;
+    if (unended_) TRY(end(*unended_));
+    TRY_ASSIGN(const auto largest, largest_in(folder_));
+    const std::size_t last_number = std::min(largest + most_tries, largest_number);
+    for (number_ = largest + 1; number_ <= last_number; ++number_) {
+        const fs::path name = named(partial_ending);
+        out_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
+        if (out_ < 0 && errno == EEXIST) continue;
+        if (out_ < 0) return failed(errno);
         std::error_code ignored;
         const bool is_taken =
-            fs::exists(file.named(whole_ending), ignored) || fs::exists(file.named(left_ending), ignored);
-        file.write();
-        if (!is_taken && !file.fault_) return file;
-        const auto fault = file.fault_;
+            fs::exists(named(whole_ending), ignored) || fs::exists(named(left_ending), ignored);
+        waiting_ = table_header;
+        Result<void> begun = write();
+        if (begun && !is_taken) return begun;
+        close_table();
         (void)unlink(name.c_str());
-        if (fault) return *fault;
+        if (!begun) return begun;
     }
-    return input_error(folder.string() + ": there is no number for another participant; right would be an " +
+    return input_error(folder_.string() + ": there is no number for another participant; right would be an " +
                        "empty folder");
 }
 
 /// Writes all that waits, or nothing of it.
-void ParticipantFile::write() {
-    fault_.reset();
-    if (const int why = append_durably(out_, waiting_))
-        fault_ = failed(why);
-    else
-        waiting_.clear();
-}
-
-Result<void> ParticipantFile::finish(bool is_whole) {
-    write();
-    if (fault_) return *fault_;
-    const fs::path last = named(is_whole ? whole_ending : left_ending);
-    if (const int why = move_to_free_name(named(partial_ending), last); why != 0)
-        return *(fault_ = input_error(named(partial_ending).string() + ": stays partial: " +
-                                      last.filename().string() + ": " + std::strerror(why)));
-    sync_folder(folder_);
+Result<void> StudyRun::Tables::write() {
+    if (const int why = append_durably(out_, waiting_)) return failed(why);
+    waiting_.clear();
     return {};
 }
 
-/// The files of participants, one after the other, and their state for the window.
-class ParticipantFiles {
-public:
-    explicit ParticipantFiles(fs::path folder) : folder_(std::move(folder)) {}
-
-    // By the thread that writes.
-    void begin();
-    void add(const std::string& row) {
-        file_->add(row);
-        tell();
-    }
-    void end(bool is_whole);
-    /// Ends the file once more, if it could not be ended.
-    void end_again() {
-        if (ended_) end(*ended_);
-    }
-
-    // By the window's thread.
-    const fs::path& folder() const { return folder_; }
-    void ask();
-    struct Told {
-        bool is_beginning = false;
-        std::optional<std::size_t> number{};
-        std::optional<Error> fault{};
-    };
-    Told told() const {
-        const std::lock_guard lock(mutex_);
-        return told_;
-    }
-
-private:
-    void answer(Told told) {
-        const std::lock_guard lock(mutex_);
-        told_ = std::move(told);
-    }
-    void tell() {
-        const std::lock_guard lock(mutex_);
-        told_.fault = file_->fault();
-    }
-
-    const fs::path folder_;
-    std::optional<ParticipantFile> file_;
-    std::optional<bool> ended_;  // `file_` could not be finished so
-
-    mutable std::mutex mutex_;
-    Told told_;  // guarded by it
-};
-
-void ParticipantFiles::ask() {
-    const std::lock_guard lock(mutex_);
-    told_.is_beginning = true;
-    told_.number.reset();
+Result<void> StudyRun::Tables::end(bool is_whole) {
+    unended_ = is_whole;
+    TRY(write());
+    const fs::path partial = named(partial_ending), whole = named(is_whole ? whole_ending : left_ending);
+    if (const int why = move_to_free_name(partial, whole); why != 0)
+        return input_error(partial.string() + ": stays partial: " + whole.filename().string() + ": " +
+                           std::strerror(why));
+    unended_.reset();
+    sync_folder(folder_);
+    close_table();
+    return {};
 }
-
-void ParticipantFiles::begin() {
-    end_again();
-    if (ended_) return answer({.fault = file_->fault()});
-    auto made = ParticipantFile::create(folder_);
-    if (!made) return answer({.fault = made.error()});
-    file_.emplace(std::move(*made));
-    // The participant need not wait for the rest.
-    answer({.number = file_->number()});
-    file_->secure();
-}
-
-void ParticipantFiles::end(bool is_whole) {
-    const Result<void> done = file_->finish(is_whole);
-    tell();
-    ended_.reset();
-    if (done)
-        file_.reset();
-    else
-        ended_ = is_whole;
-}
-
-/// The results of all participants, written by a thread of their own.
-class StudyRun::Results {
-public:
-    Results(fs::path folder, std::unique_ptr<DiskWork> disk)
-        : files_(std::make_shared<ParticipantFiles>(std::move(folder))), disk_(std::move(disk)) {}
-
-    /// Asks for the file of the next participant. If that of the one before could not be finished, that comes
-    /// first.
-    void begin() {
-        files_->ask();
-        disk_->give([files = files_] { files->begin(); });
-    }
-    void add(std::string row) {
-        disk_->give([files = files_, row = std::move(row)] { files->add(row); });
-    }
-    void end(bool is_whole) {
-        disk_->give([files = files_, is_whole] { files->end(is_whole); });
-    }
-    /// `number`: nothing was asked for, or no file can be made. `fault`: why answers are not kept.
-    ParticipantFiles::Told told() const { return files_->told(); }
-    /// Whether all that was asked for is done, after that long at most.
-    bool wait(std::chrono::milliseconds longest) const { return disk_->wait(longest); }
-    /// Once, the last call: waits, for that long at most. Fails if answers are missing.
-    Result<void> finish(std::chrono::milliseconds longest) {
-        disk_->give([files = files_] { files->end_again(); });
-        if (!disk_->finish(longest)) return no_answer();
-        const auto missing = told().fault;
-        return missing ? Result<void>(*missing) : Result<void>();
-    }
-    Error no_answer() const {
-        return input_error(files_->folder().string() +
-                           ": its disk does not answer; the last answers may be lost");
-    }
-
-private:
-    const std::shared_ptr<ParticipantFiles> files_;  // the thread's, too
-    const std::unique_ptr<DiskWork> disk_;
-};
 
 Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, fs::path folder, std::string language,
-                                                 std::string hand, std::unique_ptr<DiskWork> disk) {
+                                                 std::string hand, std::unique_ptr<BackgroundWriter> writer) {
     std::error_code failed;
     fs::create_directory(folder, failed);
     std::error_code unknown;
@@ -549,16 +442,23 @@ Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, fs::path folder, s
     TRY(NewFile(folder / "participant-000.csv", Existing::keep).check());
     return std::unique_ptr<StudyRun>(
         new StudyRun(std::move(study), std::move(language), plain_field(std::move(hand)),
-                     std::make_unique<Results>(std::move(folder), std::move(disk))));
+                     std::make_shared<Tables>(std::move(folder)), std::move(writer)));
 }
 
-StudyRun::StudyRun(Study study, std::string language, std::string hand, std::unique_ptr<Results> results)
+StudyRun::StudyRun(Study study, std::string language, std::string hand, std::shared_ptr<Tables> tables,
+                   std::unique_ptr<BackgroundWriter> writer)
     : study_(std::move(study)),
       language_(std::move(language)),
       hand_(std::move(hand)),
-      results_(std::move(results)) {}
+      tables_(std::move(tables)),
+      writer_(std::move(writer)) {}
 
-StudyRun::~StudyRun() = default;
+void StudyRun::write(std::function<Result<void>(Tables& tables)> work, std::string tag) {
+    auto job = [tables = tables_, work = std::move(work)](const fs::path&) {
+        return tables->last = work(*tables);
+    };
+    writer_->give({.file = tables_->folder(), .write = std::move(job), .tag = std::move(tag)});
+}
 
 double StudyRun::share_done() const {
     if (screens_.empty()) return 0;
@@ -608,7 +508,8 @@ void StudyRun::go_on(double now_s, Time time) {
     if (!may_go_on(now_s)) return;
     if (!screen()) {
         is_beginning_ = true;
-        results_->begin();
+        write([](Tables& tables) { return tables.begin(); }, begin_tag);
+        write([](Tables& tables) { return tables.secure(); });  // the participant need not wait for it
         return;
     }
     add_row(now_s, time, chosen_ ? screen()->question->answers[*chosen_].value : "");
@@ -622,8 +523,8 @@ void StudyRun::go_on(double now_s, Time time) {
 
 void StudyRun::pass(double now_s, Time time) {
     passed_s_ = now_s;
-    if (results_->wait(std::chrono::milliseconds(0))) answered_s_ = now_s;
-    begin_if_answered(now_s);
+    if (wait_for_disk(std::chrono::milliseconds(0))) answered_s_ = now_s;
+    take_written(now_s);
     if (!screen() || !screen()->step->most_s) return;
     if (now_s >= began_s_ + std::max(*screen()->step->most_s, least_s)) go_on(now_s, time);
 }
@@ -634,15 +535,18 @@ void StudyRun::wait(double now_s) {
     if (screen()->is_touch()) meter_->begin(screen()->force());
 }
 
-void StudyRun::begin_if_answered(double now_s) {
-    if (!is_beginning_ || results_->told().is_beginning) return;
-    is_beginning_ = false;
-    const auto number = results_->told().number;
-    if (!number) return;
-    screens_ = screens_of(study_, *number);
-    at_ = 0;
-    came_s_ = now_s;
-    begin_screen(now_s);
+void StudyRun::take_written(double now_s) {
+    for (const auto& written : writer_->take()) {
+        fault_ = written.result ? std::nullopt : std::optional(written.result.error());
+        if (written.tag != begin_tag) continue;
+        is_beginning_ = false;
+        if (fault_) continue;
+        number_ = tables_->number();
+        screens_ = screens_of(study_, number_);
+        at_ = 0;
+        came_s_ = now_s;
+        begin_screen(now_s);
+    }
 }
 
 void StudyRun::begin_screen(double now_s) {
@@ -656,7 +560,7 @@ void StudyRun::begin_screen(double now_s) {
 std::string StudyRun::row(const std::string& rest, Time time) const {
     std::string row;
     for (const std::string& field :
-         {study_.name, std::to_string(*results_->told().number), language_, hand_, in_universal_time(time)})
+         {study_.name, std::to_string(number_), language_, hand_, in_universal_time(time)})
         row += field + ',';
     return row + rest + '\n';
 }
@@ -677,12 +581,16 @@ void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
         rest += ',';
         rest += field;
     }
-    results_->add(row(rest, time));
+    add(row(rest, time));
+}
+
+void StudyRun::add(const std::string& row) {
+    write([row](Tables& tables) { return tables.add(row); });
 }
 
 /// The last row of a participant.
 void StudyRun::add_end(double now_s, Time time, const char* how) {
-    results_->add(row(formatted(",,end,,%s,%.2f,,,,", how, now_s - came_s_), time));
+    add(row(formatted(",,end,,%s,%.2f,,,,", how, now_s - came_s_), time));
 }
 
 void StudyRun::leave(double now_s, Time time) {
@@ -695,7 +603,7 @@ void StudyRun::leave(double now_s, Time time) {
 
 /// The start screen is next, even if the file cannot be finished.
 void StudyRun::finish(bool is_whole, double now_s) {
-    results_->end(is_whole);
+    write([is_whole](Tables& tables) { return tables.end(is_whole); });
     screens_.clear();
     at_ = 0;
     chosen_.reset();
@@ -708,23 +616,31 @@ Result<void> StudyRun::end(double now_s, Time time, std::chrono::milliseconds lo
     using Clock = std::chrono::steady_clock;
     const auto until = Clock::now() + longest;
     // A participant who began just now counts, too.
-    if (is_beginning_ && results_->wait(longest)) begin_if_answered(now_s);
+    if (is_beginning_ && wait_for_disk(longest)) take_written(now_s);
     if (screen()) {
         add_row(now_s, time, "");
         add_end(now_s, time, "ended");
         screens_.clear();
     }
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
-    return results_->finish(std::max(left, std::chrono::milliseconds(0)));
+    write([](Tables& tables) { return tables.end_again(); });
+    if (!writer_->finish(std::max(left, std::chrono::milliseconds(0)), BackgroundWriter::Late::done))
+        return no_answer();
+    take_written(now_s);
+    return fault_ ? Result<void>(*fault_) : Result<void>();
 }
 
 bool StudyRun::wait_for_disk(std::chrono::milliseconds longest) const {
-    return results_->wait(longest);
+    return writer_->wait(longest);
 }
 
 std::optional<Error> StudyRun::fault() const {
-    if (passed_s_ > answered_s_ + patience_s) return results_->no_answer();
-    return results_->told().fault;
+    return passed_s_ > answered_s_ + patience_s ? std::optional(no_answer()) : fault_;
+}
+
+Error StudyRun::no_answer() const {
+    return input_error(tables_->folder().string() +
+                       ": its disk does not answer; the last answers may be lost");
 }
 
 }  // namespace touchable

@@ -14,7 +14,7 @@
 
 #include "engine/base/result.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/window/disk_work.hpp"
+#include "player/window/background_writer.hpp"
 
 namespace touchable {
 
@@ -150,11 +150,10 @@ public:
     static constexpr double patience_s = 5;
 
     /// `hand`: what participants touch by, for the results: "mouse", or a device's name. `folder` is made if
-    /// it is not there, and `disk` writes there. Refused (ErrorKind::input) if no results can be written.
+    /// it is not there, and `writer` writes there. Refused (ErrorKind::input) if no results can be written.
     static Result<std::unique_ptr<StudyRun>> open(Study study, std::filesystem::path folder,
                                                   std::string language, std::string hand,
-                                                  std::unique_ptr<DiskWork> disk);
-    ~StudyRun();
+                                                  std::unique_ptr<BackgroundWriter> writer);
 
     const Study& study() const { return study_; }
     const std::string& language() const { return language_; }
@@ -202,9 +201,13 @@ public:
     std::optional<Error> fault() const;
 
 private:
-    class Results;
-    StudyRun(Study study, std::string language, std::string hand, std::unique_ptr<Results> results);
-    void begin_if_answered(double now_s);
+    class Tables;
+    StudyRun(Study study, std::string language, std::string hand, std::shared_ptr<Tables> tables,
+             std::unique_ptr<BackgroundWriter> writer);
+    void write(std::function<Result<void>(Tables& tables)> work, std::string tag = {});
+    void take_written(double now_s);
+    void add(const std::string& row);
+    Error no_answer() const;
     void begin_screen(double now_s);
     void add_row(double now_s, Time time, const std::string& answer);
     void add_end(double now_s, Time time, const char* how);
@@ -218,7 +221,10 @@ private:
     std::size_t at_ = 0, turn_ = 0;
     double began_s_ = 0, came_s_ = 0;  // the screen, the participant
     std::optional<std::size_t> chosen_;
-    const std::unique_ptr<Results> results_;
+    const std::shared_ptr<Tables> tables_;  // the writer's jobs', too
+    const std::unique_ptr<BackgroundWriter> writer_;
+    std::size_t number_ = 0;      // of the participant
+    std::optional<Error> fault_;  // of the last job of the writer
     bool is_beginning_ = false;
     double passed_s_ = 0;    // the last `pass`
     double answered_s_ = 0;  // the last one at which the disk had nothing to do

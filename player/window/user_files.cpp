@@ -2,12 +2,12 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <fstream>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer.hpp"
+#include "player/window/window_files.hpp"
 
 namespace touchable {
 namespace {
@@ -211,17 +211,7 @@ void SettingsFile::take(const std::string& text) {
 
 Result<void> SettingsFile::write(const KeptSettings& settings) const {
     if (file_.empty() || is_foreign_ || (settings == read_ && message_.empty())) return {};
-    std::error_code failed;
-    const auto target = followed(file_);
-    if (target.has_parent_path()) fs::create_directories(target.parent_path(), failed);
-    if (failed) return input_error(target.parent_path().string() + ": cannot be made: " + failed.message());
-    NewFile file(target);
-    TRY(file.check());
-    std::ofstream out(file.path(), std::ios::binary);
-    out << to_json(settings).dump(2) << '\n';
-    out.close();
-    if (!out) return input_error(target.string() + ": cannot be written");
-    return file.commit();
+    return write_text(followed(file_), to_json(settings).dump(2) + '\n');
 }
 
 Result<fs::path> set_aside(const fs::path& file) {

@@ -200,8 +200,8 @@ void WindowBrush::go_on(const ScreenSize& size) {
 
 /// A history's fault is told once.
 void WindowBrush::note_files() {
-    for (const auto& [file, kind, clip, written] : files_.take()) {
-        const bool is_saved = kind == TextFiles::Kind::saved;
+    for (const auto& [file, clip, written] : files_.take()) {
+        const bool is_saved = !clip.empty();
         if (is_saved)
             save_fault_ = written ? std::nullopt : std::optional(written.error());
         else if (!written)
@@ -276,17 +276,13 @@ void WindowBrush::hold_still(bool still) {
 
 void WindowBrush::keep_history(std::string history) {
     if (const auto file = brush_->history_file(); !file.empty())
-        files_.write({.file = file, .text = std::move(history)});
+        files_.give(text_file(file, std::move(history)));
 }
 
 void WindowBrush::save(const std::filesystem::path& file) {
     std::string text = brush_->save();
     keep_history(brush_->history());  // first: it says what was saved
-    files_.write({.file = file,
-                  .text = std::move(text),
-                  .kind = TextFiles::Kind::saved,
-                  .clip = brush_->files().clip.string(),
-                  .check = check_saved});
+    files_.give(text_file(file, std::move(text), brush_->files().clip.string(), check_saved));
 }
 
 void WindowBrush::go_to(OpenedClip& clip) {

@@ -117,7 +117,7 @@ private:
     BrushFacts state_;                                        // what of the brush is shown
     std::deque<WindowCommand> asked_;                         // that wait for it, and the one it is at
     std::shared_ptr<std::atomic<std::int64_t>> frames_read_;  // of segments
-    TextFiles files_;
+    BackgroundWriter files_{"text-files", "what is painted"};
     std::filesystem::path lost_history_;   // whose newest text is not written
     std::set<std::string> faults_;         // of histories that were told
     std::optional<Error> save_fault_;      // of the last that was to be saved

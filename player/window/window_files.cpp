@@ -15,180 +15,36 @@ fs::path free_name() {
     }
 }
 
-Result<void> write_screenshot(const Image& image, const fs::path& file, Existing existing) {
-    NewFile out(file, existing);
-    TRY(out.check());
-    TRY(write_png(out, image.view()));
+}  // namespace
+
+BackgroundWriter::Job screenshot(Image image, fs::path name, Existing existing) {
+    return {.file = std::move(name),
+            .write = [image = std::move(image), existing](const fs::path& file) -> Result<void> {
+                NewFile out(file, existing);
+                TRY(out.check());
+                TRY(write_png(out, image.view()));
+                return out.commit();
+            },
+            .name = free_name};
+}
+
+Result<void> write_text(const fs::path& file, std::string_view text) {
+    std::error_code failed;
+    if (file.has_parent_path()) fs::create_directories(file.parent_path(), failed);
+    if (failed) return input_error(file.parent_path().string() + ": cannot be made: " + failed.message());
+    NewFile out(file);
+    TRY(out.write(text));
     return out.commit();
 }
 
-Result<void> write_now(const TextFiles::Text& text) {
-    if (text.check) TRY(text.check(text.file));
-    std::error_code failed;
-    if (text.file.has_parent_path()) fs::create_directories(text.file.parent_path(), failed);
-    if (failed)
-        return input_error(text.file.parent_path().string() + ": cannot be made: " + failed.message());
-    NewFile file(text.file);
-    TRY(file.check());
-    TRY(file.write(text.text));
-    return file.commit();
-}
-
-}  // namespace
-
-struct Screenshots::Files {
-    explicit Files(Write by) : write(std::move(by)) {}
-
-    void write_next(const Image& image);
-    void give_up();
-
-    const Write write;
-    std::mutex mutex;
-    // Guarded by it.
-    std::deque<fs::path> waiting;  // the first one is being written; empty: it has no name yet
-    std::vector<Result<fs::path>> done;
-    bool is_given_up = false;
-};
-
-void Screenshots::Files::write_next(const Image& image) {
-    std::unique_lock lock(mutex);
-    if (is_given_up) return;
-    fs::path name = waiting.front();
-    if (name.empty()) {
-        lock.unlock();
-        name = free_name();
-        lock.lock();
-        if (is_given_up) return;
-        waiting.front() = name;
-    }
-    lock.unlock();
-    const Result<void> written = write(image, name);
-    lock.lock();
-    if (is_given_up) return;
-    done.push_back(written ? Result<fs::path>(std::move(name)) : written.error());
-    waiting.pop_front();
-}
-
-void Screenshots::Files::give_up() {
-    const std::lock_guard lock(mutex);
-    is_given_up = true;
-    for (const fs::path& name : waiting)
-        done.push_back(disk_does_not_answer(name.empty() ? "the window's picture" : name));
-    waiting.clear();
-}
-
-Screenshots::Screenshots(Write write) : files_(std::make_shared<Files>(std::move(write))) {}
-
-Screenshots::Screenshots(Existing existing)
-    : Screenshots([existing](const Image& image, const fs::path& name) {
-          return write_screenshot(image, name, existing);
-      }) {}
-
-Result<void> Screenshots::keep(Image image, fs::path name) {
-    if (!disk_) {
-        TRY_ASSIGN(disk_, DiskWork::start("screenshots", "that writes pictures of the window"));
-    }
-    {
-        const std::lock_guard lock(files_->mutex);
-        if (files_->waiting.size() == most_waiting)
-            return input_error("the window's picture is not kept: " + std::to_string(most_waiting) +
-                               " earlier ones are still being written");
-        files_->waiting.push_back(std::move(name));
-    }
-    disk_->give([files = files_, image = std::move(image)] { files->write_next(image); });
-    return {};
-}
-
-std::vector<Result<fs::path>> Screenshots::take() {
-    const std::lock_guard lock(files_->mutex);
-    return std::exchange(files_->done, {});
-}
-
-void Screenshots::finish(std::chrono::milliseconds longest) {
-    if (!disk_) return;
-    if (!disk_->finish(longest)) files_->give_up();
-    disk_.reset();
-}
-
-struct TextFiles::Files {
-    /// False: it has the place of one that waits.
-    bool add(Text text);
-    void write_next();
-    void give_up();
-    void note(const Text& text, Result<void> result) {
-        done.push_back({text.file, text.kind, text.clip, std::move(result)});
-    }
-
-    std::mutex mutex;
-    // Guarded by it.
-    std::deque<Text> waiting;  // where one lies it stays: only the thread takes it away
-    bool is_writing = false;   // the first one
-    std::vector<Written> done;
-    bool is_given_up = false;
-};
-
-bool TextFiles::Files::add(Text text) {
-    const std::lock_guard lock(mutex);
-    const auto earlier = std::find_if(waiting.begin() + (is_writing ? 1 : 0), waiting.end(),
-                                      [&text](const Text& waits) { return waits.file == text.file; });
-    const bool is_another = earlier == waiting.end();
-    if (is_another)
-        waiting.push_back(std::move(text));
-    else
-        *earlier = std::move(text);
-    return is_another;
-}
-
-void TextFiles::Files::write_next() {
-    std::unique_lock lock(mutex);
-    if (is_given_up) return;
-    is_writing = true;
-    const Text& text = waiting.front();
-    lock.unlock();
-    auto written = write_now(text);
-    lock.lock();
-    if (!is_given_up) note(text, std::move(written));
-    waiting.pop_front();
-    is_writing = false;
-}
-
-void TextFiles::Files::give_up() {
-    const std::lock_guard lock(mutex);
-    is_given_up = true;
-    for (const Text& text : waiting) note(text, disk_does_not_answer(text.file));
-}
-
-TextFiles::TextFiles() : files_(std::make_shared<Files>()) {}
-
-std::function<bool()> TextFiles::waits_for(const fs::path& file) const {
-    return [files = files_, file] {
-        const std::lock_guard lock(files->mutex);
-        return !files->is_given_up &&
-               std::ranges::any_of(files->waiting, [&](const Text& text) { return text.file == file; });
-    };
-}
-
-void TextFiles::write(Text text) {
-    if (!disk_) {
-        auto started = DiskWork::start("text-files", "that writes what is painted");
-        if (!started) {
-            const std::lock_guard lock(files_->mutex);
-            return files_->note(text, started.error());
-        }
-        disk_ = std::move(*started);
-    }
-    if (files_->add(std::move(text))) disk_->give([files = files_] { files->write_next(); });
-}
-
-std::vector<TextFiles::Written> TextFiles::take() {
-    const std::lock_guard lock(files_->mutex);
-    return std::exchange(files_->done, {});
-}
-
-void TextFiles::finish(std::chrono::milliseconds longest) {
-    if (!disk_) return;
-    if (!disk_->finish(longest)) files_->give_up();
-    disk_.reset();
+BackgroundWriter::Job text_file(fs::path file, std::string text, std::string tag, TextCheck check) {
+    return {.file = std::move(file),
+            .write = [text = std::move(text), check = std::move(check)](const fs::path& to) -> Result<void> {
+                if (check) TRY(check(to));
+                return write_text(to, text);
+            },
+            .tag = std::move(tag),
+            .replaces = true};
 }
 
 Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::path& file, Existing existing) {

@@ -11,90 +11,24 @@
 #include "engine/base/result.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/picture/image.hpp"
-#include "player/window/disk_work.hpp"
+#include "player/window/background_writer.hpp"
 
 namespace touchable {
 
-/// Pictures of the window that become files, on a thread of their own: a disk that does not answer keeps the
-/// window from nothing, and the key that takes the force off least of all. All calls are the window's.
-class Screenshots {
-public:
-    /// Writes a picture under this name. It owns all that it uses: it may outlive the window.
-    using Write = std::function<Result<void>(const Image&, const std::filesystem::path&)>;
+/// Pictures of the window that may wait for their disk.
+inline constexpr std::size_t most_screenshots = 4;
+/// Writes a picture of the window as a PNG file, under this name or, if it is empty, a free one.
+/// `existing`: what becomes of a file that is there.
+BackgroundWriter::Job screenshot(Image image, std::filesystem::path name, Existing existing);
 
-    /// PNG files; `existing`: what becomes of one that is there.
-    explicit Screenshots(Existing existing);
-    explicit Screenshots(Write write);
-    /// Finishes.
-    ~Screenshots() { finish(); }
-    Screenshots(const Screenshots&) = delete;
-    Screenshots& operator=(const Screenshots&) = delete;
-
-    /// Under this name, or a free one where it is empty. An error where too many wait, or the machine has no
-    /// thread left.
-    Result<void> keep(Image image, std::filesystem::path name);
-    /// The names of those that were written, or why one was not, since; oldest first.
-    std::vector<Result<std::filesystem::path>> take();
-    /// The last call but `take`: waits until all are written, for that long at most; then `take` has the
-    /// rest, and those that are not finished as errors.
-    void finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
-
-    static constexpr std::size_t most_waiting = 4;
-
-private:
-    /// What the thread works on.
-    struct Files;
-    const std::shared_ptr<Files> files_;
-    std::unique_ptr<DiskWork> disk_;  // from the first picture until the end
-};
-
-/// Texts that become files, in the order in which they are given, on a thread of their own: a disk that does
-/// not answer keeps the window from nothing. All calls are the window's.
-class TextFiles {
-public:
-    TextFiles();
-    /// Finishes.
-    ~TextFiles() { finish(); }
-    TextFiles(const TextFiles&) = delete;
-    TextFiles& operator=(const TextFiles&) = delete;
-
-    /// Refuses, by the text of a file that is there, to replace it: why. It owns all that it uses: it may
-    /// outlive the window.
-    using Check = std::function<Result<void>(const std::filesystem::path& file)>;
-    enum class Kind {
-        history,  ///< which the window keeps by itself
-        saved     ///< which a person asked for
-    };
-    struct Text {
-        std::filesystem::path file;
-        std::string text;
-        Kind kind = Kind::history;
-        std::string clip{};  ///< of which it is
-        Check check{};
-    };
-    /// Whole or not at all; folders that are missing are made. A text that still waits and is for the same
-    /// file is not written any more: this one has its place, before those that came after it.
-    void write(Text text);
-    /// Tells whether a text for this file is still to be written; for any thread, also after this has gone.
-    std::function<bool()> waits_for(const std::filesystem::path& file) const;
-    struct Written {
-        std::filesystem::path file;
-        Kind kind;
-        std::string clip;
-        Result<void> result;
-    };
-    /// Those that were written or refused since, oldest first.
-    std::vector<Written> take();
-    /// The last call but `take`: waits until all are written, for that long at most; then `take` has the
-    /// rest, and those that are not finished as errors.
-    void finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
-
-private:
-    /// What the thread works on.
-    struct Files;
-    const std::shared_ptr<Files> files_;
-    std::unique_ptr<DiskWork> disk_;  // from the first text until the end
-};
+/// Whole or not at all; folders that are missing are made.
+Result<void> write_text(const std::filesystem::path& file, std::string_view text);
+/// Refuses to replace a file that is there: why. It owns all that it uses.
+using TextCheck = std::function<Result<void>(const std::filesystem::path& file)>;
+/// Writes a text as `write_text` does. A text for the same file that still waits is not written any more:
+/// this one has its place, before those that came after it.
+BackgroundWriter::Job text_file(std::filesystem::path file, std::string text, std::string tag = {},
+                                TextCheck check = {});
 
 /// A film of what the window shows, and of what is heard. Both are encoded on a thread of their own; pictures
 /// and sound that come too fast for it are left out, so that the window does not wait.

@@ -330,11 +330,10 @@ Result<void> WindowLoop::open_study() {
     if (!options_.study) return {};
     const KioskOptions& kiosk = *options_.kiosk;
     const bool by_touch = kiosk.touched_by == TouchedBy::touch_screen;
-    TRY_ASSIGN(auto disk, DiskWork::start("study", "that writes a study's results"));
     TRY_ASSIGN(study_,
                StudyRun::open(*options_.study, options_.study_results, kiosk.texts.language,
                               options_.hand ? options_.hand->name() : (by_touch ? "touch-screen" : "mouse"),
-                              std::move(disk)));
+                              std::make_unique<BackgroundWriter>("study", "a study's results")));
     options_.meter = study_->meter();
     const double idle_s = study_->study().idle_s;
     kiosk_.emplace(KioskTimes{idle_s, idle_s});

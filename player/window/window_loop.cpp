@@ -258,8 +258,8 @@ void WindowLoop::note_slow_reading() {
 
 void WindowLoop::note_screenshots() {
     for (const auto& written : screenshots_.take())
-        written ? say("kept as " + std::filesystem::absolute(*written).string())
-                : say(written.error().message, Tone::fault);
+        written.result ? say("kept as " + std::filesystem::absolute(written.file).string())
+                       : say(written.result.error().message, Tone::fault);
 }
 
 /// What is to be kept and no longer can be: once, as it happens.
@@ -273,7 +273,8 @@ void WindowLoop::note_files() {
 
 Result<void> WindowLoop::keep_picture(const std::filesystem::path& name) {
     TRY_ASSIGN(auto image, picture_.graphics().picture());
-    return screenshots_.keep(std::move(image), name);
+    screenshots_.give(screenshot(std::move(image), name, options_.existing));
+    return {};
 }
 
 void WindowLoop::say(const Result<void>& done) {
@@ -366,12 +367,12 @@ Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
 /// Waits for their disk, but not for ever.
 Result<void> WindowLoop::write_settings() const {
     if (!options_.settings_file) return {};
-    const StopScope goes_on = StopScope::after_stop();
-    const StopScope in_time(std::chrono::steady_clock::now() + std::chrono::seconds(2));
-    const auto written =
-        unless_stopped([file = settings_file_, kept = to_keep()] { return file.write(kept); });
-    if (written) return *written;
-    return disk_does_not_answer(*options_.settings_file);
+    BackgroundWriter writer("settings", "settings");
+    writer.give(
+        {.file = *options_.settings_file,
+         .write = [file = settings_file_, kept = to_keep()](const auto&) { return file.write(kept); }});
+    writer.finish();
+    return writer.take().front().result;
 }
 
 KeptSettings WindowLoop::to_keep() const {
@@ -404,11 +405,11 @@ void WindowLoop::note_last_failure() {
 Result<void> WindowLoop::finish_screenshots(bool is_kept, Result<void> kept) {
     screenshots_.finish();
     for (const auto& written : screenshots_.take()) {
-        if (written) continue;
+        if (written.result) continue;
         if (is_kept && kept)
-            kept = written.error();
+            kept = written.result.error();
         else
-            warn(written.error().message);
+            warn(written.result.error().message);
     }
     return kept;
 }

@@ -84,8 +84,7 @@ double words_scale(const ScreenSize& size, bool from_afar);
 /// The window of `touchable play`: its parts, and the loop that drives them.
 class WindowLoop {
 public:
-    explicit WindowLoop(PlayOptions options)
-        : options_(std::move(options)), asked_for_(Clock::now()), screenshots_(options_.existing) {}
+    explicit WindowLoop(PlayOptions options) : options_(std::move(options)), asked_for_(Clock::now()) {}
     /// On every exit path the hand is unpowered before anything is waited for.
     ~WindowLoop() { power_hand_off(); }
 
@@ -274,7 +273,7 @@ private:
     std::unique_ptr<Screen> screen_;
     std::optional<ImGuiLayer> layer_;
     ClipPicture picture_;
-    Screenshots screenshots_;
+    BackgroundWriter screenshots_{"screenshots", "pictures of the window", most_screenshots};
     std::optional<Clock::time_point> lost_at_;  // when graphics were last
     std::optional<WindowPanel> panel_;
     std::unique_ptr<WindowSound> sound_;

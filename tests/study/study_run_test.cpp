@@ -42,10 +42,9 @@ protected:
     Result<std::unique_ptr<StudyRun>> open_in(const std::filesystem::path& results) {
         auto study = parse_study(small_study, "small.json");
         EXPECT_TRUE(study) << study.error().message;
-        auto disk = DiskWork::start("study", "that writes results");
-        EXPECT_TRUE(disk);
-        disk_ = disk->get();
-        return StudyRun::open(std::move(*study), results, "de", "mouse", std::move(*disk));
+        auto writer = std::make_unique<BackgroundWriter>("study", "results");
+        writer_ = writer.get();
+        return StudyRun::open(std::move(*study), results, "de", "mouse", std::move(writer));
     }
     /// 2026-11-24 10:00:00 and so many seconds, universal time.
     StudyRun::Time time() const { return StudyRun::Time(std::chrono::milliseconds(1795514400000 + ms_)); }
@@ -106,7 +105,7 @@ protected:
 
     const TemporaryFolder folder_;
     std::unique_ptr<StudyRun> run_;
-    DiskWork* disk_ = nullptr;  // its own
+    BackgroundWriter* writer_ = nullptr;  // its own
     int ms_ = 0;
 };
 
@@ -278,7 +277,10 @@ TEST_F(Participant, DoesNotBeginWhereNothingCanBeKept) {
 /// A disk that hangs: who is at it goes on, and nobody else begins.
 TEST_F(Participant, WaitsForNoDisk) {
     const auto hang = [&](std::promise<void>& answer) {
-        disk_->give([answers = answer.get_future().share()] { answers.wait(); });
+        writer_->give({.write = [answers = answer.get_future().share()](const auto&) -> Result<void> {
+            answers.wait();
+            return {};
+        }});
     };
     std::promise<void> first, second;
     hang(first);

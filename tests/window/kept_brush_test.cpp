@@ -3,14 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <fstream>
-#include <future>
-#include <memory>
 #include <set>
 #include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "engine/base/threads.hpp"
@@ -35,11 +31,8 @@ protected:
         return std::move(*brush);
     }
     void put(const fs::path& file, const std::string& text) {
-        TextFiles writing;
-        writing.write({.file = file, .text = text});
-        writing.finish();
-        for (const auto& written : writing.take())
-            EXPECT_TRUE(written.result) << written.result.error().message;
+        const auto written = write_text(file, text);
+        EXPECT_TRUE(written) << written.error().message;
     }
     /// As the window does.
     void edit(KeptBrush& brush, const MaterialBrush::Edit& edit) {
@@ -238,89 +231,6 @@ TEST(SegmentsDependOn, WhatIsSaidOfTheFramesOfAClip) {
     EXPECT_EQ(with([](ClipChoice&) {}), "");
     EXPECT_EQ(with([](ClipChoice& choice) { choice.camera.emplace(); }), "") << "nothing is said";
     EXPECT_EQ(with([](ClipChoice& choice) { choice.median = 5; }), "") << "segments are of unfiltered frames";
-}
-
-TEST(TextFiles, SayWhatCouldNotBeWritten) {
-    const TemporaryFolder folder;
-    TextFiles files;
-    std::ofstream(folder / "file") << "x";
-    files.write({.file = folder / "file/below.json", .text = "a"});
-    files.write({.file = folder / "new/folder/a.json",
-                 .text = "b",
-                 .kind = TextFiles::Kind::saved,
-                 .clip = "clip.mkv"});
-    files.write({.file = folder / "file", .text = "c", .check = [](const fs::path&) {
-                     return input_error("it is dear to me");
-                 }});
-    files.finish();
-    const auto done = files.take();
-    ASSERT_EQ(done.size(), 3U);
-    ASSERT_FALSE(done[0].result);
-    EXPECT_TRUE(done[1].result);
-    EXPECT_EQ(done[1].kind, TextFiles::Kind::saved);
-    EXPECT_EQ(done[1].clip, "clip.mkv");
-    EXPECT_EQ(done[2].result.error().message, "it is dear to me");
-    EXPECT_EQ(file_contents(folder / "new/folder/a.json"), "b");
-    EXPECT_EQ(file_contents(folder / "file"), "x");
-    EXPECT_TRUE(files.take().empty());
-    files.write({.file = folder / "later", .text = "d"});
-    files.finish();
-    EXPECT_EQ(file_contents(folder / "later"), "d");
-}
-
-TEST(TextFiles, AreNotWaitedForWhereTheDiskHangs) {
-    const TemporaryFolder folder;
-    struct Disk {
-        std::promise<void> asked, answer;
-    };
-    const auto disk = std::make_shared<Disk>();
-    TextFiles files;
-    files.write({.file = folder / "history", .text = "1", .check = [disk](const fs::path&) -> Result<void> {
-                     disk->asked.set_value();
-                     disk->answer.get_future().wait();
-                     return {};
-                 }});
-    disk->asked.get_future().wait();
-    files.write({.file = folder / "saved", .text = "2", .kind = TextFiles::Kind::saved, .clip = "clip.mkv"});
-    files.finish(std::chrono::milliseconds(1));
-    const auto left = files.take();
-    ASSERT_EQ(left.size(), 2U);
-    for (const auto& text : left) {
-        ASSERT_FALSE(text.result);
-        EXPECT_EQ(text.result.error().message,
-                  text.file.string() + ": not finished: its disk does not answer");
-    }
-    EXPECT_EQ(left[1].clip, "clip.mkv");
-    disk->answer.set_value();
-    while (abandoned_threads > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    EXPECT_TRUE(files.take().empty()) << "each is told of once";
-    EXPECT_FALSE(fs::exists(folder / "saved")) << "what nobody waits for is not begun";
-}
-
-/// A file that says what was saved is never behind it.
-TEST(TextFiles, ALaterTextTakesThePlaceOfTheOneThatWaits) {
-    const TemporaryFolder folder;
-    TextFiles files;
-    std::promise<void> begun, free;
-    files.write({.file = folder / "first", .text = "1", .check = [&](const fs::path&) -> Result<void> {
-                     begun.set_value();
-                     free.get_future().wait();
-                     return {};
-                 }});
-    begun.get_future().wait();
-    for (const char* text : {"old", "older"}) {
-        files.write({.file = folder / "history", .text = text});
-        files.write({.file = folder / "saved", .text = text, .kind = TextFiles::Kind::saved});
-    }
-    files.write({.file = folder / "history", .text = "new"});
-    free.set_value();
-    files.finish();
-    const auto done = files.take();
-    ASSERT_EQ(done.size(), 3U);
-    EXPECT_EQ(done[1].file, folder / "history");
-    EXPECT_EQ(done[2].file, folder / "saved");
-    EXPECT_EQ(file_contents(folder / "history"), "new");
-    EXPECT_EQ(file_contents(folder / "saved"), "older");
 }
 
 }  // namespace

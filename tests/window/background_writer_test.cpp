@@ -1,0 +1,230 @@
+// Files that a window writes off its thread, on disks that answer, hang, or refuse.
+#include "player/window/background_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <future>
+#include <iterator>
+#include <memory>
+#include <thread>
+
+#include "engine/base/threads.hpp"
+#include "player/window/window_files.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+namespace {
+
+using namespace std::chrono_literals;
+namespace fs = std::filesystem;
+using Late = BackgroundWriter::Late;
+
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class DiskWriter : public ::testing::Test {
+protected:
+    /// Hangs from the first job that holds it until it answers. Jobs own it, and may outlive the test.
+    struct Disk {
+        std::promise<void> asked, answer;
+        std::vector<std::string> begun;  // the writer's thread's, until the writer has finished
+    };
+    BackgroundWriter::Job job(const fs::path& file) const {
+        return {.file = file, .write = [disk = disk_](const fs::path& name) -> Result<void> {
+                    disk->begun.push_back(name.string());
+                    return {};
+                }};
+    }
+    BackgroundWriter::Job holding(const fs::path& file) const {
+        return {.file = file, .write = [disk = disk_](const fs::path& name) -> Result<void> {
+                    disk->begun.push_back(name.string());
+                    disk->asked.set_value();
+                    disk->answer.get_future().wait();
+                    return {};
+                }};
+    }
+    void give_holding(const fs::path& file) {
+        writer_.give(holding(file));
+        disk_->asked.get_future().wait();
+    }
+    static void wait_for_abandoned() {
+        while (abandoned_threads > 0) std::this_thread::sleep_for(1ms);
+    }
+
+    const std::shared_ptr<Disk> disk_ = std::make_shared<Disk>();
+    BackgroundWriter writer_{"test-writer", "files of a test", 4};
+};
+
+TEST_F(DiskWriter, DoesJobsInOrderAndRefusesTooMany) {
+    give_holding("a");
+    auto full = job("b");
+    full.write = [write = full.write](const fs::path& name) -> Result<void> {
+        EXPECT_TRUE(write(name));
+        return input_error("b: the disk is full");
+    };
+    writer_.give(full);
+    for (const char* const name : {"c", "d", "e"}) writer_.give(job(name));
+    EXPECT_FALSE(writer_.wait(0ms));
+    const auto refused = writer_.take();
+    ASSERT_EQ(refused.size(), 1u);
+    EXPECT_EQ(refused[0].file, "e");
+    EXPECT_EQ(refused[0].result.error().message,
+              "e: not written: its disk has yet to take 4 files of a test");
+
+    disk_->answer.set_value();
+    EXPECT_TRUE(writer_.finish(60s));
+    EXPECT_EQ(disk_->begun, (std::vector<std::string>{"a", "b", "c", "d"}));
+    const auto written = writer_.take();
+    ASSERT_EQ(written.size(), 4u);
+    EXPECT_TRUE(written[0].result);
+    ASSERT_FALSE(written[1].result);
+    EXPECT_EQ(written[1].result.error().message, "b: the disk is full");
+    EXPECT_EQ(written[3].file, "d");
+    EXPECT_TRUE(written[3].result);
+    EXPECT_TRUE(writer_.take().empty()) << "each result comes once";
+}
+
+TEST_F(DiskWriter, DropsLateJobsWhereTheDiskHangs) {
+    auto unnamed = holding("");
+    unnamed.name = [] { return fs::path("free.png"); };
+    writer_.give(unnamed);
+    disk_->asked.get_future().wait();
+    auto tagged = job("b");
+    tagged.tag = "clip.mkv";
+    writer_.give(tagged);
+    writer_.give(job(""));
+    EXPECT_FALSE(writer_.finish(1ms));
+    const auto left = writer_.take();
+    ASSERT_EQ(left.size(), 3u);
+    ASSERT_FALSE(left[0].result || left[1].result || left[2].result);
+    EXPECT_EQ(left[0].result.error().message, "free.png: not finished: its disk does not answer");
+    EXPECT_EQ(left[1].result.error().message, "b: not finished: its disk does not answer");
+    EXPECT_EQ(left[1].tag, "clip.mkv");
+    EXPECT_EQ(left[2].result.error().message, "files of a test: not finished: its disk does not answer");
+    EXPECT_EQ(abandoned_threads, 1);
+    disk_->answer.set_value();
+    wait_for_abandoned();
+    EXPECT_EQ(disk_->begun, std::vector<std::string>{"free.png"}) << "a dropped job is not begun";
+    EXPECT_TRUE(writer_.take().empty()) << "each result comes once";
+    writer_.give(job("c"));
+    EXPECT_TRUE(writer_.finish(60s));
+    EXPECT_EQ(disk_->begun.back(), "c") << "the writer goes on";
+}
+
+TEST_F(DiskWriter, DoesLateJobsThatMustNotBeLost) {
+    give_holding("a");
+    writer_.give(job("b"));
+    EXPECT_FALSE(writer_.finish(1ms, Late::done));
+    EXPECT_FALSE(writer_.finish(1ms, Late::done));
+    EXPECT_EQ(abandoned_threads, 1) << "a thread counts once";
+    EXPECT_TRUE(writer_.take().empty());
+    disk_->answer.set_value();
+    EXPECT_TRUE(writer_.finish(60s, Late::done)) << "it was only slow";
+    wait_for_abandoned();
+    const auto written = writer_.take();
+    ASSERT_EQ(written.size(), 2u);
+    EXPECT_TRUE(written[0].result && written[1].result);
+}
+
+/// A file that says what was saved is never behind it.
+TEST_F(DiskWriter, ReplacesAJobThatWaitsForTheSameFile) {
+    const TemporaryFolder folder;
+    give_holding(folder / "history");
+    for (const char* text : {"old", "older"}) {
+        writer_.give(text_file(folder / "history", text));
+        writer_.give(text_file(folder / "saved", text));
+    }
+    writer_.give(text_file(folder / "history", "new"));
+    disk_->answer.set_value();
+    EXPECT_TRUE(writer_.finish(60s));
+    const auto done = writer_.take();
+    ASSERT_EQ(done.size(), 3u);
+    EXPECT_EQ(done[1].file, folder / "history") << "in the place of the first one";
+    EXPECT_EQ(done[2].file, folder / "saved");
+    EXPECT_EQ(text_of(folder / "history"), "new");
+    EXPECT_EQ(text_of(folder / "saved"), "older");
+}
+
+TEST_F(DiskWriter, KeepsAllRowsOfOneFile) {
+    give_holding("rows");
+    for (int k = 0; k < 3; ++k) writer_.give(job("rows"));
+    disk_->answer.set_value();
+    EXPECT_TRUE(writer_.finish(60s));
+    EXPECT_EQ(writer_.take().size(), 4u) << "only a job that says so replaces another";
+}
+
+TEST_F(DiskWriter, TellsWhichFilesWait) {
+    const auto a = writer_.waits_for("a"), b = writer_.waits_for("b");
+    EXPECT_FALSE(a());
+    give_holding("a");
+    writer_.give(job("b"));
+    EXPECT_TRUE(a()) << "it is being written";
+    EXPECT_TRUE(b());
+    EXPECT_FALSE(writer_.waits_for("c")());
+    disk_->answer.set_value();
+    EXPECT_TRUE(writer_.finish(60s));
+    EXPECT_FALSE(a() || b());
+}
+
+TEST(BackgroundWriter, FinishesAtItsEnd) {
+    const auto written = std::make_shared<int>(0);
+    {
+        BackgroundWriter writer("test-writer", "files of a test");
+        for (int k = 0; k < 100; ++k)
+            writer.give({.file = "rows", .write = [written](const fs::path&) -> Result<void> {
+                             ++*written;
+                             return {};
+                         }});
+    }
+    EXPECT_EQ(*written, 100);
+}
+
+TEST(Screenshot, ReplacesNoOtherFile) {
+    const TemporaryFolder folder;
+    const auto grey = [](std::uint8_t value) {
+        Image image;
+        image.width = 2;
+        image.height = 1;
+        image.samples = {value, value};
+        return image;
+    };
+    BackgroundWriter writer("test-writer", "pictures");
+    writer.give(screenshot(grey(9), folder / "a.png", Existing::keep));
+    EXPECT_TRUE(writer.finish(60s));
+    writer.give(screenshot(grey(5), folder / "a.png", Existing::keep));
+    EXPECT_TRUE(writer.finish(60s)) << "after an end, too";
+    const auto written = writer.take();
+    ASSERT_EQ(written.size(), 2u);
+    EXPECT_TRUE(written[0].result) << written[0].result.error().message;
+    EXPECT_FALSE(written[1].result);
+    const auto image = read_image(folder / "a.png");
+    ASSERT_TRUE(image) << image.error().message;
+    EXPECT_EQ(image->samples, grey(9).samples);
+}
+
+TEST(TextFile, SaysWhatCouldNotBeWritten) {
+    const TemporaryFolder folder;
+    BackgroundWriter writer("test-writer", "texts");
+    std::ofstream(folder / "file") << "x";
+    writer.give(text_file(folder / "file/below.json", "a"));
+    writer.give(text_file(folder / "new/folder/a.json", "b", "clip.mkv"));
+    writer.give(
+        text_file(folder / "file", "c", {}, [](const fs::path&) { return input_error("it is dear to me"); }));
+    EXPECT_TRUE(writer.finish(60s));
+    const auto done = writer.take();
+    ASSERT_EQ(done.size(), 3u);
+    EXPECT_FALSE(done[0].result);
+    EXPECT_TRUE(done[1].result);
+    EXPECT_EQ(done[1].tag, "clip.mkv");
+    ASSERT_FALSE(done[2].result);
+    EXPECT_EQ(done[2].result.error().message, "it is dear to me");
+    EXPECT_EQ(text_of(folder / "new/folder/a.json"), "b");
+    EXPECT_EQ(text_of(folder / "file"), "x");
+}
+
+}  // namespace
+}  // namespace touchable::test
