@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <ctime>
 #include <glm/geometric.hpp>
 #include <numbers>
 
