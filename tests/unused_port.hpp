@@ -9,6 +9,15 @@
 
 namespace touchable::test {
 
+/// A port of this machine's loopback; 0: any that is free.
+inline sockaddr_in loopback(int port) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    return address;
+}
+
 /// A port of this machine that nobody listens at now, of TCP and UDP; 0: none is free. It is below those that
 /// Linux gives to whoever asks for any port, such as a socket of a test beside this one, which would have it
 /// before it is listened at.

@@ -15,7 +15,7 @@ constexpr double least_force = 0.01;
 /// Ticks by which the run is matched to a place in the period, and how far forces may be off there: N, RMS.
 constexpr std::size_t matched_ticks = 700;
 constexpr double most_off = 0.02;
-/// CameraRun stamps frames that came before the run with its first microseconds.
+/// LiveReader stamps frames that came before the run with its first microseconds.
 constexpr std::int64_t first_in_run_ns = 500'000;
 
 double square(const glm::dvec3& vector) {

@@ -117,33 +117,22 @@ Result<std::unique_ptr<ClipReader>> open_plugged_camera(
     return open_v4l2_camera(std::get<V4l2Choice>(choice), known, scene_file);
 }
 
-class SharedCamera::Reader final : public ClipReader {
+class SharedCamera::Reader final : public ReaderAround {
 public:
     Reader(std::shared_ptr<SharedCamera> shared, bool is_first)
-        : shared_(std::move(shared)), reads_(is_first) {
-        for (const auto& input : camera().inputs()) add_input(input);
-    }
-    const Scene& scene() const override { return camera().scene(); }
-    UnstatedFilters unstated_filters() const override { return camera().unstated_filters(); }
-    const std::vector<TrackInfo>& tracks() const override { return camera().tracks(); }
-    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
-    const std::vector<std::string>& notes() const override { return camera().notes(); }
+        : ReaderAround(std::shared_ptr<ClipReader>(shared, shared->camera_.get())),
+          shared_(std::move(shared)),
+          reads_(is_first) {}
     Result<std::optional<RawFrame>> next() override;
-    Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override;
-    bool is_live() const override { return true; }
+    void leave_out_colour() override {}  // another run may show it
     Result<void> begin(std::chrono::steady_clock::time_point zero) override;
     void interrupt() override {
-        if (reads_) camera().interrupt();
+        if (reads_) inner().interrupt();
     }
-    std::vector<std::string> remarks() const override { return camera().remarks(); }
-    std::int64_t taken_before(std::int64_t frame) const override { return camera().taken_before(frame); }
-    std::optional<StreamFigures> stream_figures() const override { return camera().stream_figures(); }
 
 private:
-    ClipReader& camera() const { return *shared_->camera_; }
-
-    std::shared_ptr<SharedCamera> shared_;
+    const std::shared_ptr<SharedCamera> shared_;
     std::atomic<bool> reads_;       // the camera, and not what another run was given
     std::int64_t next_number_ = 0;  // before the run
     std::int64_t further_ = 0;      // the run's numbers than the camera's
@@ -163,13 +152,13 @@ Result<std::optional<RawFrame>> SharedCamera::Reader::next() {
 }
 
 Result<void> SharedCamera::Reader::seek(std::int64_t frame) {
-    if (reads_) return camera().seek(frame);
+    if (reads_) return inner().seek(frame);
     next_number_ = frame;
     return {};
 }
 
 Result<void> SharedCamera::Reader::begin(std::chrono::steady_clock::time_point zero) {
-    if (auto begun = camera().begin(zero); !begun || reads_) return begun;
+    if (auto begun = inner().begin(zero); !begun || reads_) return begun;
     further_ = next_number_ - shared_->next_number_;
     reads_ = true;
     return {};

@@ -2,10 +2,8 @@
 // these as a clip.
 #include "engine/camera/frameset_camera.hpp"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <linux/videodev2.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
@@ -20,8 +18,9 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/camera/camera_reader.hpp"
+#include "engine/camera/depth_meaning.hpp"
 #include "engine/clip/readers.hpp"
+#include "engine/stream/stream_url.hpp"
 
 namespace touchable {
 namespace {
@@ -50,9 +49,6 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes) {
     return static_cast<std::uint32_t>(::crc32_z(0, bytes.data(), bytes.size()));
 }
 
-std::string size_text(std::uint32_t width, std::uint32_t height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
 std::string lens_text(const FramesetHeader& header) {
     return formatted("fx %.6g, fy %.6g, cx %.6g, cy %.6g", header.fx, header.fy, header.cx, header.cy);
 }
@@ -118,32 +114,22 @@ Result<FramesetHeader> read_header(std::span<const std::uint8_t> bytes) {
 std::string meaning_text(const FramesetHeader& header) {
     return formatted("%dx%d of %.6g m with ", header.width, header.height, header.metres_per_unit) +
            lens_text(header) +
-           (header.has_colour() ? " and colour of " + std::to_string(header.colour_width) + "x" +
-                                      std::to_string(header.colour_height)
-                                : std::string(" without colour"));
-}
-
-struct TakenFrameset {
-    Frameset frameset;
-    std::int64_t at_ns = 0;  ///< of std::chrono::steady_clock
-};
-
-std::int64_t ns_now() {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+           (header.has_colour() ? " and colour of " + size_text(header.colour_width, header.colour_height)
+                                : " without colour");
 }
 
 /// By the middle one of the sender's times from frame to frame; 30 where they cannot be.
-FrameRate rate_of(const std::vector<TakenFrameset>& taken) {
+FrameRate rate_of(const std::vector<std::int64_t>& sent_ns) {
     std::vector<double> apart_ns;
-    for (std::size_t k = 1; k < taken.size(); ++k)
-        apart_ns.push_back(static_cast<double>(taken[k].frameset.header.time_ns) -
-                           static_cast<double>(taken[k - 1].frameset.header.time_ns));
+    for (std::size_t k = 1; k < sent_ns.size(); ++k)
+        apart_ns.push_back(static_cast<double>(sent_ns[k]) - static_cast<double>(sent_ns[k - 1]));
     std::sort(apart_ns.begin(), apart_ns.end());
     const double rate = 1e9 / apart_ns[apart_ns.size() / 2];
     if (!(rate >= 0.1 && rate <= 1000)) return {30, 1};
     return {std::llround(1000 * rate), 1000};
 }
 
+constexpr std::int64_t longest_way_ns = 100'000'000;  // from being taken to its arrival
 constexpr std::chrono::milliseconds step(10);
 
 /// Bytes of a program that come when they come: its standard output, or a connection. What it began it ends
@@ -160,31 +146,8 @@ public:
     virtual std::string how_it_ended() = 0;
 };
 
-class Descriptor {
-public:
-    explicit Descriptor(int of = -1) : of_(of) {}
-    ~Descriptor() { reset(); }
-    Descriptor(Descriptor&& other) noexcept : of_(std::exchange(other.of_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept {
-        std::swap(of_, other.of_);
-        return *this;
-    }
-    int get() const { return of_; }
-    void reset() {
-        if (of_ >= 0) ::close(of_);
-        of_ = -1;
-    }
-
-private:
-    int of_;
-};
-
 std::string failure_text(int failure) {
     return std::generic_category().message(failure);
-}
-
-bool is_for_later(int failure) {
-    return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
 }
 
 struct Pipe {
@@ -203,91 +166,85 @@ class Command final : public LiveBytes {
 public:
     Command(::pid_t process, Descriptor output, Descriptor errors)
         : process_(process), output_(std::move(output)), errors_(std::move(errors)) {}
-    ~Command() override;
-    std::optional<std::size_t> read(std::span<std::uint8_t> into) override;
+    /// While the first process is not waited for, no other group has its number.
+    ~Command() override {
+        ::kill(-process_, SIGTERM);
+        siginfo_t how;
+        // A process of the group that still writes holds the output open.
+        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+        while (!(has_ended(how) && output_.get() < 0) && std::chrono::steady_clock::now() < until) {
+            std::array<std::uint8_t, 65536> unread;
+            if (read(unread).value_or(0) == 0) std::this_thread::sleep_for(step);
+        }
+        ::kill(-process_, SIGKILL);
+        constexpr int most_steps = 200;
+        for (int k = 0; k < most_steps && ::waitpid(process_, nullptr, WNOHANG) == 0; ++k)
+            std::this_thread::sleep_for(step);
+    }
+
+    std::optional<std::size_t> read(std::span<std::uint8_t> into) override {
+        hear_errors();
+        if (output_.get() < 0) return std::nullopt;
+        const auto got = ::read(output_.get(), into.data(), into.size());
+        if (got > 0) return static_cast<std::size_t>(got);
+        if (got < 0 && would_wait(errno)) return std::size_t{0};
+        output_.reset();
+        return std::nullopt;
+    }
+
     std::array<pollfd, 2> waits() const override {
         return {pollfd{output_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}};
     }
-    std::string how_it_ended() override;
+
+    std::string how_it_ended() override {
+        constexpr int most_looks = 20;
+        siginfo_t how;
+        bool ended = has_ended(how);
+        for (int looks = 0; !ended && looks < most_looks; ++looks) {
+            std::this_thread::sleep_for(step);
+            ended = has_ended(how);
+        }
+        hear_errors();
+        if (!ended) return "closed its standard output" + last_words();
+        if (how.si_code != CLD_EXITED)
+            return "ended by signal " + std::to_string(how.si_status) + last_words();
+        if (how.si_status == 0) return "ended";
+        return "ended with status " + std::to_string(how.si_status) + last_words();
+    }
 
 private:
-    void hear_errors();
-    std::string last_words() const;
-    bool has_ended(siginfo_t& how) const;
+    void hear_errors() {
+        constexpr std::size_t most_kept = 2000;
+        constexpr int most_at_once = 16;
+        for (int k = 0; k < most_at_once && errors_.get() >= 0; ++k) {
+            std::array<char, 4096> words;
+            const auto got = ::read(errors_.get(), words.data(), words.size());
+            if (got < 0 && would_wait(errno)) return;
+            if (got <= 0) return errors_.reset();
+            errors_said_.append(words.data(), static_cast<std::size_t>(got));
+            if (errors_said_.size() > most_kept) errors_said_.erase(0, errors_said_.size() - most_kept);
+        }
+    }
+
+    std::string last_words() const {
+        constexpr std::size_t longest = 200;
+        const std::size_t end = errors_said_.find_last_not_of(" \t\r\n");
+        if (end == std::string::npos) return "";
+        const std::size_t before = errors_said_.find_last_of("\r\n", end);
+        const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+        return ": " + printable(errors_said_.substr(begin, end + 1 - begin), longest);
+    }
+
+    bool has_ended(siginfo_t& how) const {
+        how = {};
+        return ::waitid(P_PID, static_cast<::id_t>(process_), &how, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+               how.si_pid == process_;
+    }
 
     const ::pid_t process_;  // and its group, which is there until it is waited for
     Descriptor output_, errors_;
     std::string errors_said_;  // the last of it
 };
-
-std::optional<std::size_t> Command::read(std::span<std::uint8_t> into) {
-    hear_errors();
-    if (output_.get() < 0) return std::nullopt;
-    const auto got = ::read(output_.get(), into.data(), into.size());
-    if (got > 0) return static_cast<std::size_t>(got);
-    if (got < 0 && is_for_later(errno)) return std::size_t{0};
-    output_.reset();
-    return std::nullopt;
-}
-
-void Command::hear_errors() {
-    constexpr std::size_t most_kept = 2000;
-    constexpr int most_at_once = 16;
-    for (int k = 0; k < most_at_once && errors_.get() >= 0; ++k) {
-        std::array<char, 4096> words;
-        const auto got = ::read(errors_.get(), words.data(), words.size());
-        if (got < 0 && is_for_later(errno)) return;
-        if (got <= 0) return errors_.reset();
-        errors_said_.append(words.data(), static_cast<std::size_t>(got));
-        if (errors_said_.size() > most_kept) errors_said_.erase(0, errors_said_.size() - most_kept);
-    }
-}
-
-std::string Command::last_words() const {
-    constexpr std::size_t longest = 200;
-    const std::size_t end = errors_said_.find_last_not_of(" \t\r\n");
-    if (end == std::string::npos) return "";
-    const std::size_t before = errors_said_.find_last_of("\r\n", end);
-    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
-    return ": " + printable(errors_said_.substr(begin, end + 1 - begin), longest);
-}
-
-bool Command::has_ended(siginfo_t& how) const {
-    how = {};
-    return ::waitid(P_PID, static_cast<::id_t>(process_), &how, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           how.si_pid == process_;
-}
-
-std::string Command::how_it_ended() {
-    constexpr int most_looks = 20;
-    siginfo_t how;
-    bool ended = has_ended(how);
-    for (int looks = 0; !ended && looks < most_looks; ++looks) {
-        std::this_thread::sleep_for(step);
-        ended = has_ended(how);
-    }
-    hear_errors();
-    if (!ended) return "closed its standard output" + last_words();
-    if (how.si_code != CLD_EXITED) return "ended by signal " + std::to_string(how.si_status) + last_words();
-    if (how.si_status == 0) return "ended";
-    return "ended with status " + std::to_string(how.si_status) + last_words();
-}
-
-/// While the first process is not waited for, no other group has its number.
-Command::~Command() {
-    ::kill(-process_, SIGTERM);
-    siginfo_t how;
-    // A process of the group that still writes holds the output open.
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-    while (!(has_ended(how) && output_.get() < 0) && std::chrono::steady_clock::now() < until) {
-        std::array<std::uint8_t, 65536> unread;
-        if (read(unread).value_or(0) == 0) std::this_thread::sleep_for(step);
-    }
-    ::kill(-process_, SIGKILL);
-    constexpr int most_steps = 200;
-    for (int k = 0; k < most_steps && ::waitpid(process_, nullptr, WNOHANG) == 0; ++k)
-        std::this_thread::sleep_for(step);
-}
 
 class Connection final : public LiveBytes {
 public:
@@ -295,7 +252,7 @@ public:
     std::optional<std::size_t> read(std::span<std::uint8_t> into) override {
         const auto got = ::recv(socket_.get(), into.data(), into.size(), MSG_DONTWAIT);
         if (got > 0) return static_cast<std::size_t>(got);
-        if (got < 0 && is_for_later(errno)) return std::size_t{0};
+        if (got < 0 && would_wait(errno)) return std::size_t{0};
         if (got < 0) failure_ = errno;
         return std::nullopt;
     }
@@ -311,38 +268,15 @@ private:
     int failure_ = 0;
 };
 
-struct Address {
-    ::sockaddr_storage bytes = {};
-    ::socklen_t length = 0;
-};
-Result<Address> read_address(const std::string& words) {
-    const Error wrong =
-        usage_error("tcp://" + printable(words) +
-                    ": right would be an address in numbers or localhost, and a port, such as "
-                    "tcp://192.168.0.5:7000 or tcp://[::1]:7000");
-    const std::size_t colon = words.rfind(':');
-    if (colon == std::string::npos || colon + 1 == words.size()) return wrong;
-    std::string host = words.substr(0, colon);
-    const std::string port = words.substr(colon + 1);
-    if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-    if (host == "localhost") host = "127.0.0.1";
-    if (host.empty() || port.size() > 5 || port.find_first_not_of("0123456789") != std::string::npos ||
-        std::stoi(port) < 1 || std::stoi(port) > 65535)
-        return wrong;
-    Address address;
-    const auto port_there = htons(static_cast<std::uint16_t>(std::stoi(port)));
-    if (::sockaddr_in four = {}; ::inet_pton(AF_INET, host.c_str(), &four.sin_addr) == 1) {
-        four.sin_family = AF_INET;
-        four.sin_port = port_there;
-        std::memcpy(&address.bytes, &four, address.length = sizeof four);
-        return address;
-    }
-    ::sockaddr_in6 six = {};
-    if (::inet_pton(AF_INET6, host.c_str(), &six.sin6_addr) != 1) return wrong;
-    six.sin6_family = AF_INET6;
-    six.sin6_port = port_there;
-    std::memcpy(&address.bytes, &six, address.length = sizeof six);
-    return address;
+Result<SocketAddress> read_address(const std::string& words) {
+    const auto url = read_stream_url("tcp://" + words);
+    const auto address = url && !url->host.empty() && url->port > 0 && url->path.empty() && url->query.empty()
+                             ? own_address(*url)
+                             : std::nullopt;
+    if (address) return *address;
+    return usage_error("tcp://" + printable(words) +
+                       ": right would be an address in numbers or localhost, and a port, such as "
+                       "tcp://192.168.0.5:7000 or tcp://[::1]:7000");
 }
 
 /// 0, or why there is no connection.
@@ -395,190 +329,125 @@ Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
 /// asked to stop.
 Result<std::unique_ptr<LiveBytes>> connect_to(const std::string& address) {
     TRY_ASSIGN(const auto read, read_address(address));
-    Descriptor socket(::socket(read.bytes.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    Descriptor socket(::socket(read.storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     const auto no_connection = [&](int failure) {
         return input_error("tcp://" + address + ": no connection: " + failure_text(failure) +
                            "; does the sender listen there?");
     };
     if (socket.get() < 0) return no_connection(errno);
-    const auto* const to = reinterpret_cast<const ::sockaddr*>(&read.bytes);
-    if (::connect(socket.get(), to, read.length) != 0 && errno != EINPROGRESS) return no_connection(errno);
+    if (::connect(socket.get(), read.get(), read.length) != 0 && errno != EINPROGRESS)
+        return no_connection(errno);
     TRY_ASSIGN(const auto failure, wait_for_connection(socket.get()));
     if (failure != 0) return no_connection(failure);
     return std::unique_ptr<LiveBytes>(std::make_unique<Connection>(std::move(socket)));
 }
 
-class FramesetCamera final : public CameraReader {
+class FramesetCamera final : public LiveReader {
 public:
     explicit FramesetCamera(const FramesetChoice& choice)
-        : CameraReader(printable(choice.name())), choice_(choice), name_(printable(choice.name())) {}
-    Result<void> open(const SourceDescription& known, const std::optional<std::filesystem::path>& scene_file);
+        : LiveReader(printable(choice.name())), choice_(choice) {}
+    /// What it sends, and what that means.
+    Result<void> open(SourceDescription known, const std::optional<std::filesystem::path>& scene_file) {
+        constexpr int first_framesets = 8;
+        TRY_ASSIGN(source_,
+                   choice_.command.empty() ? connect_to(choice_.address) : start_command(choice_.command));
+        std::vector<RawFrame> frames;
+        std::vector<PlaneView> views;
+        std::vector<std::int64_t> sent_ns;
+        FramesetHeader sent;
+        for (int k = 0; k < first_framesets; ++k) {
+            TRY_ASSIGN(auto first, first_frame());
+            if (k == 0) sent = newest_;
+            sent_ns.push_back(newest_.time_ns);
+            views.push_back(first.frame.depth);
+            frames.push_back(std::move(first.frame));
+        }
+        if (!known.intrinsics && !known.fov && known.preset.empty())
+            known.intrinsics = Intrinsics{sent.fx, sent.fy, sent.cx, sent.cy, sent.width, sent.height};
+        if (!known.metres_per_code && known.preset.empty()) known.metres_per_code = sent.metres_per_unit;
+        NodeFacts facts;
+        facts.node = name_;
+        facts.card = "a sender of framesets";
+        TRY_ASSIGN(auto meaning, meaning_of_depth(facts, V4L2_PIX_FMT_Z16, views, known, scene_file));
+        meaning.scene.rate = rate_of(sent_ns);
+        take_meaning(std::move(meaning));
+        notes_.push_back(name_ + " sends depth of " +
+                         formatted("%dx%d, %.6g m a code, fx %.6g, fy %.6g, at %.4g frames/s", sent.width,
+                                   sent.height, sent.metres_per_unit, sent.fx, sent.fy,
+                                   scene_.rate.per_second()));
+        if (sent.time_ns == 0)
+            notes_.emplace_back(
+                "the sender does not say when frames are taken: they count from their arrival");
+        tracks_.push_back({"depth", "frameset", "gray16le", sent.width, sent.height, true});
+        shows_colour_ = sent.has_colour();
+        if (!shows_colour_) return {};
+        tracks_.push_back({"colour", "frameset", "rgb24", sent.colour_width, sent.colour_height, true});
+        if (!sent.colour_is_registered)
+            notes_.emplace_back(
+                "its colour is as another camera sees it: it is not moved to where depth is seen from");
+        return {};
+    }
 
-    Result<std::optional<RawFrame>> next() override;
     void leave_out_colour() override { shows_colour_ = false; }
-    Result<void> begin(std::chrono::steady_clock::time_point zero) override;
-    std::vector<std::string> remarks() const override;
 
 private:
-    enum class Which { oldest, newest };
-    Result<void> look_first(SourceDescription known, const std::optional<std::filesystem::path>& scene_file);
-    Result<std::optional<TakenFrameset>> take(Which which);
-    Result<std::optional<TakenFrameset>> wait_for_frameset();
-    void wait(std::chrono::milliseconds longest) const;
-    std::optional<RawFrame> frame_of(const TakenFrameset& taken);
+    MaybeTaken take() override {
+        constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it may have been interrupted
+        std::optional<Frameset> best;
+        std::int64_t at_ns = 0;
+        for (std::size_t read = 0; read < most_at_once;) {
+            auto whole = parser_.next();
+            damaged_ = parser_.damaged();
+            repeated_ = parser_.repeated();
+            if (!whole && best) break;  // it will say so again
+            if (!whole) return gone(whole.error().message);
+            if (*whole) {
+                best = std::move(*whole);
+                at_ns = clock_.add(best->header.time_ns, steady_now_ns()).taken_ns;
+                if (!has_begun()) break;
+                continue;
+            }
+            const auto got = source_->read(chunk_);
+            if (!got && best) break;
+            if (!got) return gone(source_->how_it_ended());
+            if (*got == 0) break;
+            if (!heard_) heard_ = std::chrono::steady_clock::now();
+            read += *got;
+            parser_.take(std::span(chunk_).first(*got));
+        }
+        if (!best) return std::optional<Taken>();
+        newest_ = best->header;
+        Taken taken{static_cast<std::uint32_t>(newest_.number), at_ns};
+        add_plane(taken.frame, PlaneRole::depth, {best->depth(), best->payload, 16});
+        if (shows_colour_)
+            if (auto colour = fit_plane(PlaneRole::colour, {best->colour(), best->payload, 8}, scene_, name_))
+                add_plane(taken.frame, PlaneRole::colour, std::move(*colour));
+        return std::optional(std::move(taken));
+    }
+
+    void wait(std::int64_t longest_ns) override {
+        const auto sources = source_->waits();
+        wake_.wait(longest_ns, {sources[0], sources[1]});
+    }
+
+    std::optional<Error> nothing_came(Moment since) const override {
+        const auto longest = heard_ ? choice_.patience : choice_.first_patience;
+        if (std::chrono::steady_clock::now() <= std::max(since, heard_.value_or(since)) + longest)
+            return std::nullopt;
+        return input_error(name_ + (heard_ ? ": sent no whole frameset in " : ": sent nothing in ") +
+                           std::to_string(longest.count()) + " ms" +
+                           (damaged_ > 0 ? ", but damaged ones" : ""));
+    }
 
     const FramesetChoice choice_;
-    const std::string name_;
     std::unique_ptr<LiveBytes> source_;
     FramesetParser parser_;
-    SenderClock clock_;
+    JitterBuffer clock_{0, longest_way_ns};
     std::vector<std::uint8_t> chunk_ = std::vector<std::uint8_t>(std::size_t{1} << 18U);
-    bool has_said_anything_ = false, shows_colour_ = true;
-    std::atomic<std::int64_t> damaged_{0}, repeated_{0};
+    std::optional<Moment> heard_;  // the first byte
+    FramesetHeader newest_;        // of the frameset that was taken last
+    bool shows_colour_ = false;
 };
-
-/// What is there; nothing where no whole one is. An error once no more will come: what happened.
-Result<std::optional<TakenFrameset>> FramesetCamera::take(Which which) {
-    constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it may have been interrupted
-    std::optional<TakenFrameset> best;
-    for (std::size_t read = 0; read < most_at_once;) {
-        auto whole = parser_.next();
-        damaged_ = parser_.damaged();
-        repeated_ = parser_.repeated();
-        if (!whole && best) break;  // it will say so again
-        if (!whole) return whole.error();
-        if (*whole) {
-            const std::int64_t sent_ns = (*whole)->header.time_ns;
-            best = TakenFrameset{std::move(**whole), clock_.taken_at(sent_ns, ns_now())};
-            if (which == Which::oldest) break;
-            continue;
-        }
-        const auto got = source_->read(chunk_);
-        if (!got && best) break;
-        if (!got) return input_error(source_->how_it_ended());
-        if (*got == 0) break;
-        has_said_anything_ = true;
-        read += *got;
-        parser_.take(std::span(chunk_).first(*got));
-    }
-    return best;
-}
-
-/// The oldest before the run, the newest in it; nothing once it has ended.
-Result<std::optional<TakenFrameset>> FramesetCamera::wait_for_frameset() {
-    const auto begun = std::chrono::steady_clock::now();
-    std::optional<std::chrono::steady_clock::time_point> heard;
-    while (!run_.is_gone()) {
-        if (auto end = run_.told_to_end()) return *end;
-        auto taken = take(run_.has_begun() ? Which::newest : Which::oldest);
-        if (!taken) {
-            run_.gone(taken.error().message);
-            break;
-        }
-        if (*taken) return taken;
-        const auto now = std::chrono::steady_clock::now();
-        if (has_said_anything_ && !heard) heard = now;
-        const auto until = heard ? *heard + choice_.patience : begun + choice_.first_patience;
-        if (!run_.has_begun() && now > until)
-            return input_error(name_ + (heard ? ": sent no whole frameset in " : ": sent nothing in ") +
-                               std::to_string((heard ? choice_.patience : choice_.first_patience).count()) +
-                               " ms" + (damaged_ > 0 ? ", but damaged ones" : ""));
-        constexpr std::chrono::milliseconds look_again(100), ever(-1);
-        wait(run_.has_begun() ? ever : look_again);
-    }
-    return std::optional<TakenFrameset>();
-}
-
-void FramesetCamera::wait(std::chrono::milliseconds longest) const {
-    const auto sources = source_->waits();
-    std::array<pollfd, 3> all{pollfd{run_.descriptor(), POLLIN, 0}, sources[0], sources[1]};
-    (void)::poll(all.data(), all.size(), static_cast<int>(longest.count()));
-}
-
-/// What it sends, and what that means.
-Result<void> FramesetCamera::look_first(SourceDescription known,
-                                        const std::optional<std::filesystem::path>& scene_file) {
-    constexpr int first_framesets = 8;
-    std::vector<TakenFrameset> taken;
-    std::vector<PlaneView> views;
-    for (int k = 0; k < first_framesets; ++k) {
-        TRY_ASSIGN(auto frameset, wait_for_frameset());
-        if (!frameset) return input_error(run_.remarks().back());
-        views.push_back(frameset->frameset.depth());
-        taken.push_back(std::move(*frameset));
-    }
-    const FramesetHeader& sent = taken.front().frameset.header;
-    if (!known.intrinsics && !known.fov && known.preset.empty())
-        known.intrinsics = Intrinsics{sent.fx, sent.fy, sent.cx, sent.cy, sent.width, sent.height};
-    if (!known.metres_per_code && known.preset.empty()) known.metres_per_code = sent.metres_per_unit;
-    NodeFacts facts;
-    facts.node = name_;
-    facts.card = "a sender of framesets";
-    TRY_ASSIGN(auto meaning, scene_file ? meaning_in_file(facts, views, *scene_file)
-                                        : meaning_of_depth(facts, V4L2_PIX_FMT_Z16, views, known));
-    take_meaning(std::move(meaning), rate_of(taken));
-    notes_.push_back(name_ + " sends depth of " +
-                     formatted("%dx%d, %.6g m a code, fx %.6g, fy %.6g, at %.4g frames/s", sent.width,
-                               sent.height, sent.metres_per_unit, sent.fx, sent.fy, per_second(scene_.rate)));
-    if (sent.time_ns == 0)
-        notes_.emplace_back("the sender does not say when frames are taken: they count from their arrival");
-    tracks_.push_back({"depth", "frameset", "gray16le", sent.width, sent.height, true});
-    if (!sent.has_colour()) return {};
-    tracks_.push_back({"colour", "frameset", "rgb24", sent.colour_width, sent.colour_height, true});
-    if (!sent.colour_is_registered)
-        notes_.emplace_back(
-            "its colour is as another camera sees it: it is not moved to where depth is seen from");
-    return {};
-}
-
-Result<void> FramesetCamera::open(const SourceDescription& known,
-                                  const std::optional<std::filesystem::path>& scene_file) {
-    if (run_.descriptor() < 0) return Error{ErrorKind::internal, "no event can be made to wait for"};
-    TRY_ASSIGN(source_,
-               choice_.command.empty() ? connect_to(choice_.address) : start_command(choice_.command));
-    return look_first(known, scene_file);
-}
-
-/// Nothing: it was taken before the run.
-std::optional<RawFrame> FramesetCamera::frame_of(const TakenFrameset& taken) {
-    const Frameset& frameset = taken.frameset;
-    const auto place = run_.place(static_cast<std::uint32_t>(frameset.header.number), taken.at_ns);
-    if (!place) return std::nullopt;
-    RawFrame frame;
-    frame.number = place->number;
-    frame.time_ns = place->time_ns;
-    add_plane(frame, PlaneRole::depth, {frameset.depth(), frameset.payload, 16});
-    if (!shows_colour_ || !frameset.header.has_colour()) return frame;
-    auto colour = fit_plane(PlaneRole::colour, {frameset.colour(), frameset.payload, 8}, scene_, name_);
-    if (colour) add_plane(frame, PlaneRole::colour, std::move(*colour));
-    return frame;
-}
-
-Result<std::optional<RawFrame>> FramesetCamera::next() {
-    while (true) {
-        TRY_ASSIGN(const auto taken, wait_for_frameset());
-        if (!taken && !run_.has_begun()) return input_error(run_.remarks().back());
-        if (!taken) return std::optional<RawFrame>();
-        if (auto frame = frame_of(*taken)) return frame;
-    }
-}
-
-Result<void> FramesetCamera::begin(std::chrono::steady_clock::time_point zero) {
-    run_.begin(zero);
-    // Those that wait are of before. How it ended it will say again.
-    if (!run_.is_gone()) (void)take(Which::newest);
-    return {};
-}
-
-std::vector<std::string> FramesetCamera::remarks() const {
-    std::vector<std::string> all = run_.remarks();
-    const auto tell = [&all](std::int64_t count, const char* what) {
-        if (count > 0) all.insert(all.begin(), std::to_string(count) + " of the camera's frames " + what);
-    };
-    tell(repeated_, "came twice, and were left out once");
-    tell(damaged_, "were damaged or cut short, and left out");
-    return all;
-}
 
 }  // namespace
 
@@ -698,21 +567,6 @@ Result<std::optional<Frameset>> FramesetParser::next() {
         return input_error("gave " + std::to_string(most_strays >> 20U) +
                            " MiB in which no whole frameset is (docs/camera.md has what one is)");
     return std::optional<Frameset>();
-}
-
-std::int64_t SenderClock::taken_at(std::int64_t sent_ns, std::int64_t arrived_ns) {
-    constexpr std::int64_t longest_way = 100'000'000, slower = 1000;  // a thousandth
-    constexpr std::int64_t most_known = std::int64_t{1} << 62U;
-    if (sent_ns <= 0 || sent_ns >= most_known) {
-        last_.reset();
-        return arrived_ns;
-    }
-    const std::int64_t apart_ns = arrived_ns - sent_ns;
-    const bool goes_on = last_ && sent_ns > last_->sent_ns;
-    if (goes_on) apart_ns_ = std::min(apart_ns_ + (arrived_ns - last_->arrived_ns) / slower, apart_ns);
-    if (!goes_on || apart_ns - apart_ns_ > longest_way) apart_ns_ = apart_ns;
-    last_ = Moment{sent_ns, arrived_ns};
-    return sent_ns + apart_ns_;
 }
 
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(

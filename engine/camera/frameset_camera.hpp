@@ -4,8 +4,7 @@
 // they mean, by a pipe or a connection.
 //
 // open_frameset_camera gives what a FramesetChoice names as a live clip. FramesetParser finds framesets in
-// any bytes, and SenderClock turns a sender's times into this machine's; both know nothing of where bytes
-// come from, and each object is used by one thread.
+// any bytes, and knows nothing of where they come from. Each object is used by one thread.
 
 #include <chrono>
 #include <cstddef>
@@ -82,24 +81,6 @@ private:
     std::int64_t damaged_ = 0, repeated_ = 0;
 };
 
-/// When frames were taken, by a sender's clock of unknown beginning: what it says of the time between frames
-/// is believed, and of those that came soonest after they were taken their arrival. A clock that jumps,
-/// stands still or goes backwards begins anew with a frame's arrival; one that goes slower or faster is
-/// followed.
-class SenderClock {
-public:
-    /// Of a frame that `sent_ns` is said of (0: nothing is), at the time of std::chrono::steady_clock, like
-    /// its arrival: no later than that, and at most 0.1 s before.
-    std::int64_t taken_at(std::int64_t sent_ns, std::int64_t arrived_ns);
-
-private:
-    struct Moment {
-        std::int64_t sent_ns = 0, arrived_ns = 0;
-    };
-    std::optional<Moment> last_;
-    std::int64_t apart_ns_ = 0;  // this machine's clock is so far ahead of the sender's
-};
-
 /// A program that sends framesets (above): a command that is started, or one that listens.
 struct FramesetChoice {
     std::string command{};  ///< of /bin/sh; empty: `address`
@@ -115,8 +96,8 @@ struct FramesetChoice {
 Result<void> check_address(const std::string& address);
 
 /// What it sends as a live source, as `open_v4l2_camera` gives a camera's, but that the sender says its unit
-/// and its lens, where `known` or `scene_file` do not. Frames are timed by
-/// SenderClock. The command ends with the reader.
+/// and its lens, where `known` or `scene_file` do not. Frames are timed by a JitterBuffer that believes in a
+/// way of 0.1 s, and waits for none. The command ends with the reader.
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(
     const FramesetChoice& choice, const std::optional<SourceDescription>& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});

@@ -16,6 +16,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
 
 namespace touchable {
 namespace {
@@ -104,7 +105,7 @@ std::string node_trouble(const std::string& node, int failure) {
 
 // A driver that never says that there are no more is not listened to for ever.
 constexpr std::uint32_t most_entries = 256;
-constexpr int largest_side = 16384;
+constexpr std::uint32_t largest_side = 16384;
 constexpr double usual_rate = 30;
 constexpr std::int64_t usual_pixels = 1280 * 720;
 
@@ -116,12 +117,8 @@ constexpr std::array colour_formats{V4L2_PIX_FMT_RGB24, V4L2_PIX_FMT_BGR24, V4L2
 /// Drivers end their texts with a 0, as a rule.
 template <std::size_t n>
 std::string text_of(const std::uint8_t (&bytes)[n]) {
-    std::string text;
-    for (const std::uint8_t byte : bytes) {
-        if (byte == 0) break;
-        text += static_cast<char>(byte);
-    }
-    return text;
+    const auto* const text = reinterpret_cast<const char*>(bytes);
+    return {text, ::strnlen(text, n)};
 }
 
 /// Seconds between pictures the other way round; nothing where it is none, or none that a camera has.
@@ -130,7 +127,7 @@ std::optional<FrameRate> rate_of_interval(std::uint32_t numerator, std::uint32_t
     const std::int64_t common = std::gcd(std::int64_t{numerator}, std::int64_t{denominator});
     const FrameRate rate{denominator / common, numerator / common};
     constexpr std::int64_t most_term = 1'000'000'000;
-    const bool can_be = per_second(rate) >= 0.01 && per_second(rate) <= 1000 && rate.num <= most_term &&
+    const bool can_be = rate.per_second() >= 0.01 && rate.per_second() <= 1000 && rate.num <= most_term &&
                         rate.den <= most_term;
     return can_be ? std::optional(rate) : std::nullopt;
 }
@@ -154,12 +151,12 @@ std::vector<FrameRate> rates_of(VideoSystem& system, int descriptor, std::uint32
         // All between: those that people ask for.
         for (const std::int64_t usual : {60, 30, 15})
             if (const auto least = rate_of_interval(slowest.numerator, slowest.denominator);
-                least && !rates.empty() && static_cast<double>(usual) < per_second(rates.front()) &&
-                static_cast<double>(usual) > per_second(*least))
+                least && !rates.empty() && static_cast<double>(usual) < rates.front().per_second() &&
+                static_cast<double>(usual) > least->per_second())
                 rates.push_back({usual, 1});
         break;
     }
-    std::ranges::stable_sort(rates, std::greater<>{}, per_second);
+    std::ranges::stable_sort(rates, std::greater<>{}, &FrameRate::per_second);
     return rates;
 }
 
@@ -204,7 +201,7 @@ Result<NodeFacts> facts_of_node(VideoSystem& system, int descriptor, const std::
         entry.index = index;
         entry.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
         if (call(system, descriptor, VIDIOC_ENUM_FMT, &entry) < 0) break;
-        NodeFormat format{entry.pixelformat, text_of(entry.description)};
+        NodeFormat format{entry.pixelformat};
         find_modes(system, descriptor, format);
         facts.formats.push_back(std::move(format));
     }
@@ -218,7 +215,7 @@ std::int64_t pixels_of(const NodeMode& mode) {
 /// The rate nearest to what is wanted; nothing where the camera says none.
 std::optional<FrameRate> nearest_rate(const NodeMode& mode, double wanted) {
     const auto nearest = std::ranges::min_element(
-        mode.rates, {}, [wanted](const FrameRate& rate) { return std::abs(per_second(rate) - wanted); });
+        mode.rates, {}, [wanted](const FrameRate& rate) { return std::abs(rate.per_second() - wanted); });
     return nearest == mode.rates.end() ? std::nullopt : std::optional(*nearest);
 }
 
@@ -226,7 +223,7 @@ std::optional<FrameRate> nearest_rate(const NodeMode& mode, double wanted) {
 /// that is not too large.
 std::pair<bool, std::int64_t> usual_mark(const NodeMode& mode, double wanted) {
     const auto rate = nearest_rate(mode, wanted);
-    const bool fast = !rate || per_second(*rate) > 0.9 * wanted;
+    const bool fast = !rate || rate->per_second() > 0.9 * wanted;
     const std::int64_t pixels = pixels_of(mode);
     return {fast, pixels <= usual_pixels ? pixels : -pixels};
 }
@@ -240,16 +237,15 @@ Result<NodeMode> choose_size(const NodeFormat& format, const ModeWish& wish) {
     std::string there;
     for (const NodeMode& mode : format.modes) {
         if (mode.width == wish.width && mode.height == wish.height) return mode;
-        there += (there.empty() ? "" : ", ") + std::to_string(mode.width) + "x" + std::to_string(mode.height);
+        there += (there.empty() ? "" : ", ") + size_text(mode.width, mode.height);
     }
     if (format.any_size) return NodeMode{wish.width, wish.height, format.modes.front().rates};
-    return usage_error("offers no " + format_text(format.code) + " of " + std::to_string(wish.width) + "x" +
-                       std::to_string(wish.height) + " (size=); there are " + there);
+    return usage_error("offers no " + format_text(format.code) + " of " + size_text(wish.width, wish.height) +
+                       " (size=); there are " + there);
 }
 
 // Enough for the driver to fill one while others wait, few enough that none is old.
 constexpr std::uint32_t wanted_buffers = 4, most_buffers = 32;
-constexpr int most_failures_in_a_row = 100;
 
 constexpr bool is_coded(std::uint32_t code) {
     return code == V4L2_PIX_FMT_MJPEG || code == V4L2_PIX_FMT_JPEG;
@@ -267,10 +263,6 @@ std::size_t picture_bytes(const StreamFormat& format) {
     const bool has_chroma_below = format.code == V4L2_PIX_FMT_NV12;
     const std::ptrdiff_t rows = has_chroma_below ? format.height + (format.height + 1) / 2 : format.height;
     return static_cast<std::size_t>(format.stride * (rows - 1) + bytes_per_pixel(format.code) * format.width);
-}
-
-std::int64_t now_ns() {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 /// When it was taken, by the driver where its clock is the machine's and what it says can be.
@@ -334,16 +326,14 @@ bool is_depth_format(std::uint32_t code) {
 
 Result<const NodeFormat*> depth_of_node(const NodeFacts& facts) {
     const NodeFormat* best = nullptr;
-    std::string there;
     for (const NodeFormat& format : facts.formats) {
-        there += (there.empty() ? "" : ", ") + format_text(format.code);
         if (!is_depth_format(format.code)) continue;
         if (best == nullptr || (format.code == V4L2_PIX_FMT_Z16 && best->code != V4L2_PIX_FMT_Z16))
             best = &format;
     }
     if (best != nullptr) return best;
     return input_error(facts.node + ": " + printable(facts.card) +
-                       (facts.captures ? " gives no depth there (" + (there.empty() ? "nothing" : there) +
+                       (facts.captures ? " gives no depth there (" + formats_text(facts) +
                                              "); what can be touched is Z16 or Y16"
                                        : std::string(" gives no pictures there")) +
                        "; touchable cameras lists the nodes that have depth");
@@ -361,12 +351,19 @@ std::string format_text(std::uint32_t code) {
     return printable(text) + ((code & big_endian) != 0 ? " (big-endian)" : "");
 }
 
-double per_second(const FrameRate& rate) {
-    return static_cast<double>(rate.num) / static_cast<double>(rate.den);
+std::string formats_text(const NodeFacts& facts) {
+    std::string all;
+    for (const NodeFormat& format : facts.formats)
+        all += (all.empty() ? "" : ", ") + format_text(format.code);
+    return all.empty() ? "nothing" : all;
+}
+
+std::string size_text(std::int64_t width, std::int64_t height) {
+    return std::to_string(width) + "x" + std::to_string(height);
 }
 
 std::string rate_text(const FrameRate& rate) {
-    return formatted("%.4g", per_second(rate));
+    return formatted("%.4g", rate.per_second());
 }
 
 Result<NodeMode> choose_mode(const NodeFormat& format, const ModeWish& wish) {
@@ -380,8 +377,7 @@ Result<NodeMode> choose_mode(const NodeFormat& format, const ModeWish& wish) {
 std::string mode_text(const NodeMode& mode) {
     std::string rates;
     for (const FrameRate& rate : mode.rates) rates += (rates.empty() ? "" : ", ") + rate_text(rate);
-    return std::to_string(mode.width) + "x" + std::to_string(mode.height) +
-           (rates.empty() ? "" : " at " + rates + " frames/s");
+    return size_text(mode.width, mode.height) + (rates.empty() ? "" : " at " + rates + " frames/s");
 }
 
 Result<NodeFacts> look_at_node(VideoSystem& system, const std::string& node) {
@@ -443,17 +439,14 @@ Result<void> V4l2Stream::set_format(std::uint32_t code, const NodeMode& mode) {
         pixels.height = static_cast<std::uint32_t>(mode.height);
     }
     if (ask(VIDIOC_S_FMT, &wish) < 0) return trouble(errno);
-    const std::string settled = format_text(pixels.pixelformat) + " of " + std::to_string(pixels.width) +
-                                "x" + std::to_string(pixels.height);
+    const std::string settled =
+        format_text(pixels.pixelformat) + " of " + size_text(pixels.width, pixels.height);
     const bool other_size = mode.width > 0 && (pixels.width != static_cast<std::uint32_t>(mode.width) ||
                                                pixels.height != static_cast<std::uint32_t>(mode.height));
     if (pixels.pixelformat != code || other_size)
         return input_error(node_ + ": its driver gives " + settled + " where " + format_text(code) +
-                           (mode.width > 0
-                                ? " of " + std::to_string(mode.width) + "x" + std::to_string(mode.height)
-                                : std::string()) +
+                           (mode.width > 0 ? " of " + size_text(mode.width, mode.height) : "") +
                            " was asked for; touchable cameras lists what it offers");
-    constexpr std::uint32_t largest_side = 16384;
     if (pixels.width == 0 || pixels.height == 0 || pixels.width > largest_side ||
         pixels.height > largest_side)
         return input_error(node_ + ": its driver gives pictures of " + settled + "; sides must be 1 to " +
@@ -521,7 +514,7 @@ Result<std::optional<v4l2_buffer>> V4l2Stream::dequeue() {
     }
     const int failure = errno;
     if (failure == EAGAIN) return std::optional<v4l2_buffer>();
-    if (failure == EIO && ++failed_in_a_row_ < most_failures_in_a_row) {
+    if (failure == EIO && ++failed_in_a_row_ < most_faults_in_a_row) {
         ++damaged_;
         return std::optional<v4l2_buffer>();
     }
@@ -545,7 +538,7 @@ TakenPicture V4l2Stream::copied(const v4l2_buffer& buffer) const {
         bytes->assign(from, from + format_.least);
         bytes->resize(format_.least + room);
     }
-    const std::int64_t now = now_ns();
+    const std::int64_t now = steady_now_ns();
     const auto at_ns = drivers_time(buffer, now);
     return {std::move(bytes), buffer.sequence, at_ns.value_or(now), at_ns.has_value()};
 }

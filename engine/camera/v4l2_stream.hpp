@@ -57,7 +57,6 @@ struct NodeMode {
 /// A kind of pictures that a camera offers.
 struct NodeFormat {
     std::uint32_t code = 0;         ///< V4L2_PIX_FMT_...
-    std::string name;               ///< the driver's words
     std::vector<NodeMode> modes{};  ///< empty: the camera does not say
     bool any_size = false;          ///< sizes between the least and the greatest in `modes`, too
 };
@@ -81,8 +80,11 @@ Result<const NodeFormat*> depth_of_node(const NodeFacts& facts);
 bool is_colour_format(std::uint32_t code);
 /// "Z16", "YUYV"; "Y16 (big-endian)".
 std::string format_text(std::uint32_t code);
+/// All formats of a node: "Z16, YUYV"; "nothing".
+std::string formats_text(const NodeFacts& facts);
+/// "640x480".
+std::string size_text(std::int64_t width, std::int64_t height);
 
-double per_second(const FrameRate& rate);
 /// "30", "29.97", of frames a second.
 std::string rate_text(const FrameRate& rate);
 
@@ -113,6 +115,9 @@ struct TakenPicture {
     std::int64_t at_ns = 0;      ///< of std::chrono::steady_clock
     bool timed_by_driver = false;
 };
+
+/// A camera is left at so many faults in a row that its driver says.
+inline constexpr int most_faults_in_a_row = 100;
 
 /// A stream of a camera's pictures by buffers that its driver fills and that are mapped here. It owns the
 /// device while it is there. One thread.

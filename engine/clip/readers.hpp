@@ -8,23 +8,29 @@
 // where nothing is to be done; a class of another module derives from ReaderAround and overrides what it
 // changes. Prefetch keeps the first frames that it read (up to 512 MiB), so that they are not decoded twice.
 //
-// A live reader has a CameraRun, which numbers and times its frames and knows when to stop, and a Wake, which
-// ends a wait by poll.
+// A LiveReader is the base of every source whose frames come as they are taken: a camera, a program that
+// sends framesets, a stream. Its sources turn bytes into frames; numbers, times, waiting, stopping, and what
+// a person is told of it are here. A Wake ends a wait by poll.
 //
 // As every reader, each is used by one thread at a time; what may be called from any thread says so.
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <utility>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
@@ -56,13 +62,13 @@ public:
     std::optional<StreamFigures> stream_figures() const override { return reader_->stream_figures(); }
 
 protected:
-    explicit ReaderAround(std::unique_ptr<ClipReader> reader) : reader_(std::move(reader)) {
+    explicit ReaderAround(std::shared_ptr<ClipReader> reader) : reader_(std::move(reader)) {
         for (const auto& input : reader_->inputs()) add_input(input);
     }
-    ClipReader& inner() { return *reader_; }
+    ClipReader& inner() const { return *reader_; }
 
 private:
-    std::unique_ptr<ClipReader> reader_;
+    std::shared_ptr<ClipReader> reader_;
 };
 
 /// Which frames and pixels of a clip.
@@ -174,76 +180,220 @@ struct CellPicture {
 };
 CellPicture cell_picture(const RawFrame& frame, const DepthCoding& coding);
 
+/// The time of std::chrono::steady_clock, ns.
+inline std::int64_t steady_ns(std::chrono::steady_clock::time_point moment) {
+    return std::chrono::nanoseconds(moment.time_since_epoch()).count();
+}
+inline std::int64_t steady_now_ns() {
+    return steady_ns(std::chrono::steady_clock::now());
+}
+
+/// A descriptor of the system that is closed with its owner; -1: none.
+class Descriptor {
+public:
+    explicit Descriptor(int of = -1) : of_(of) {}
+    ~Descriptor() { reset(); }
+    Descriptor(Descriptor&& other) noexcept : of_(std::exchange(other.of_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(of_, other.of_);
+        return *this;
+    }
+    int get() const { return of_; }
+    void reset() {
+        if (of_ >= 0) ::close(of_);
+        of_ = -1;
+    }
+
+private:
+    int of_;
+};
+/// Whether a call on one that does not wait failed, with this errno, only because it would have had to.
+inline bool would_wait(int failure) {
+    return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
+}
+
 /// Ends a wait by poll, from any thread; its descriptor is -1 where the system has none left.
 class Wake {
 public:
-    Wake() : descriptor_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
-    ~Wake() {
-        if (descriptor_ >= 0) ::close(descriptor_);
-    }
-    Wake(const Wake&) = delete;
-    Wake& operator=(const Wake&) = delete;
-    int descriptor() const { return descriptor_; }
+    int descriptor() const { return event_.get(); }
     void forget() const {
         eventfd_t ignored = 0;
-        (void)!::eventfd_read(descriptor_, &ignored);
+        (void)!::eventfd_read(descriptor(), &ignored);
     }
-    void wake() const { (void)!::eventfd_write(descriptor_, 1); }
+    void wake() const { (void)!::eventfd_write(descriptor(), 1); }
+    /// Until it is woken, one of `others` has what it is polled for, or so long; below 0: without such a
+    /// bound.
+    void wait(std::int64_t longest_ns, std::initializer_list<pollfd> others = {}) const;
 
 private:
-    int descriptor_;
+    const Descriptor event_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
 };
 
 /// Frames of before a run are so far apart.
 inline constexpr std::int64_t ns_before_a_run = 1000;
 
-/// What every camera's run has: the numbers and times of its frames, before it and in it; how a wait is
-/// ended; whether the camera is gone, and what a person should know. One thread, but where it says so.
-class CameraRun {
+/// "3 of the stream's framesets came late", behind the other remarks; nothing where there is none of them.
+void add_count(std::vector<std::string>& remarks, std::int64_t count, const std::string& of_what);
+
+/// A source whose frames come as they are taken, as a clip without an end. A derived class makes frames of
+/// the source's bytes: `take` looks what is there, `wait` waits for more. The rest is the same for every
+/// source:
+///
+/// - Before a run each frame is given, in order, and one must come within the source's patience
+///   (`nothing_came`). In a run the newest one is given, and waited for as long as the run lasts.
+/// - Numbers: before a run one after the other. In it the source's count tells what was left out; where that
+///   stands still, begins anew or leaps by more than a million, the next number follows.
+/// - Times: of before a run `ns_before_a_run` apart. In a run they count from its time 0 and never go back;
+///   what was taken before it is left out until the run's first frame has come.
+/// - The end: a source that is `gone` gives no more frames, its last one stands still, and a remark says why;
+///   before a run that is an error. `interrupt` ends waits at once; before a run a request to stop does so,
+///   too. After a run another may begin.
+///
+/// One thread, but where ClipReader says that any may call.
+class LiveReader : public ClipReader {
 public:
-    /// `name`: of the camera, in messages; `kind`: what these call it, where it is no camera.
-    explicit CameraRun(std::string name, std::string kind = "camera")
+    /// What its frames mean, and files that were read to know it.
+    struct Meaning {
+        Scene scene;
+        UnstatedFilters unstated_filters{};
+        std::vector<std::filesystem::path> inputs{};
+    };
+
+    const Scene& scene() const final { return scene_; }
+    UnstatedFilters unstated_filters() const final { return unstated_filters_; }
+    const std::vector<TrackInfo>& tracks() const final { return tracks_; }
+    std::optional<std::int64_t> frame_count() const final { return std::nullopt; }
+    const std::vector<std::string>& notes() const final { return notes_; }
+    Result<std::optional<RawFrame>> next() final;
+    Result<void> rewind() final { return seek(0); }
+    Result<void> seek(std::int64_t frame) final;
+    bool is_live() const final { return true; }
+    Result<void> begin(std::chrono::steady_clock::time_point zero) final;
+    void interrupt() final;
+    std::int64_t taken_before(std::int64_t frame) const final;
+    std::vector<std::string> remarks() const override;
+
+protected:
+    using Moment = std::chrono::steady_clock::time_point;
+    /// A frame as the source has it.
+    struct Taken {
+        std::uint32_t count = 0;  ///< by the source, of 32 bits
+        std::int64_t at_ns = 0;   ///< its time, of std::chrono::steady_clock
+        std::int64_t way_ns = 0;  ///< how long before that it was taken (taken_before)
+        RawFrame frame{};         ///< planes alone
+    };
+    using MaybeTaken = Result<std::optional<Taken>>;
+
+    /// `name`: of the source, in messages; `kind`: what these call it, where it is no camera.
+    explicit LiveReader(std::string name, std::string kind = "camera")
         : name_(std::move(name)), kind_(std::move(kind)) {}
 
-    bool has_begun() const { return zero_ns_.has_value(); }
-    /// Frames count from here on; once more after a run that has ended.
-    void begin(std::chrono::steady_clock::time_point zero);
-    /// Before a run: the number of the frame that comes next.
-    Result<void> seek(std::int64_t frame);
+    /// A frame that is there: before a run the oldest, in it the newest; nothing where none is. Never waits.
+    /// Where no more will come, `gone`. An error ends this `next` alone.
+    virtual MaybeTaken take() = 0;
+    /// Waits until there may be a frame, or `wake_` is woken, or so long; below 0: without such a bound.
+    virtual void wait(std::int64_t longest_ns) = 0;
+    /// Before a run, once no frame has come since then: an error where that is too long.
+    virtual std::optional<Error> nothing_came(Moment since) const = 0;
+    /// A run begins: what has waited for it is of before, where its time does not tell.
+    virtual void drain() { (void)take(); }
 
+    bool has_begun() const { return zero_ns_.has_value(); }
+    /// No more will come; `why` goes on from the source's name.
+    MaybeTaken gone(const std::string& why);
+    void remark(std::string words);
+    void take_meaning(Meaning meaning);
+    /// What `next` will give, before the run: for a source that looks at its first frames.
+    Result<Taken> first_frame();
+
+    const std::string name_;
+    const Wake wake_;
+    Scene scene_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    /// Frames that remarks count.
+    std::atomic<std::int64_t> damaged_{0}, repeated_{0};
+
+private:
     struct Place {
         std::int64_t number = 0, time_ns = 0;
     };
-    /// Of the frame that came next, by the camera's count and the time of std::chrono::steady_clock at which
-    /// it was taken. In a run the count tells what was left out; where it stands still, or has begun anew,
-    /// the next number. Nothing: it was taken before the run.
-    std::optional<Place> place(std::uint32_t count, std::int64_t at_ns);
+    MaybeTaken wait_for_frame();
+    std::optional<Place> place(const Taken& taken);
 
-    /// From any thread.
-    void interrupt();
-    /// For poll: readable once a wait is to end.
-    int descriptor() const { return wake_.descriptor(); }
-    /// An error of kind interrupted where a wait is to end: in a run after `interrupt`, and before one also
-    /// after a signal.
-    std::optional<Error> told_to_end() const;
-
-    void gone(const std::string& why);
-    bool is_gone() const { return is_gone_; }
-    void remark(std::string words);
-    /// From any thread.
-    std::vector<std::string> remarks() const;
-
-private:
-    const std::string name_, kind_;
-    Wake wake_;
+    const std::string kind_;
+    UnstatedFilters unstated_filters_;
     std::atomic<bool> interrupted_{false};
     bool is_gone_ = false;
     std::int64_t next_number_ = 0;
     std::optional<std::uint32_t> last_count_;  // of a frame of the run
     std::optional<std::int64_t> zero_ns_;
     std::int64_t last_time_ns_ = -1;
+    struct Way {
+        std::int64_t frame = -1, ns = 0;
+    };
     mutable std::mutex mutex_;
-    std::vector<std::string> remarks_;  // guarded by mutex_
+    // Guarded by it.
+    std::vector<std::string> remarks_;
+    std::array<Way, 128> ways_;  // of the newest frames, from being taken to their time
+};
+
+/// When framesets of a sender were taken, and are shown so that most of them are there in time and none waits
+/// longer than it must. The shortest way of the last seconds tells how the sender's clock stands to ours, and
+/// is followed as they drift apart. How much longer others take is their jitter: all wait so long as nearly
+/// all of the last ones took (97 of 100). That rises at once and falls slowly, up to a bound. A clock that
+/// jumps, forward, back or by years, begins anew with the frameset that says so; of one that stands still
+/// every frameset counts from its arrival. Reads no clock, as SegmentPace: both are functions of what they
+/// are given.
+class JitterBuffer {
+public:
+    /// The longest that a frameset waits for others' sake, and the longest way that is believed, ns.
+    explicit JitterBuffer(std::int64_t latency_ns, std::int64_t longest_way_ns = most_way_ns)
+        : latency_ns_(latency_ns), longest_way_ns_(longest_way_ns) {}
+
+    struct Moments {
+        std::int64_t taken_ns =
+            0;  ///< as it would have come by the shortest way; at most the longest way ago
+        std::int64_t shown_ns = 0;  ///< never before that of the frameset before
+    };
+    /// The moments of the next frameset, by our clock. `sent_ns`: by the sender's (0: not known);
+    /// `arrived_ns`: by ours, ever later.
+    Moments add(std::int64_t sent_ns, std::int64_t arrived_ns);
+    /// The sender was connected to anew.
+    void restart();
+    /// The time that framesets wait for others' sake now.
+    std::int64_t delay_ns() const { return delay_ns_; }
+
+    static constexpr std::int64_t most_way_ns = 1'000'000'000;
+
+private:
+    static constexpr std::size_t buckets = 20, kept = 128;
+    static constexpr std::int64_t bucket_ns = 500'000'000;
+    struct Shortest {
+        std::int64_t bucket = 0, way_ns = 0;
+    };
+    std::int64_t shortest_way(std::int64_t way_ns, std::int64_t arrived_ns);
+    void adapt(std::int64_t jitter_ns, std::int64_t arrived_ns);
+
+    const std::int64_t latency_ns_, longest_way_ns_;
+    std::array<std::optional<Shortest>, buckets> shortest_{};
+    std::array<std::int64_t, kept> jitters_{};  // a ring
+    std::size_t jitter_count_ = 0;
+    std::int64_t delay_ns_ = 0, last_sent_ns_ = 0, last_arrived_ns_ = 0, last_shown_ns_ = 0;
+};
+
+/// When framesets are shown that come many at a time, as in segments of HTTP Live Streaming: as far apart as
+/// they were taken, the first one `margin_ns` after it came. Where one comes too late, all that follow are so
+/// much later; where they run far ahead, or the sender's clock jumps, it begins anew.
+class SegmentPace {
+public:
+    explicit SegmentPace(std::int64_t margin_ns) : margin_ns_(margin_ns) {}
+    /// As JitterBuffer::add.
+    JitterBuffer::Moments add(std::int64_t sent_ns, std::int64_t arrived_ns);
+
+private:
+    const std::int64_t margin_ns_;
+    std::optional<std::int64_t> apart_ns_;  // our clock is so far ahead of the sender's
 };
 
 /// How a camera delivers what it takes. Moments are those of a run, ns.

@@ -256,13 +256,10 @@ void close_bytes(AVIOContext* io) {
 
 /// FFmpeg counts up to a thousand million for each run of samples where a track has no number above 0.
 bool has_number(mpeg4::BytesView track) {
-    const auto parts = mpeg4::boxes_in(track);
-    const mpeg4::Box* const head = parts ? mpeg4::box_named(*parts, "tkhd") : nullptr;
-    if (!head || head->content.empty()) return false;
-    const std::size_t at = head->content[0] == 1 ? 20 : 12;  // behind two times, of 8 bytes or of 4
-    if (head->content.size() < at + 4) return false;
-    constexpr std::uint64_t largest = std::numeric_limits<std::int32_t>::max();
-    const std::uint64_t number = mpeg4::number_at(head->content, at, 4);
+    constexpr std::size_t least_bytes = 24;  // that a track's header has up to its number
+    constexpr std::uint32_t largest = std::numeric_limits<std::int32_t>::max();
+    const auto head = mpeg4::content_at(track, {"tkhd"});
+    const std::uint32_t number = head.size() < least_bytes ? 0 : mpeg4::number_behind_times(head);
     return number > 0 && number <= largest;
 }
 
@@ -321,7 +318,7 @@ Result<void> HlsRendition::begin(HlsBeginning beginning) {
     if (from) newest_segment_ = *from - 1;
     context_ = avformat_alloc_context();
     if (context_) context_->pb = first_io_ = io_of(std::move(*first));
-    if (!first_io_) return Error{ErrorKind::internal, "out of memory"};
+    if (!first_io_) return memory_error();
     context_->opaque = this;
     context_->io_open = open_io;
     context_->io_close2 = close_io;
@@ -447,7 +444,7 @@ Result<const AVPacket*> HlsRendition::peek() {
     if (ahead_ || at_end_) return static_cast<const AVPacket*>(ahead_.get());
     if (fault_) return *fault_;
     PacketPtr packet(av_packet_alloc());
-    if (!packet) return Error{ErrorKind::internal, "out of memory"};
+    if (!packet) return memory_error();
     const int status = work_until(ended_.get_token(), [&] { return av_read_frame(context_, packet.get()); });
     if (fault_ || stop_requested()) return failure(status);
     at_end_ = status == AVERROR_EOF || (status < 0 && ended_.stop_requested());

@@ -16,6 +16,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/clip_file.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/stream/hls.hpp"
 #include "engine/stream/labelled_codec.hpp"
 #include "engine/stream/memory_muxer.hpp"
@@ -77,11 +78,6 @@ public:
     /// Makes it where it is not there. Refused (ErrorKind::input): a folder with anything else in it, and one
     /// in which another program is at work. `lasts`: its files are to be safe on the disk.
     static Result<HlsFolder> open(const std::filesystem::path& folder, bool lasts);
-    ~HlsFolder() {
-        if (opened_ >= 0) close(opened_);
-    }
-    HlsFolder(HlsFolder&& other) noexcept;
-    HlsFolder& operator=(HlsFolder&&) = delete;
 
     const std::filesystem::path& path() const { return path_; }
     /// "touch-3f2a91bc-init.mp4".
@@ -109,22 +105,13 @@ private:
         std::int64_t time_ns;
     };
     std::filesystem::path path_;
-    int opened_ = -1;  // and locked
+    Descriptor opened_;  // and locked
     bool lasts_ = true;
     std::string run_;
     std::int64_t first_segment_ = 0;
     std::vector<std::string> old_;  // segments and headers of runs before
     std::deque<Retired> retired_;
 };
-
-HlsFolder::HlsFolder(HlsFolder&& other) noexcept
-    : path_(std::move(other.path_)),
-      opened_(std::exchange(other.opened_, -1)),
-      lasts_(other.lasts_),
-      run_(std::move(other.run_)),
-      first_segment_(other.first_segment_),
-      old_(std::move(other.old_)),
-      retired_(std::move(other.retired_)) {}
 
 Result<HlsFolder> HlsFolder::open(const fs::path& path, bool lasts) {
     HlsFolder folder;
@@ -134,11 +121,11 @@ Result<HlsFolder> HlsFolder::open(const fs::path& path, bool lasts) {
     folder.run_ = random.substr(random.size() - run_digits);
     std::error_code failure;
     fs::create_directories(path, failure);
-    folder.opened_ = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder.opened_ < 0)
+    folder.opened_ = Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (folder.opened_.get() < 0)
         return input_error(path.string() + ": is no folder that can be made or read: " +
                            std::generic_category().message(errno));
-    if (flock(folder.opened_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    if (flock(folder.opened_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
         return input_error(path.string() + ": another program writes a stream there now");
     TRY(folder.look());
     return folder;
@@ -264,7 +251,7 @@ public:
     /// Its times are in milliseconds.
     Result<void> add_sound(const AVPacket& packet) {
         const PacketPtr own(av_packet_clone(&packet));
-        if (!own) return Error{ErrorKind::internal, "out of memory"};
+        if (!own) return memory_error();
         return muxer_->write(*own, *sound_stream_, hls_ms);
     }
 

@@ -4,6 +4,7 @@
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -26,9 +27,8 @@ std::uint64_t hash_of(std::string_view text, const PlaneView& samples) {
 }
 
 std::string hex(std::uint64_t number) {
-    std::string digits(hash_digits, '0');
-    for (std::size_t k = hash_digits; k-- > 0; number >>= 4) digits[k] = "0123456789abcdef"[number & 15];
-    return digits;
+    static_assert(hash_digits == 16);
+    return formatted("%016llx", static_cast<unsigned long long>(number));
 }
 
 std::string with_uuid(const std::string& text) {
@@ -120,10 +120,6 @@ bool is_begin_of_plane(PlaneRole role, PlanePart part) {
 constexpr std::size_t most_tracks = 16;
 /// So many halves of a plane wait for the others: tracks of one frame come close to each other.
 constexpr std::size_t most_halves = 8;
-
-Error no_memory() {
-    return {ErrorKind::internal, "a stream's pictures: out of memory"};
-}
 
 /// The messages of a picture.
 struct SaidOf {
@@ -315,7 +311,7 @@ void LabelledDecoder::restart() {
 
 Result<void> LabelledDecoder::send(Track& track, const AVPacket* packet, Pictures& pictures) {
     const auto failed = [&](int status) -> Result<void> {
-        if (status == AVERROR(ENOMEM)) return no_memory();
+        if (status == AVERROR(ENOMEM)) return memory_error();
         ++faults_.undecodable;
         track.is_broken = true;
         return {};
@@ -323,7 +319,7 @@ Result<void> LabelledDecoder::send(Track& track, const AVPacket* packet, Picture
     if (const int status = track.decoder->send(packet); status < 0) return failed(status);
     while (true) {
         FramePtr frame(av_frame_alloc());
-        if (!frame) return no_memory();
+        if (!frame) return memory_error();
         const int status = track.decoder->receive(*frame);
         if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return {};
         if (status < 0) return failed(status);

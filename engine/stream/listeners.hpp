@@ -1,11 +1,12 @@
 #pragma once
 
-// Shared by the servers of a stream (TCP and HTTP: tcp_server.cpp; SRT: srt_output.cpp): the address that
-// they listen at, what a client asks for over HTTP, and how much of the stream a listener's link carries.
+// Shared by the servers of a stream (TCP and HTTP: tcp_server.cpp; SRT: srt_output.cpp): what a client asks
+// for over HTTP, how much of the stream a listener's link carries, and what it was given; and when what was
+// in vain is tried again, by receivers too.
 
-#include <sys/socket.h>
-
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -28,23 +29,12 @@ struct StreamListener {
     static constexpr std::size_t most_heard_bytes = 65536;  ///< sent by it, though it has nothing to send
 };
 
-/// A host and a port as sockets take them.
-struct SocketAddress {
-    sockaddr_storage storage{};
-    socklen_t length = 0;
-
-    const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
-    bool is_ipv6() const { return storage.ss_family == AF_INET6; }
-    /// "192.168.0.5:7000", "[::1]:7000".
-    std::string text() const;
-};
-
-/// The address of this machine at which a URL asks to listen. Nothing where its host is a name: only numbers,
-/// `localhost` and an empty host (all addresses) say which address is meant. Never waits.
-std::optional<SocketAddress> own_address(const StreamUrl& url);
-
-/// The address of the URL's host. Nothing where no such host is known. A name server may take its time.
-std::optional<SocketAddress> look_up(const StreamUrl& url);
+/// How long is waited before what was tried in vain is tried again, after so many tries since the first:
+/// twice as long each time, 16 times as long at most.
+inline std::chrono::nanoseconds back_off(std::chrono::nanoseconds first, int tries) {
+    constexpr int most_doublings = 4;
+    return first * (1 << std::min(tries, most_doublings));
+}
 
 /// A client's request to a server that has one stream and nothing else.
 class HttpRequest {

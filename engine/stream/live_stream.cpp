@@ -1,14 +1,12 @@
 // A stream as a live source: a thread receives framesets, and the reader gives each when it is to be shown.
 
-#include <poll.h>
-
 #include <deque>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
-#include "engine/stream/jitter_buffer.hpp"
+#include "engine/stream/listeners.hpp"
 #include "engine/stream/receiver.hpp"
 #include "engine/stream/stream_bytes.hpp"
 
@@ -37,12 +35,12 @@ std::optional<StreamFigures::Levels> sum_of(const std::optional<StreamFigures::L
                                  before->changes + now->changes, now->is_low};
 }
 
-class LiveStream final : public ClipReader {
+class LiveStream final : public LiveReader {
 public:
     LiveStream(const StreamSource& source, const std::optional<SceneDescription>& described)
-        : source_(source),
+        : LiveReader(source.url.name(), "stream"),
+          source_(source),
           described_(described),
-          run_(source.url.name(), "stream"),
           buffer_(std::chrono::nanoseconds(source.latency).count()),
           pace_(std::chrono::nanoseconds(source.latency).count()) {
         if (source_.connection && !source_.connection->is_unread()) source_.connection.reset();
@@ -55,20 +53,8 @@ public:
     LiveStream& operator=(const LiveStream&) = delete;
     Result<void> open();
 
-    const Scene& scene() const override { return scene_; }
-    UnstatedFilters unstated_filters() const override { return unstated_filters_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-    Result<std::optional<RawFrame>> next() override;
-    Result<void> rewind() override { return seek(0); }
-    Result<void> seek(std::int64_t frame) override { return run_.seek(frame); }
     void leave_out_colour() override { leaves_out_colour_ = true; }
-    bool is_live() const override { return true; }
-    Result<void> begin(std::chrono::steady_clock::time_point zero) override;
-    void interrupt() override { run_.interrupt(); }
     std::vector<std::string> remarks() const override;
-    std::int64_t taken_before(std::int64_t frame) const override;
     std::optional<StreamFigures> stream_figures() const override;
 
 private:
@@ -76,6 +62,10 @@ private:
         Received received;
         JitterBuffer::Moments moments;
     };
+    MaybeTaken take() override;
+    void wait(std::int64_t longest_ns) override { wake_.wait(longest_ns < 0 ? until_shown_ns_ : longest_ns); }
+    std::optional<Error> nothing_came(Moment since) const override;
+    void drain() override {}  // the moments at which framesets are shown tell
     Result<std::unique_ptr<StreamReceiver>> connect() const {
         return StreamReceiver::open(source_, wait_, described_, steady_now_ns);
     }
@@ -86,20 +76,14 @@ private:
     void note(const StreamReceiver& receiver);
     void is_over(const std::string& why);
     std::int64_t overdue(std::int64_t now_ns) const;
-    std::optional<Waiting> due(std::int64_t& wait_ns);
-    std::optional<RawFrame> frame_of(Waiting waiting);
+    Waiting take_front();
 
     StreamSource source_;
     const std::optional<SceneDescription> described_;
     std::shared_ptr<StreamWait> wait_ = std::make_shared<StreamWait>();
     std::stop_source ending_;
-    CameraRun run_;
-    Scene scene_;
-    UnstatedFilters unstated_filters_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
     std::atomic<bool> leaves_out_colour_{false};
-    Wake came_;
+    std::int64_t until_shown_ns_ = -1;  // the next frameset, from the last `take` on; -1: none is there
     // Of the thread that receives.
     std::unique_ptr<StreamReceiver> receiver_;
     JitterBuffer buffer_;
@@ -112,10 +96,6 @@ private:
     // Guarded by it.
     std::deque<Waiting> waiting_;
     std::size_t waiting_bytes_ = 0;
-    struct Way {
-        std::int64_t frame = -1, ns = 0;
-    };
-    std::array<Way, 128> ways_;  // of the newest frames, from being taken to being shown
     StreamFigures figures_{.connections = 1};
     std::int64_t without_colour_ = 0;  // framesets that were whole otherwise
     std::int64_t newest_ns_ = 0;       // when the last one came
@@ -126,13 +106,9 @@ private:
 };
 
 Result<void> LiveStream::open() {
-    if (run_.descriptor() < 0 || came_.descriptor() < 0)
-        return Error{ErrorKind::internal, "no event can be made to wait for"};
     TRY_ASSIGN(receiver_, connect());
     source_.connection.reset();
-    scene_ = receiver_->scene();
-    scene_.interpolation = FrameInterpolation::hold;
-    unstated_filters_ = receiver_->unstated().filters;
+    take_meaning({receiver_->scene(), receiver_->unstated().filters});
     tracks_ = receiver_->tracks();
     notes_ = receiver_->notes();
     newest_ns_ = steady_now_ns();
@@ -158,7 +134,7 @@ void LiveStream::is_over(const std::string& why) {
     const std::lock_guard lock(mutex_);
     over_ = why;
     why_again_.clear();
-    came_.wake();
+    wake_.wake();
 }
 
 void LiveStream::receive() {
@@ -185,7 +161,7 @@ void LiveStream::receive() {
 
 /// The message without the stream's name, which it begins with.
 std::string LiveStream::in_short(const Error& error) const {
-    const std::string name = source_.url.name() + ": ";
+    const std::string name = name_ + ": ";
     return error.message.starts_with(name) ? error.message.substr(name.size()) : error.message;
 }
 
@@ -199,7 +175,6 @@ std::int64_t LiveStream::overdue(std::int64_t now_ns) const {
 
 /// False where the stream is closed, or the sender sends something else now.
 bool LiveStream::connect_again(std::string why) {
-    constexpr int most_doublings = 4;
     before_ += receiver_->counts();
     levels_before_ = sum_of(levels_before_, receiver_->levels());
     receiver_->hang_up();
@@ -211,7 +186,7 @@ bool LiveStream::connect_again(std::string why) {
         {
             std::unique_lock lock(mutex_);
             why_again_ = why;
-            const auto pause = source_.patience.back_off * (1 << std::min(attempt, most_doublings));
+            const auto pause = back_off(source_.patience.back_off, attempt);
             if (stopped_.wait_for(lock, pause, stop_requested)) return false;
         }
         auto receiver = connect();
@@ -266,93 +241,42 @@ void LiveStream::put(Received received) {
     newest_ns_ = now;
     waiting_bytes_ += bytes_of_planes(received.frame);
     waiting_.push_back({std::move(received), moments});
-    while (waiting_.size() > 1 && (waiting_.size() > most_waiting || waiting_bytes_ > most_waiting_bytes)) {
-        waiting_bytes_ -= bytes_of_planes(waiting_.front().received.frame);
-        waiting_.pop_front();
-    }
-    came_.wake();
+    while (waiting_.size() > 1 && (waiting_.size() > most_waiting || waiting_bytes_ > most_waiting_bytes))
+        (void)take_front();
+    wake_.wake();
 }
 
-/// Before a run the oldest, in it the newest that is to be shown by now; else how long to wait, -1: until
-/// something comes.
-std::optional<LiveStream::Waiting> LiveStream::due(std::int64_t& wait_ns) {
-    const std::lock_guard lock(mutex_);
-    came_.forget();
-    const std::int64_t now = steady_now_ns();
-    const auto take = [this] {
-        Waiting front = std::move(waiting_.front());
-        waiting_.pop_front();
-        waiting_bytes_ -= bytes_of_planes(front.received.frame);
-        stopped_.notify_all();
-        return front;
-    };
-    wait_ns = -1;
-    if (waiting_.empty()) {
-        if (!over_.empty()) run_.gone(over_);
-        return std::nullopt;
-    }
-    if (!run_.has_begun()) return take();
-    while (waiting_.size() > 1 && waiting_[1].moments.shown_ns <= now) (void)take();
-    wait_ns = waiting_.front().moments.shown_ns - now;
-    if (wait_ns > 0) return std::nullopt;
-    return take();
-}
-
-/// Nothing where it was taken before the run.
-std::optional<RawFrame> LiveStream::frame_of(Waiting waiting) {
-    const auto& [taken_ns, shown_ns] = waiting.moments;
-    const auto place = run_.place(static_cast<std::uint32_t>(waiting.received.number), shown_ns);
-    if (!place) return std::nullopt;
-    RawFrame frame = std::move(waiting.received.frame);
-    frame.number = place->number;
-    frame.time_ns = place->time_ns;
-    const std::lock_guard lock(mutex_);
-    ways_[static_cast<std::size_t>(frame.number) % ways_.size()] = {frame.number, shown_ns - taken_ns};
-    return frame;
-}
-
-std::int64_t LiveStream::taken_before(std::int64_t frame) const {
-    const std::lock_guard lock(mutex_);
-    const Way& way = ways_[static_cast<std::size_t>(frame) % ways_.size()];
-    return way.frame == frame ? way.ns : 0;
-}
-
-Result<std::optional<RawFrame>> LiveStream::next() {
-    const auto begun = std::chrono::steady_clock::now();
-    while (!run_.is_gone()) {
-        if (auto end = run_.told_to_end()) return *end;
-        std::int64_t wait_ns = -1;
-        if (auto waiting = due(wait_ns)) {
-            if (auto frame = frame_of(std::move(*waiting))) return frame;
-            continue;
-        }
-        if (run_.is_gone()) break;
-        if (!run_.has_begun() && std::chrono::steady_clock::now() - begun > source_.patience.frameset)
-            return input_error(source_.url.name() + ": sent no whole frameset in time");
-        constexpr std::int64_t look_again_ns = 100'000'000;  // a signal does not end the wait
-        if (!run_.has_begun()) wait_ns = look_again_ns;
-        std::array<pollfd, 2> all{pollfd{run_.descriptor(), POLLIN, 0}, {came_.descriptor(), POLLIN, 0}};
-        const timespec longest{wait_ns / 1'000'000'000, wait_ns % 1'000'000'000};
-        (void)::ppoll(all.data(), all.size(), wait_ns < 0 ? nullptr : &longest, nullptr);
-    }
-    if (!run_.has_begun()) return input_error(run_.remarks().back());
-    return std::optional<RawFrame>();
-}
-
-Result<void> LiveStream::begin(std::chrono::steady_clock::time_point zero) {
-    run_.begin(zero);
-    const std::int64_t begin_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count();
-    const std::lock_guard lock(mutex_);
-    while (!waiting_.empty() && waiting_.front().moments.shown_ns <= begin_ns) {
-        waiting_bytes_ -= bytes_of_planes(waiting_.front().received.frame);
-        waiting_.pop_front();
-    }
+LiveStream::Waiting LiveStream::take_front() {
+    Waiting front = std::move(waiting_.front());
+    waiting_.pop_front();
+    waiting_bytes_ -= bytes_of_planes(front.received.frame);
     stopped_.notify_all();
-    return {};
+    return front;
+}
+
+/// In a run the newest that is to be shown by now.
+LiveReader::MaybeTaken LiveStream::take() {
+    const std::lock_guard lock(mutex_);
+    const std::int64_t now = steady_now_ns();
+    until_shown_ns_ = -1;
+    if (waiting_.empty()) return over_.empty() ? MaybeTaken(std::nullopt) : gone(over_);
+    if (has_begun()) {
+        while (waiting_.size() > 1 && waiting_[1].moments.shown_ns <= now) (void)take_front();
+        until_shown_ns_ = waiting_.front().moments.shown_ns - now;
+        if (until_shown_ns_ > 0) return std::optional<Taken>();
+    }
+    auto [received, moments] = take_front();
+    return std::optional(Taken{static_cast<std::uint32_t>(received.number), moments.shown_ns,
+                               moments.shown_ns - moments.taken_ns, std::move(received.frame)});
+}
+
+std::optional<Error> LiveStream::nothing_came(Moment since) const {
+    if (std::chrono::steady_clock::now() - since <= source_.patience.frameset) return std::nullopt;
+    return input_error(name_ + ": sent no whole frameset in time");
 }
 
 std::vector<std::string> LiveStream::remarks() const {
-    std::vector<std::string> all = run_.remarks();
+    std::vector<std::string> all = LiveReader::remarks();
     const std::lock_guard lock(mutex_);
     if (!why_again_.empty())
         all.push_back("the sender " + why_again_ + "; connecting again");
@@ -371,14 +295,12 @@ std::vector<std::string> LiveStream::remarks() const {
             formatted("the link was too slow for the full level: for %.0f s the low one was read, "
                       "every second frameset and coarser colour",
                       levels->low_s));
-    const auto tell = [&all](std::int64_t count, const char* what) {
-        if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
-    };
-    tell(figures_.lost + given_up_ + overdue(steady_now_ns()),
-         "were lost on the way, or left out by the sender");
-    tell(figures_.late, "came late");
-    tell(without_colour_, "came without their colour, which a narrow link leaves out first");
-    tell(figures_.torn, "were damaged on the way, and left out");
+    add_count(all, figures_.lost + given_up_ + overdue(steady_now_ns()),
+              "the stream's framesets were lost on the way, or left out by the sender");
+    add_count(all, figures_.late, "the stream's framesets came late");
+    add_count(all, without_colour_,
+              "the stream's framesets came without their colour, which a narrow link leaves out first");
+    add_count(all, figures_.torn, "the stream's framesets were damaged on the way, and left out");
     return all;
 }
 

@@ -50,15 +50,14 @@ Result<void> MemoryMuxer::check(int status) const {
 
 Result<AVStream*> MemoryMuxer::add_stream(AVRational tick) {
     AVStream* const stream = avformat_new_stream(context_, nullptr);
-    if (!stream) return Error{ErrorKind::internal, "out of memory"};
+    if (!stream) return memory_error();
     stream->time_base = tick;
     return stream;
 }
 
 Result<int> MemoryMuxer::add_sound(const AVCodecParameters& codec, AVRational tick) {
     TRY_ASSIGN(AVStream* const stream, add_stream(tick));
-    if (avcodec_parameters_copy(stream->codecpar, &codec) < 0)
-        return Error{ErrorKind::internal, "out of memory"};
+    if (avcodec_parameters_copy(stream->codecpar, &codec) < 0) return memory_error();
     stream->codecpar->codec_tag = 0;  // the other container's
     return stream->index;
 }

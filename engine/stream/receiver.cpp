@@ -131,12 +131,7 @@ void FramesetAssembler::add_late(const StreamPicture& picture) {
 
 /// `by`: 1, or -1 to take a count back.
 void FramesetAssembler::count(const Missed& missed, std::int64_t by) {
-    if (missed.is_torn) {
-        counts_.torn += by;
-        return;
-    }
-    counts_.lost += by;
-    if (missed.first_missing) counts_.lost_of[index_of(*missed.first_missing)] += by;
+    (missed.is_torn ? counts_.torn : counts_.lost) += by;
 }
 
 /// False where it was there.
@@ -277,11 +272,8 @@ void FramesetAssembler::count_missing(std::int64_t next, std::int64_t step) {
     counts_.lost += (first - (*last_ + 1)) / step;  // too many to tell of each
     for (std::int64_t number = first; number < next; ++number) {
         if ((next - number) % step != 0) continue;
-        Missed missed{there(number), std::nullopt, false};
-        for (const PlaneRole role : all_roles)
-            if (!missed.first_missing && (needed_ & ~missed.there & bit_of(role)) != 0)
-                missed.first_missing = role;
-        missed.is_torn = missed.first_missing && torn_ > 0;
+        Missed missed{there(number)};
+        missed.is_torn = missed.there != needed_ && torn_ > 0;
         if (missed.is_torn) --torn_;
         count(missed, 1);
         missed_[number] = missed;

@@ -35,7 +35,6 @@ struct FramesetCounts {
     std::int64_t repeated = 0;        ///< pictures that came twice
     std::int64_t without_colour = 0;  ///< given with the colour of a frameset before, or none
     std::int64_t restarts = 0;        ///< numbers began anew
-    std::array<std::int64_t, all_roles.size()> lost_of{};  ///< of those lost, by the first plane missing
 
     FramesetCounts& operator+=(const FramesetCounts& more) {
         whole += more.whole;
@@ -45,7 +44,6 @@ struct FramesetCounts {
         repeated += more.repeated;
         without_colour += more.without_colour;
         restarts += more.restarts;
-        for (std::size_t k = 0; k < lost_of.size(); ++k) lost_of[k] += more.lost_of[k];
         return *this;
     }
 };
@@ -84,7 +82,6 @@ private:
     /// A frameset that was not whole when a later one was given.
     struct Missed {
         Roles there = 0;
-        std::optional<PlaneRole> first_missing;
         bool is_torn = false;  // as which it is counted, else as lost
     };
     /// Where numbers began anew: what was sent before may still come.

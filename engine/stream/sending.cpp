@@ -161,23 +161,23 @@ std::int64_t StreamAudience::all() const {
     return all_;
 }
 
-// --- StreamSender::Time
+// --- StreamSender::SystemTime
 
-std::int64_t StreamSender::Time::now_ns() {
+std::int64_t StreamSender::SystemTime::now_ns() {
     return steady_now_ns();
 }
 
-std::int64_t StreamSender::Time::utc_ns() {
+std::int64_t StreamSender::SystemTime::utc_ns() {
     return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-bool StreamSender::Time::wait_until(std::int64_t at_ns) {
+bool StreamSender::SystemTime::wait_until(std::int64_t at_ns) {
     const std::chrono::steady_clock::time_point at{std::chrono::nanoseconds(at_ns)};
     std::unique_lock lock(mutex_);
     return !told_.wait_until(lock, at, [this] { return is_over_; });
 }
 
-void StreamSender::Time::end() {
+void StreamSender::SystemTime::end() {
     const std::lock_guard lock(mutex_);
     is_over_ = true;
     told_.notify_all();

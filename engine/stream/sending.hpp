@@ -315,10 +315,6 @@ protected:
     const StreamUrl url_;
 };
 
-/// How long a caller waits after so many calls in vain, from 1 on: half a second, twice as long each time,
-/// eight seconds at most.
-std::int64_t wait_before_call_ns(int calls_in_vain);
-
 // --- The sender
 
 /// Sends a clip at its own times, or a camera's frames as they are taken: each is encoded once in every form.
@@ -326,19 +322,26 @@ std::int64_t wait_before_call_ns(int calls_in_vain);
 /// all planes begins at least every half second, and every 15 frames.
 class StreamSender {
 public:
-    /// A sender's clock and its waits: those of std::chrono::steady_clock, or a test's, which pass when it
-    /// wants.
+    /// A sender's clock and its waits.
     class Time {
     public:
         virtual ~Time() = default;
         /// The time of std::chrono::steady_clock, ns.
-        virtual std::int64_t now_ns();
+        virtual std::int64_t now_ns() = 0;
         /// The time since 1970 (UTC), ns; it may be stepped.
-        virtual std::int64_t utc_ns();
+        virtual std::int64_t utc_ns() = 0;
         /// False where `end` came before.
-        virtual bool wait_until(std::int64_t at_ns);
+        virtual bool wait_until(std::int64_t at_ns) = 0;
         /// From any thread: ends the wait, and all later ones at once.
-        virtual void end();
+        virtual void end() = 0;
+    };
+    /// Those of this machine.
+    class SystemTime final : public Time {
+    public:
+        std::int64_t now_ns() override;
+        std::int64_t utc_ns() override;
+        bool wait_until(std::int64_t at_ns) override;
+        void end() override;
 
     private:
         std::mutex mutex_;

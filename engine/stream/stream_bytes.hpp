@@ -11,16 +11,11 @@
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
-#include "engine/clip/clip.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/receiving.hpp"
 
 namespace touchable {
-
-/// The time of std::chrono::steady_clock, ns.
-inline std::int64_t steady_now_ns() {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// For how long a stream is waited for: the deadline of the next read, or of several together. One thread at
 /// a time.

@@ -2,6 +2,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/stream/receiver.hpp"
 
 namespace touchable {
@@ -54,12 +55,9 @@ public:
     std::vector<std::string> remarks() const override {
         std::vector<std::string> all;
         const FramesetCounts counts = receiver_->counts();
-        const auto tell = [&](std::int64_t count, const char* what) {
-            if (count > 0) all.push_back(std::to_string(count) + " of the stream's framesets " + what);
-        };
-        tell(counts.lost, "were lost on the way");
-        tell(counts.late, "came late");
-        tell(counts.torn, "were damaged on the way");
+        add_count(all, counts.lost, "the stream's framesets were lost on the way");
+        add_count(all, counts.late, "the stream's framesets came late");
+        add_count(all, counts.torn, "the stream's framesets were damaged on the way");
         if (held_ > 0)
             all.push_back("in place of them the one before was held, for " + std::to_string(held_) +
                           " frames");

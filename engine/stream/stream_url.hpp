@@ -3,7 +3,8 @@
 // Names of streams. A stream is named by a URL: tcp://, http(s)://, srt://, udp://, or pipe: for a
 // descriptor. `read_stream_url` is the only place that parses one, and refuses what no transport can carry
 // out; it opens no connection and asks no name server. A StreamUrl is then handed to what receives
-// (receiving.hpp) or sends (sending.hpp). How it is used:
+// (receiving.hpp) or sends (sending.hpp); own_address and look_up give its address as sockets take it. How it
+// is used:
 //
 //   if (!is_stream_url(word)) ...;  // a file's name
 //   TRY_ASSIGN(const auto url, read_stream_url(word));
@@ -12,7 +13,9 @@
 // An SRT URL may have a passphrase, which no message, report or recording may show: messages use `name`, and
 // what quotes a word that may be a URL uses `without_passphrase`. FFmpeg and libsrt alone are given `text`.
 //
-// Everything here is a value or a pure function: any thread may call it.
+// Everything here is a value or a function without state: any thread may call it.
+
+#include <sys/socket.h>
 
 #include <string_view>
 
@@ -56,5 +59,23 @@ std::string without_passphrase(const std::string& words);
 /// Refuses (ErrorKind::usage) another form, a port out of range, and a key that the transport does not have;
 /// the message says what would be right.
 Result<StreamUrl> read_stream_url(std::string_view words);
+
+/// A host and a port as sockets take them.
+struct SocketAddress {
+    sockaddr_storage storage{};
+    socklen_t length = 0;
+
+    const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+    bool is_ipv6() const { return storage.ss_family == AF_INET6; }
+    /// "192.168.0.5:7000", "[::1]:7000".
+    std::string text() const;
+};
+
+/// The address that a URL states. Nothing where its host is a name: only numbers, `localhost` and an empty
+/// host (all of this machine's) say which address is meant. Never waits.
+std::optional<SocketAddress> own_address(const StreamUrl& url);
+
+/// The address of the URL's host. Nothing where no such host is known. A name server may take its time.
+std::optional<SocketAddress> look_up(const StreamUrl& url);
 
 }  // namespace touchable

@@ -24,10 +24,6 @@ namespace {
 constexpr std::int64_t no_deadline = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t longest_farewell_ns = 1'000'000'000;
 
-bool would_wait(int failure) {
-    return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
-}
-
 std::string_view scheme_words(const StreamUrl& url) {
     return url.transport == StreamTransport::http ? "http://" : "tcp://";
 }
@@ -44,28 +40,25 @@ void make_prompt(int socket) {
     set_option(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, lost_after_ms);
 }
 
-/// A socket that is closed with its owner.
-class OwnedSocket {
-public:
-    explicit OwnedSocket(int of) : of_(of) {}
-    ~OwnedSocket() {
-        if (of_ >= 0) ::close(of_);
-    }
-    OwnedSocket(OwnedSocket&& other) noexcept : of_(std::exchange(other.of_, -1)) {}
-    int get() const { return of_; }
-
-private:
-    int of_;
-};
-
 /// One connection: a client asks for the stream (HTTP), is given it, and leaves. Never waits. Moments are
 /// those of the server's clock, ns.
 class TcpListener {
 public:
     /// `path`: where HTTP has the stream; nothing: it is given at once, and the audience has room for it. By
     /// HTTP a client is refused where there is no room. The socket is one that never waits.
-    TcpListener(OwnedSocket socket, std::string name, const std::optional<std::string>& path,
-                const StreamRing& ring, StreamAudience& audience, std::int64_t now_ns);
+    TcpListener(Descriptor socket, std::string name, const std::optional<std::string>& path,
+                const StreamRing& ring, StreamAudience& audience, std::int64_t now_ns)
+        : socket_(std::move(socket)),
+          name_(std::move(name)),
+          ring_(ring),
+          audience_(audience),
+          deadline_ns_(now_ns + StreamListener::longest_request_ns) {
+        if (path)
+            request_.emplace(*path);
+        else
+            begin(now_ns);
+    }
+
     ~TcpListener() { end("is cut off"); }
     TcpListener(const TcpListener&) = delete;
     TcpListener& operator=(const TcpListener&) = delete;
@@ -75,8 +68,16 @@ public:
     short events() const {
         return static_cast<short>((hears_no_more_ ? 0 : POLLIN) | (is_blocked_ ? POLLOUT : 0));
     }
+
     /// Takes what there is to read, if poll says so, and gives what there is to give.
-    void go_on(bool has_something, bool takes_something, std::int64_t now_ns);
+    void go_on(bool has_something, bool takes_something, std::int64_t now_ns) {
+        if (has_something) read(now_ns);
+        if (takes_something) is_blocked_ = false;
+        if (!is_blocked_) write(now_ns);
+        if (phase_ == Phase::over || now_ns < deadline_ns_) return;
+        end(phase_ == Phase::listens ? "took no whole frameset for 10 s" : "");
+    }
+
     /// When it is closed if nothing happens before.
     std::int64_t deadline_ns() const { return deadline_ns_; }
     /// It can be forgotten.
@@ -84,15 +85,111 @@ public:
 
 private:
     enum class Phase { asks, is_refused, listens, leaves, over };
-    void read(std::int64_t now_ns);
-    void write(std::int64_t now_ns);
-    bool take_piece(std::int64_t now_ns);
-    void answer(std::int64_t now_ns);
-    void begin(std::int64_t now_ns);
-    void leave(std::int64_t now_ns);
-    void end(const std::string& why);
+    void read(std::int64_t now_ns) {
+        std::array<char, 4096> bytes;
+        const auto got = ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+        if (got < 0 && would_wait(errno)) return;
+        if (got < 0) return end("is lost (" + std::generic_category().message(errno) + ")");
+        if (got == 0) {
+            // A client that has nothing more to say may still listen, unless it was never given anything.
+            hears_no_more_ = true;
+            const bool has_begun = phase_ == Phase::listens && has_header_;
+            if (!has_begun && phase_ != Phase::is_refused) end("has gone");
+            return;
+        }
+        const auto count = static_cast<std::size_t>(got);
+        if (phase_ == Phase::asks) {
+            request_->take({bytes.data(), count});
+            if (request_->status() != 0) answer(now_ns);
+            return;
+        }
+        heard_bytes_ += count;
+        if (heard_bytes_ > StreamListener::most_heard_bytes) end("sends, but a listener has nothing to send");
+    }
 
-    OwnedSocket socket_;
+    void write(std::int64_t now_ns) {
+        while (phase_ == Phase::listens || phase_ == Phase::is_refused) {
+            if (rest_.empty() && !take_piece(now_ns)) return;
+            const auto done = ::send(socket_.get(), rest_.data(), rest_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+            if (done >= 0) {
+                rest_ = rest_.subspan(static_cast<std::size_t>(done));
+                continue;
+            }
+            if (!would_wait(errno))
+                return end(errno == EPIPE || errno == ECONNRESET
+                               ? "has gone"
+                               : "is lost (" + std::generic_category().message(errno) + ")");
+            is_blocked_ = true;
+            if (phase_ == Phase::listens && ring_.has_next(cursor_) && narrow_.is_behind(now_ns) &&
+                !std::exchange(is_said_, true))
+                audience_.goes_without_colour(name_);
+            return;
+        }
+    }
+
+    /// Takes the next piece, once all of the last one was given; false where there is none.
+    bool take_piece(std::int64_t now_ns) {
+        sent_ += is_frameset_ ? 1 : 0;
+        is_frameset_ = false;
+        piece_.reset();
+        deadline_ns_ = no_deadline;
+        if (phase_ == Phase::is_refused) {
+            leave(now_ns);
+            return false;
+        }
+        if (!has_header_) {
+            const auto header = ring_.header();
+            if (!header) return false;
+            has_header_ = true;
+            piece_ = header;
+            rest_ = *header;
+        } else if (const auto block = ring_.next(cursor_)) {
+            is_frameset_ = true;
+            piece_ = block;
+            rest_ = block->given(narrow_.gives_colour(block->is_key, now_ns));
+            without_colour_ += rest_.size() < block->bytes.size() ? 1 : 0;
+        } else {
+            narrow_.has_caught_up();
+            if (ring_.is_over(cursor_)) leave(now_ns);
+            return false;
+        }
+        deadline_ns_ = now_ns + StreamListener::longest_piece_ns;
+        return true;
+    }
+
+    void answer(std::int64_t now_ns) {
+        int status = request_->status();
+        if (status == 200 && !request_->is_head() && !audience_.has_room()) status = 503;
+        const auto words = std::make_shared<const std::string>(http_answer(status));
+        piece_ = words;
+        rest_ = {reinterpret_cast<const std::uint8_t*>(words->data()), words->size()};
+        if (status == 200 && !request_->is_head()) return begin(now_ns);
+        phase_ = Phase::is_refused;
+        deadline_ns_ = now_ns + StreamListener::longest_request_ns;
+    }
+
+    void begin(std::int64_t now_ns) {
+        phase_ = Phase::listens;
+        deadline_ns_ = rest_.empty() ? no_deadline : now_ns + StreamListener::longest_piece_ns;
+        cursor_ = ring_.join();
+        audience_.came(name_);
+    }
+
+    /// Bytes that were given are still on their way, and a socket that is closed with something unread loses
+    /// them.
+    void leave(std::int64_t now_ns) {
+        if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), without_colour_});
+        ::shutdown(socket_.get(), SHUT_WR);
+        phase_ = hears_no_more_ ? Phase::over : Phase::leaves;
+        deadline_ns_ = now_ns + longest_farewell_ns;
+    }
+
+    void end(const std::string& why) {
+        if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), without_colour_, why});
+        phase_ = Phase::over;
+    }
+
+    Descriptor socket_;
     const std::string name_;
     const StreamRing& ring_;
     StreamAudience& audience_;
@@ -116,22 +213,142 @@ class TcpServer final : public StreamServer {
 public:
     TcpServer(StreamRing& ring, StreamAudience& audience, Clock clock)
         : ring_(ring), audience_(audience), clock_(std::move(clock)) {}
-    ~TcpServer() override;
-    Result<void> open_doors(const std::vector<StreamUrl>& urls);
-    std::vector<std::string> addresses() const override;
-    Result<void> start() override;
-    void turn(std::chrono::milliseconds longest) override;
+    ~TcpServer() override {
+        stop_ = true;
+        wake_->wake();
+        if (thread_.joinable()) thread_.join();
+    }
+
+    Result<void> open_doors(const std::vector<StreamUrl>& urls) {
+        if (wake_->descriptor() < 0)
+            return Error{ErrorKind::internal, "the system has no descriptor left to wake the server with"};
+        for (const StreamUrl& url : urls) TRY(open_door(url));
+        ring_.watch([wake = wake_] { wake->wake(); });
+        return {};
+    }
+
+    std::vector<std::string> addresses() const override {
+        std::vector<std::string> all;
+        for (const Door& door : doors_) {
+            SocketAddress address;
+            address.length = sizeof address.storage;
+            (void)::getsockname(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
+                                &address.length);
+            all.push_back(std::string(scheme_words(door.url)) + address.text() + door.url.path);
+        }
+        return all;
+    }
+
+    Result<void> start() override {
+        return start_thread(thread_, "stream-server", "that sends a stream to its listeners", [this] {
+            constexpr std::chrono::milliseconds a_while{1000};
+            while (!stop_) turn(a_while);
+        });
+    }
+
+    void turn(std::chrono::milliseconds longest) override {
+        std::int64_t now_ns = clock_();
+        std::vector<pollfd> looks{{wake_->descriptor(), POLLIN, 0}};
+        const auto door_events = static_cast<short>(now_ns >= doors_closed_until_ns_ ? POLLIN : 0);
+        for (const Door& door : doors_) looks.push_back({door.socket.get(), door_events, 0});
+        for (const auto& listener : listeners_) looks.push_back({listener->socket(), listener->events(), 0});
+        if (::poll(looks.data(), looks.size(), timeout_ms(longest, now_ns)) < 0 || stop_) return;
+        if (looks.front().revents != 0) wake_->forget();
+        now_ns = clock_();
+        auto look = looks.begin() + 1 + std::ssize(doors_);
+        for (const auto& listener : listeners_) {
+            const int seen = (look++)->revents;
+            listener->go_on((seen & (POLLIN | POLLHUP | POLLERR)) != 0, (seen & (POLLOUT | POLLERR)) != 0,
+                            now_ns);
+        }
+        for (std::size_t k = 0; k < doors_.size(); ++k)
+            if ((looks[k + 1].revents & POLLIN) != 0) accept_from(doors_[k]);
+        std::erase_if(listeners_, [](const auto& listener) { return listener->is_over(); });
+        connections_ = static_cast<int>(listeners_.size());
+    }
+
     int connections() const override { return connections_; }
 
 private:
     struct Door {
-        OwnedSocket socket;
+        Descriptor socket;
         StreamUrl url;
     };
-    Result<void> open_door(const StreamUrl& url);
-    void accept_from(const Door& door);
-    void refuse(const OwnedSocket& socket, const Door& door, const std::string& name);
-    int timeout_ms(std::chrono::milliseconds longest, std::int64_t now_ns) const;
+    Result<void> open_door(const StreamUrl& url) {
+        const auto address = own_address(url);
+        if (!address)
+            return usage_error(in_quotes(url.name()) +
+                               ": right would be an address of this machine in numbers, such as " +
+                               std::string(scheme_words(url)) + "0.0.0.0:7000 for all of them");
+        Door door{
+            Descriptor(::socket(address->storage.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
+            url};
+        const int socket = door.socket.get();
+        set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+        constexpr int most_waiting = 64;
+        if (socket < 0 || ::bind(socket, address->get(), address->length) != 0 ||
+            ::listen(socket, most_waiting) != 0)
+            return input_error(printable(url.text) +
+                               ": cannot listen there: " + std::generic_category().message(errno));
+        doors_.push_back(std::move(door));
+        return {};
+    }
+
+    void accept_from(const Door& door) {
+        constexpr int most_at_once = 16;
+        for (int k = 0; k < most_at_once; ++k) {
+            SocketAddress address;
+            address.length = sizeof address.storage;
+            Descriptor socket(::accept4(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
+                                        &address.length, SOCK_NONBLOCK | SOCK_CLOEXEC));
+            if (socket.get() < 0) {
+                // While no descriptor or no memory is left, poll would return at once again and again.
+                constexpr std::int64_t rest_ns = 100'000'000;
+                const bool is_full =
+                    errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
+                if (is_full) doors_closed_until_ns_ = clock_() + rest_ns;
+                return;
+            }
+            const std::string name = std::string(scheme_words(door.url)) + address.text();
+            const bool is_http = door.url.transport == StreamTransport::http;
+            if (std::ssize(listeners_) >= most_connections || (!is_http && !audience_.has_room())) {
+                refuse(socket, door, name);
+                continue;
+            }
+            make_prompt(socket.get());
+            const auto path = is_http ? std::optional(door.url.path) : std::nullopt;
+            const std::int64_t now_ns = clock_();
+            auto& listener = listeners_.emplace_back(
+                std::make_unique<TcpListener>(std::move(socket), name, path, ring_, audience_, now_ns));
+            listener->go_on(false, false, now_ns);
+        }
+    }
+
+    /// A refused connection gets one line that says why. The person at this server reads one at most every 10
+    /// s, however many connect.
+    void refuse(const Descriptor& socket, const Door& door, const std::string& name) {
+        const bool has_room = audience_.has_room();  // but there are too many connections that do not listen
+        const std::string there = has_room ? std::to_string(most_connections) + " connections"
+                                           : std::to_string(StreamAudience::most_listeners) + " listeners";
+        const std::string answer =
+            door.url.transport == StreamTransport::http
+                ? http_answer(503)
+                : std::string(stream_refusal) + "there are " + there + " already; try again later\n";
+        (void)::send(socket.get(), answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        constexpr std::int64_t silence_ns = 10'000'000'000;
+        const std::int64_t now_ns = clock_();
+        if (now_ns < next_refusal_said_ns_) return;
+        next_refusal_said_ns_ = now_ns + silence_ns;
+        audience_.remark(name + " is refused: there are " + there + ", which is as many as there may be");
+    }
+
+    int timeout_ms(std::chrono::milliseconds longest, std::int64_t now_ns) const {
+        std::int64_t until_ns = now_ns + std::chrono::nanoseconds(longest).count();
+        for (const auto& listener : listeners_) until_ns = std::min(until_ns, listener->deadline_ns());
+        if (doors_closed_until_ns_ > now_ns) until_ns = std::min(until_ns, doors_closed_until_ns_);
+        constexpr std::int64_t ns_per_ms = 1'000'000;
+        return static_cast<int>((std::max<std::int64_t>(until_ns - now_ns, 0) + ns_per_ms - 1) / ns_per_ms);
+    }
 
     StreamRing& ring_;
     StreamAudience& audience_;
@@ -144,264 +361,6 @@ private:
     std::atomic<bool> stop_{false};
     std::thread thread_;
 };
-
-// --- TcpListener
-
-TcpListener::TcpListener(OwnedSocket socket, std::string name, const std::optional<std::string>& path,
-                         const StreamRing& ring, StreamAudience& audience, std::int64_t now_ns)
-    : socket_(std::move(socket)),
-      name_(std::move(name)),
-      ring_(ring),
-      audience_(audience),
-      deadline_ns_(now_ns + StreamListener::longest_request_ns) {
-    if (path)
-        request_.emplace(*path);
-    else
-        begin(now_ns);
-}
-
-void TcpListener::go_on(bool has_something, bool takes_something, std::int64_t now_ns) {
-    if (has_something) read(now_ns);
-    if (takes_something) is_blocked_ = false;
-    if (!is_blocked_) write(now_ns);
-    if (phase_ == Phase::over || now_ns < deadline_ns_) return;
-    end(phase_ == Phase::listens ? "took no whole frameset for 10 s" : "");
-}
-
-void TcpListener::read(std::int64_t now_ns) {
-    std::array<char, 4096> bytes;
-    const auto got = ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-    if (got < 0 && would_wait(errno)) return;
-    if (got < 0) return end("is lost (" + std::generic_category().message(errno) + ")");
-    if (got == 0) {
-        // A client that has nothing more to say may still listen, unless it was never given anything.
-        hears_no_more_ = true;
-        const bool has_begun = phase_ == Phase::listens && has_header_;
-        if (!has_begun && phase_ != Phase::is_refused) end("has gone");
-        return;
-    }
-    const auto count = static_cast<std::size_t>(got);
-    if (phase_ == Phase::asks) {
-        request_->take({bytes.data(), count});
-        if (request_->status() != 0) answer(now_ns);
-        return;
-    }
-    heard_bytes_ += count;
-    if (heard_bytes_ > StreamListener::most_heard_bytes) end("sends, but a listener has nothing to send");
-}
-
-void TcpListener::answer(std::int64_t now_ns) {
-    int status = request_->status();
-    if (status == 200 && !request_->is_head() && !audience_.has_room()) status = 503;
-    const auto words = std::make_shared<const std::string>(http_answer(status));
-    piece_ = words;
-    rest_ = {reinterpret_cast<const std::uint8_t*>(words->data()), words->size()};
-    if (status == 200 && !request_->is_head()) return begin(now_ns);
-    phase_ = Phase::is_refused;
-    deadline_ns_ = now_ns + StreamListener::longest_request_ns;
-}
-
-void TcpListener::begin(std::int64_t now_ns) {
-    phase_ = Phase::listens;
-    deadline_ns_ = rest_.empty() ? no_deadline : now_ns + StreamListener::longest_piece_ns;
-    cursor_ = ring_.join();
-    audience_.came(name_);
-}
-
-/// Takes the next piece, once all of the last one was given; false where there is none.
-bool TcpListener::take_piece(std::int64_t now_ns) {
-    sent_ += is_frameset_ ? 1 : 0;
-    is_frameset_ = false;
-    piece_.reset();
-    deadline_ns_ = no_deadline;
-    if (phase_ == Phase::is_refused) {
-        leave(now_ns);
-        return false;
-    }
-    if (!has_header_) {
-        const auto header = ring_.header();
-        if (!header) return false;
-        has_header_ = true;
-        piece_ = header;
-        rest_ = *header;
-    } else if (const auto block = ring_.next(cursor_)) {
-        is_frameset_ = true;
-        piece_ = block;
-        rest_ = block->given(narrow_.gives_colour(block->is_key, now_ns));
-        without_colour_ += rest_.size() < block->bytes.size() ? 1 : 0;
-    } else {
-        narrow_.has_caught_up();
-        if (ring_.is_over(cursor_)) leave(now_ns);
-        return false;
-    }
-    deadline_ns_ = now_ns + StreamListener::longest_piece_ns;
-    return true;
-}
-
-void TcpListener::write(std::int64_t now_ns) {
-    while (phase_ == Phase::listens || phase_ == Phase::is_refused) {
-        if (rest_.empty() && !take_piece(now_ns)) return;
-        const auto done = ::send(socket_.get(), rest_.data(), rest_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-        if (done >= 0) {
-            rest_ = rest_.subspan(static_cast<std::size_t>(done));
-            continue;
-        }
-        if (!would_wait(errno))
-            return end(errno == EPIPE || errno == ECONNRESET
-                           ? "has gone"
-                           : "is lost (" + std::generic_category().message(errno) + ")");
-        is_blocked_ = true;
-        if (phase_ == Phase::listens && ring_.has_next(cursor_) && narrow_.is_behind(now_ns) &&
-            !std::exchange(is_said_, true))
-            audience_.goes_without_colour(name_);
-        return;
-    }
-}
-
-/// Bytes that were given are still on their way, and a socket that is closed with something unread loses
-/// them.
-void TcpListener::leave(std::int64_t now_ns) {
-    if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), without_colour_});
-    ::shutdown(socket_.get(), SHUT_WR);
-    phase_ = hears_no_more_ ? Phase::over : Phase::leaves;
-    deadline_ns_ = now_ns + longest_farewell_ns;
-}
-
-void TcpListener::end(const std::string& why) {
-    if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), without_colour_, why});
-    phase_ = Phase::over;
-}
-
-// --- TcpServer
-
-Result<void> TcpServer::open_doors(const std::vector<StreamUrl>& urls) {
-    if (wake_->descriptor() < 0)
-        return Error{ErrorKind::internal, "the system has no descriptor left to wake the server with"};
-    for (const StreamUrl& url : urls) TRY(open_door(url));
-    ring_.watch([wake = wake_] { wake->wake(); });
-    return {};
-}
-
-Result<void> TcpServer::open_door(const StreamUrl& url) {
-    const auto address = own_address(url);
-    if (!address)
-        return usage_error(in_quotes(url.name()) +
-                           ": right would be an address of this machine in numbers, such as " +
-                           std::string(scheme_words(url)) + "0.0.0.0:7000 for all of them");
-    Door door{
-        OwnedSocket(::socket(address->storage.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),
-        url};
-    const int socket = door.socket.get();
-    set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
-    constexpr int most_waiting = 64;
-    if (socket < 0 || ::bind(socket, address->get(), address->length) != 0 ||
-        ::listen(socket, most_waiting) != 0)
-        return input_error(printable(url.text) +
-                           ": cannot listen there: " + std::generic_category().message(errno));
-    doors_.push_back(std::move(door));
-    return {};
-}
-
-TcpServer::~TcpServer() {
-    stop_ = true;
-    wake_->wake();
-    if (thread_.joinable()) thread_.join();
-}
-
-std::vector<std::string> TcpServer::addresses() const {
-    std::vector<std::string> all;
-    for (const Door& door : doors_) {
-        SocketAddress address;
-        address.length = sizeof address.storage;
-        (void)::getsockname(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
-                            &address.length);
-        all.push_back(std::string(scheme_words(door.url)) + address.text() + door.url.path);
-    }
-    return all;
-}
-
-Result<void> TcpServer::start() {
-    return start_thread(thread_, "stream-server", "that sends a stream to its listeners", [this] {
-        constexpr std::chrono::milliseconds a_while{1000};
-        while (!stop_) turn(a_while);
-    });
-}
-
-int TcpServer::timeout_ms(std::chrono::milliseconds longest, std::int64_t now_ns) const {
-    std::int64_t until_ns = now_ns + std::chrono::nanoseconds(longest).count();
-    for (const auto& listener : listeners_) until_ns = std::min(until_ns, listener->deadline_ns());
-    if (doors_closed_until_ns_ > now_ns) until_ns = std::min(until_ns, doors_closed_until_ns_);
-    constexpr std::int64_t ns_per_ms = 1'000'000;
-    return static_cast<int>((std::max<std::int64_t>(until_ns - now_ns, 0) + ns_per_ms - 1) / ns_per_ms);
-}
-
-void TcpServer::turn(std::chrono::milliseconds longest) {
-    std::int64_t now_ns = clock_();
-    std::vector<pollfd> looks{{wake_->descriptor(), POLLIN, 0}};
-    const auto door_events = static_cast<short>(now_ns >= doors_closed_until_ns_ ? POLLIN : 0);
-    for (const Door& door : doors_) looks.push_back({door.socket.get(), door_events, 0});
-    for (const auto& listener : listeners_) looks.push_back({listener->socket(), listener->events(), 0});
-    if (::poll(looks.data(), looks.size(), timeout_ms(longest, now_ns)) < 0 || stop_) return;
-    if (looks.front().revents != 0) wake_->forget();
-    now_ns = clock_();
-    auto look = looks.begin() + 1 + std::ssize(doors_);
-    for (const auto& listener : listeners_) {
-        const int seen = (look++)->revents;
-        listener->go_on((seen & (POLLIN | POLLHUP | POLLERR)) != 0, (seen & (POLLOUT | POLLERR)) != 0,
-                        now_ns);
-    }
-    for (std::size_t k = 0; k < doors_.size(); ++k)
-        if ((looks[k + 1].revents & POLLIN) != 0) accept_from(doors_[k]);
-    std::erase_if(listeners_, [](const auto& listener) { return listener->is_over(); });
-    connections_ = static_cast<int>(listeners_.size());
-}
-
-void TcpServer::accept_from(const Door& door) {
-    constexpr int most_at_once = 16;
-    for (int k = 0; k < most_at_once; ++k) {
-        SocketAddress address;
-        address.length = sizeof address.storage;
-        OwnedSocket socket(::accept4(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
-                                     &address.length, SOCK_NONBLOCK | SOCK_CLOEXEC));
-        if (socket.get() < 0) {
-            // While no descriptor or no memory is left, poll would return at once again and again.
-            constexpr std::int64_t rest_ns = 100'000'000;
-            const bool is_full = errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
-            if (is_full) doors_closed_until_ns_ = clock_() + rest_ns;
-            return;
-        }
-        const std::string name = std::string(scheme_words(door.url)) + address.text();
-        const bool is_http = door.url.transport == StreamTransport::http;
-        if (std::ssize(listeners_) >= most_connections || (!is_http && !audience_.has_room())) {
-            refuse(socket, door, name);
-            continue;
-        }
-        make_prompt(socket.get());
-        const auto path = is_http ? std::optional(door.url.path) : std::nullopt;
-        const std::int64_t now_ns = clock_();
-        auto& listener = listeners_.emplace_back(
-            std::make_unique<TcpListener>(std::move(socket), name, path, ring_, audience_, now_ns));
-        listener->go_on(false, false, now_ns);
-    }
-}
-
-/// A refused connection gets one line that says why. The person at this server reads one at most every 10 s,
-/// however many connect.
-void TcpServer::refuse(const OwnedSocket& socket, const Door& door, const std::string& name) {
-    const bool has_room = audience_.has_room();  // but there are too many connections that do not listen
-    const std::string there = has_room ? std::to_string(most_connections) + " connections"
-                                       : std::to_string(StreamAudience::most_listeners) + " listeners";
-    const std::string answer =
-        door.url.transport == StreamTransport::http
-            ? http_answer(503)
-            : std::string(stream_refusal) + "there are " + there + " already; try again later\n";
-    (void)::send(socket.get(), answer.data(), answer.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    constexpr std::int64_t silence_ns = 10'000'000'000;
-    const std::int64_t now_ns = clock_();
-    if (now_ns < next_refusal_said_ns_) return;
-    next_refusal_said_ns_ = now_ns + silence_ns;
-    audience_.remark(name + " is refused: there are " + there + ", which is as many as there may be");
-}
 
 }  // namespace
 

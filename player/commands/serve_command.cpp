@@ -117,7 +117,7 @@ private:
     StreamRing nobody_;  // listens to what goes into a folder
     std::unique_ptr<StreamServer> server_;
     std::vector<std::unique_ptr<SrtOutput>> outputs_;
-    StreamSender::Time time_;
+    StreamSender::SystemTime time_;
     std::unique_ptr<StreamSender> sender_;
     std::thread thread_;
     std::int64_t cpu_ns_ = 0, begin_ns_ = 0, end_ns_ = 0;

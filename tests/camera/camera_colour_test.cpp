@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "engine/camera/v4l2_camera.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/picture/image.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -99,8 +100,7 @@ TEST_F(CameraColour, ComesInEveryFormat) {
 TEST_F(CameraColour, IsThatOfTheNearestTime) {
     constexpr std::int64_t ms = 1'000'000, frame = 40 * ms;
     // In the machine's past, of which ten seconds are believed: the virtual clock runs for one.
-    const std::int64_t begun =
-        std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count() - 5000 * ms;
+    const std::int64_t begun = steady_now_ns() - 5000 * ms;
     struct Case {
         std::int64_t late;
         int before;

@@ -4,17 +4,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
+
+#include "engine/clip/readers.hpp"
 
 namespace touchable::test {
 namespace {
 
 constexpr std::int64_t page = 1 << 20;  // from one buffer's offset to the next's
-
-std::int64_t steady_now_ns() {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::uint32_t row_bytes_of(std::uint32_t code, std::uint32_t width) {
     if (code == V4L2_PIX_FMT_MJPEG) return 0;

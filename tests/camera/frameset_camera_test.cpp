@@ -15,8 +15,10 @@
 #include <thread>
 
 #include "engine/base/threads.hpp"
+#include "engine/clip/readers.hpp"
 #include "tests/camera/frameset_bytes.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -38,68 +40,53 @@ std::string all_sent(std::uint64_t from, std::uint64_t to) {
     return all;
 }
 
-template <class T>
-std::string complaint(const Result<T>& result) {
-    return result ? "" : result.error().message;
-}
-
 /// Listens on a free port, sends to whoever comes.
 class Listener {
 public:
     Listener() {
-        ::sockaddr_in here = {};
-        here.sin_family = AF_INET;
-        here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        ::sockaddr_in here = loopback(0);
         ::socklen_t length = sizeof here;
         auto* const at = reinterpret_cast<::sockaddr*>(&here);
-        EXPECT_EQ(::bind(listens_, at, length), 0);
-        EXPECT_EQ(::listen(listens_, 1), 0);
-        EXPECT_EQ(::getsockname(listens_, at, &length), 0);
+        EXPECT_EQ(::bind(listens_.get(), at, length), 0);
+        EXPECT_EQ(::listen(listens_.get(), 1), 0);
+        EXPECT_EQ(::getsockname(listens_.get(), at, &length), 0);
         choice.address = "127.0.0.1:" + std::to_string(ntohs(here.sin_port));
-    }
-    ~Listener() {
-        hang_up();
-        ::close(listens_);
     }
     void send(const std::string& bytes) const {
         for (std::size_t at = 0; at < bytes.size();) {
-            const auto gone = ::send(to_, bytes.data() + at, bytes.size() - at, MSG_NOSIGNAL);
+            const auto gone = ::send(to_.get(), bytes.data() + at, bytes.size() - at, MSG_NOSIGNAL);
             if (gone < 0) return;
             at += static_cast<std::size_t>(gone);
         }
     }
-    void hang_up() {
-        if (to_ >= 0) ::close(to_);
-        to_ = -1;
-    }
+    void hang_up() { to_.reset(); }
     /// With these bytes to begin with.
     Opened open(const std::string& bytes) {
         auto opening = std::async(std::launch::async, [this] { return open_frameset_camera(choice); });
-        to_ = ::accept(listens_, nullptr, nullptr);
+        to_ = Descriptor(::accept(listens_.get(), nullptr, nullptr));
         send(bytes);
         return opening.get();
     }
     /// One that runs: framesets up to 9 were given, and 10 is next.
     std::unique_ptr<ClipReader> running() {
         auto camera = open(all_sent(0, 10));
-        EXPECT_EQ(complaint(camera), "");
+        EXPECT_EQ(message(camera), "");
         if (!camera) return nullptr;
         for (int n = 0; n < 2; ++n) EXPECT_EQ((*(*camera)->next())->number, n);
-        EXPECT_EQ(complaint((*camera)->begin(std::chrono::steady_clock::now() - std::chrono::seconds(1))),
-                  "");
+        EXPECT_EQ(message((*camera)->begin(std::chrono::steady_clock::now() - std::chrono::seconds(1))), "");
         return std::move(*camera);
     }
 
     FramesetChoice choice;
 
 private:
-    const int listens_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    int to_ = -1;
+    const Descriptor listens_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+    Descriptor to_;
 };
 
 RawFrame next_of(ClipReader& camera) {
     auto frame = camera.next();
-    EXPECT_EQ(complaint(frame), "");
+    EXPECT_EQ(message(frame), "");
     return frame && *frame ? **frame : RawFrame();
 }
 
@@ -172,7 +159,7 @@ TEST(FramesetCamera, ThatEndsSaysSo) {
     EXPECT_EQ(shown_by(next_of(*camera)), 10U);
     for (int again = 0; again < 3; ++again) {
         const auto end = camera->next();
-        ASSERT_EQ(complaint(end), "");
+        ASSERT_EQ(message(end), "");
         EXPECT_FALSE(*end);
     }
     const auto remarks = camera->remarks();
@@ -190,7 +177,7 @@ TEST(FramesetCamera, ThatChangesEndsAndSaysSo) {
     other.fx = 9;
     sender.send(other.bytes());
     const auto end = camera->next();
-    ASSERT_EQ(complaint(end), "");
+    ASSERT_EQ(message(end), "");
     EXPECT_FALSE(*end);
     EXPECT_NE(camera->remarks()[0].find("with fx 9, fy 7.5, cx 3.5, cy 2.5 and colour of 4x3 where it gave "),
               std::string::npos)
@@ -208,7 +195,7 @@ TEST(FramesetCamera, AWaitEndsWhenItIsToldTo) {
     ASSERT_FALSE(ended);
     EXPECT_EQ(ended.error().kind, ErrorKind::interrupted);
     // Another run goes on with the same connection.
-    EXPECT_EQ(complaint(camera->begin(std::chrono::steady_clock::now() - std::chrono::seconds(1))), "");
+    EXPECT_EQ(message(camera->begin(std::chrono::steady_clock::now() - std::chrono::seconds(1))), "");
     sender.send(sent(10).bytes().substr(90));
     EXPECT_EQ(shown_by(next_of(*camera)), 10U);
 }
@@ -279,7 +266,7 @@ TEST(FramesetCamera, ItsCommandAndAllThatItStartedEndWithIt) {
         FramesetChoice choice;
         choice.command = trap + "sleep 1000 & echo $! $$ >" + child + "; cat " + frames + "; wait";
         auto camera = open_frameset_camera(choice);
-        ASSERT_EQ(complaint(camera), "");
+        ASSERT_EQ(message(camera), "");
         ::pid_t sleeper = 0, shell = 0;
         std::ifstream(child) >> sleeper >> shell;
         ASSERT_GT(sleeper, 1);
@@ -310,7 +297,7 @@ TEST(FramesetCamera, ItsCommandHasNothingOfTheProgram) {
 
 TEST(FramesetCamera, AddressesAreReadOrRefused) {
     for (const char* right : {"127.0.0.1:7000", "localhost:1", "[::1]:65535", "192.168.0.5:80"})
-        EXPECT_EQ(complaint(check_address(right)), "") << right;
+        EXPECT_EQ(message(check_address(right)), "") << right;
     for (const char* wrong :
          {"", ":", "127.0.0.1", "127.0.0.1:", ":7000", "127.0.0.1:0", "127.0.0.1:65536", "127.0.0.1:7x",
           "127.0.0.1:-1", "name:7000", "127.0.0.1:99999999999999999999"}) {

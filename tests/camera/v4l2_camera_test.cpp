@@ -10,7 +10,9 @@
 #include <cmath>
 #include <thread>
 
+#include "engine/clip/readers.hpp"
 #include "tests/camera/fake_video.hpp"
+#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {
@@ -21,9 +23,10 @@ constexpr int w = 20, h = 12;
 const std::string node = "/dev/video7";
 const SourceDescription millimetres{{}, 60, 0.001, {}, {}};
 
-template <class T>
-std::string said(const Result<T>& result) {
-    return result ? "" : result.error().message;
+std::string notes_of(const ClipReader& camera) {
+    std::string notes;
+    for (const std::string& note : clip_notes(camera)) notes += note + '\n';
+    return notes;
 }
 
 class Camera : public ::testing::Test {
@@ -40,12 +43,12 @@ protected:
     }
     std::unique_ptr<ClipReader> opened(V4l2Choice choice = {}) const {
         auto camera = open(std::move(choice));
-        EXPECT_EQ(said(camera), "");
+        EXPECT_EQ(message(camera), "");
         return camera ? std::move(*camera) : nullptr;
     }
     /// A little ago, so that what is taken now is of the run: drivers count in microseconds.
     static void begin(ClipReader& camera) {
-        EXPECT_EQ(said(camera.begin(steady_clock::now() - std::chrono::milliseconds(1))), "");
+        EXPECT_EQ(message(camera.begin(steady_clock::now() - std::chrono::milliseconds(1))), "");
     }
     /// One that runs, of which frames 0 and 1 were given.
     std::unique_ptr<ClipReader> running(V4l2Choice choice = {}) const {
@@ -56,7 +59,7 @@ protected:
     }
     static RawFrame next(ClipReader& camera) {
         auto frame = camera.next();
-        EXPECT_EQ(said(frame), "");
+        EXPECT_EQ(message(frame), "");
         return frame && *frame ? **frame : RawFrame();
     }
     /// Which picture a frame is, as its first pixel tells; then all others have to.
@@ -98,15 +101,14 @@ TEST_F(Camera, FramesAreOfTheTimeAtWhichTheyWereTaken) {
     std::int64_t zero_ns = 0;
     add().stamp = [&](std::uint32_t n) {
         const std::int64_t late_ns = 1'000'000 * static_cast<std::int64_t>(n);
-        return zero_ns == 0 ? std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count()
-                            : zero_ns + late_ns;
+        return zero_ns == 0 ? steady_now_ns() : zero_ns + late_ns;
     };
     const auto camera = opened();
     for (int n = 0; n < 2; ++n) next(*camera);
     const auto zero = steady_clock::now() - std::chrono::seconds(1);
-    zero_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count() / 1000 * 1000;
-    const std::int64_t rounded_ns = zero_ns - std::chrono::nanoseconds(zero.time_since_epoch()).count();
-    ASSERT_EQ(said(camera->begin(zero)), "");
+    zero_ns = steady_ns(zero) / 1000 * 1000;
+    const std::int64_t rounded_ns = zero_ns - steady_ns(zero);
+    ASSERT_EQ(message(camera->begin(zero)), "");
     for (int n = 2; n < 6; ++n) EXPECT_EQ(next(*camera).time_ns, (n + 8) * 1'000'000 + rounded_ns);
 }
 
@@ -115,16 +117,15 @@ TEST_F(Camera, TimesNeverGoBack) {
     std::int64_t zero_ns = 0;
     add().stamp = [&](std::uint32_t n) {
         constexpr std::int64_t us[] = {1000, 3000, 2000, -5000, 3000, 4000};
-        return zero_ns == 0 ? std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count()
-                            : zero_ns + 1000 * us[n - 10];
+        return zero_ns == 0 ? steady_now_ns() : zero_ns + 1000 * us[n - 10];
     };
     const auto camera = opened();
     for (int n = 0; n < 2; ++n) next(*camera);
     const auto zero = steady_clock::time_point(
         std::chrono::floor<std::chrono::microseconds>((steady_clock::now() - std::chrono::seconds(1)))
             .time_since_epoch());
-    zero_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count();
-    ASSERT_EQ(said(camera->begin(zero)), "");
+    zero_ns = steady_ns(zero);
+    ASSERT_EQ(message(camera->begin(zero)), "");
     std::vector<std::int64_t> times;
     for (std::int64_t n = 2; n < 8; ++n) {
         const RawFrame frame = next(*camera);
@@ -140,14 +141,13 @@ TEST_F(Camera, AFrameThatWasTakenBeforeTheRunIsNoneOfIt) {
     std::int64_t zero_ns = 0;
     add().stamp = [&](std::uint32_t n) {
         constexpr std::int64_t us[] = {-2000, -1, 1000, 2000};
-        return zero_ns == 0 ? std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count()
-                            : zero_ns + 1000 * us[n - 10];
+        return zero_ns == 0 ? steady_now_ns() : zero_ns + 1000 * us[n - 10];
     };
     const auto camera = opened();
     for (int n = 0; n < 2; ++n) next(*camera);
     const auto zero = steady_clock::now() - std::chrono::seconds(1);
-    zero_ns = std::chrono::nanoseconds(zero.time_since_epoch()).count() / 1000 * 1000;
-    ASSERT_EQ(said(camera->begin(zero)), "");
+    zero_ns = steady_ns(zero) / 1000 * 1000;
+    ASSERT_EQ(message(camera->begin(zero)), "");
     const RawFrame frame = next(*camera);
     EXPECT_EQ(frame.number, 2);
     EXPECT_EQ(picture_in(frame), 12u);
@@ -164,8 +164,7 @@ TEST_F(Camera, WithoutATimeOfItsOwnIsTimedByArrival) {
     add().timestamps = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
     const auto since = steady_clock::now();
     const auto camera = running();
-    std::string notes;
-    for (const std::string& note : clip_notes(*camera)) notes += note + '\n';
+    const std::string notes = notes_of(*camera);
     EXPECT_NE(notes.find("count from their arrival"), std::string::npos) << notes;
     std::int64_t before = 0;
     for (int n = 2; n < 6; ++n) {
@@ -237,7 +236,7 @@ TEST_F(Camera, IsLeftForAHundredFaultsInARow) {
         const auto camera = running();
         for (int n = 2; n < 4; ++n) EXPECT_EQ(next(*camera).number, n);
         const auto frame = camera->next();
-        ASSERT_EQ(said(frame), "");
+        ASSERT_EQ(message(frame), "");
         EXPECT_EQ(frame->has_value(), last == 12 + 98);
         std::string remarks;
         for (const std::string& remark : camera->remarks()) remarks += remark + '\n';
@@ -273,7 +272,7 @@ TEST_F(Camera, BeginsAgainWhereItIsLookedAtBefore) {
     const auto camera = opened();
     for (int n = 0; n < 5; ++n) EXPECT_EQ(next(*camera).number, n);
     EXPECT_EQ(camera->seek(6).error().kind, ErrorKind::usage);
-    ASSERT_EQ(said(camera->seek(2)), "");
+    ASSERT_EQ(message(camera->seek(2)), "");
     begin(*camera);
     EXPECT_EQ(next(*camera).number, 2);
 }
@@ -284,7 +283,7 @@ TEST_F(Camera, ThatIsUnpluggedStandsStill) {
     for (int n = 2; n < 4; ++n) EXPECT_EQ(next(*camera).number, n);
     for (int again = 0; again < 2; ++again) {
         const auto frame = camera->next();
-        ASSERT_EQ(said(frame), "");
+        ASSERT_EQ(message(frame), "");
         EXPECT_FALSE(frame->has_value());
     }
     ASSERT_EQ(camera->remarks().size(), 1u);
@@ -335,10 +334,10 @@ TEST_F(Camera, IsRefusedInOneLineThatSaysWhatWouldHelp) {
     const auto expect = [&](const std::string& fragment) {
         const auto camera = open();
         ASSERT_FALSE(camera) << fragment;
-        const std::string& message = camera.error().message;
-        EXPECT_NE(message.find(fragment), std::string::npos) << message;
-        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-        EXPECT_TRUE(message.starts_with(node)) << message;
+        const std::string& why = camera.error().message;
+        EXPECT_NE(why.find(fragment), std::string::npos) << why;
+        EXPECT_EQ(why.find('\n'), std::string::npos) << why;
+        EXPECT_TRUE(why.starts_with(node)) << why;
         EXPECT_EQ(video->left_over(), std::vector<std::string>());
     };
     expect("does not exist; touchable cameras lists");
@@ -355,7 +354,7 @@ TEST_F(Camera, IsRefusedInOneLineThatSaysWhatWouldHelp) {
         camera.refusals[request] = failure;
         if (request == VIDIOC_DQBUF) {
             const auto refused = open();
-            EXPECT_NE(said(refused).find(fragment), std::string::npos) << said(refused);
+            EXPECT_NE(message(refused).find(fragment), std::string::npos) << message(refused);
             continue;
         }
         expect(fragment);
@@ -404,15 +403,14 @@ TEST_F(Camera, SaysWhatItAssumes) {
     V4l2Choice choice{node};
     choice.system = video;
     const auto camera = open_v4l2_camera(choice);
-    ASSERT_EQ(said(camera), "");
+    ASSERT_EQ(message(camera), "");
     const Scene& scene = (*camera)->scene();
     EXPECT_EQ(scene.depth.scale, 0.001);
     EXPECT_EQ(scene.metres_per_unit, 1);
     EXPECT_NEAR(scene.camera.fx, 0.5 * w / std::tan(79.0 / 2 / 180 * 3.14159265358979), 1e-9);
     // The last thousandth of 8 pictures of 20x12 pixels is one pixel and a part: the second deepest.
     EXPECT_NEAR(scene.depth.far, 2 * 0.001 * (500 + (w - 1) + 3 * (h - 1) + 7 * 7 - 1), 1e-9);
-    std::string notes;
-    for (const std::string& note : clip_notes(**camera)) notes += note + '\n';
+    const std::string notes = notes_of(**camera);
     for (const char* fragment : {"RealSense(TM) Depth Ca: Z16, 20x12 at 30 frames/s",
                                  "as preset realsense has it", "79 degrees", "deeper than 1.2 m is no depth"})
         EXPECT_NE(notes.find(fragment), std::string::npos) << fragment << " is not in\n" << notes;
@@ -435,10 +433,9 @@ TEST_F(Camera, ACodeOfZ16IsAMillimetreAndOneOfY16AsItsSizeSays) {
         SourceDescription known;
         known.preset = preset;
         const auto camera = open_v4l2_camera(choice, known);
-        ASSERT_EQ(said(camera), "");
+        ASSERT_EQ(message(camera), "");
         EXPECT_EQ((*camera)->scene().depth.scale, scale);
-        std::string notes;
-        for (const std::string& note : clip_notes(**camera)) notes += note + '\n';
+        const std::string notes = notes_of(**camera);
         EXPECT_EQ(notes.find("a code is 1 mm, as most cameras of Z16 have it") != std::string::npos,
                   scale == 0.001)
             << notes;
@@ -462,9 +459,8 @@ TEST_F(Camera, IsJudgedByThePictureThatSeesMost) {
     SourceDescription known = millimetres;
     known.metres_per_code = 100;
     const auto camera = open_v4l2_camera(choice, known);
-    ASSERT_EQ(said(camera), "");
-    std::string notes;
-    for (const std::string& note : clip_notes(**camera)) notes += note + '\n';
+    ASSERT_EQ(message(camera), "");
+    const std::string notes = notes_of(**camera);
     EXPECT_NE(notes.find("the median depth is 1500 m"), std::string::npos) << "picture 5\n" << notes;
 }
 

@@ -1,11 +1,8 @@
-#include "engine/stream/jitter_buffer.hpp"
-
-#include <gtest/gtest.h>
-
+// When what a sender sends is shown.
 #include <algorithm>
 #include <functional>
-#include <vector>
 
+#include "engine/clip/readers.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {

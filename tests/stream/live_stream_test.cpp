@@ -39,10 +39,8 @@ StreamSource live_choice(const std::string& url) {
 }
 
 bool is_of_one_frame(const RawFrame& frame, const StreamOfFrames& stream) {
-    return std::any_of(stream.frames.begin(), stream.frames.end(), [&](const RawFrame& sent) {
-        return same_plane(frame.depth, sent.depth) && same_plane(frame.haptic, sent.haptic) &&
-               same_plane(frame.height, sent.height);
-    });
+    return std::any_of(stream.frames.begin(), stream.frames.end(),
+                       [&](const RawFrame& sent) { return same_touch_planes(frame, sent); });
 }
 
 bool says(const ClipReader& clip, const std::string& what) {

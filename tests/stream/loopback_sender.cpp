@@ -9,6 +9,8 @@
 
 #include <utility>
 
+#include "tests/unused_port.hpp"
+
 namespace touchable::test {
 namespace {
 
@@ -60,13 +62,10 @@ LoopbackSender::LoopbackSender(Say say, int port) : say_(std::move(say)) {
     listening_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     const int on = 1;
     ::setsockopt(listening_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    ::sockaddr_in address = {};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = ::htonl(INADDR_LOOPBACK);
-    address.sin_port = ::htons(static_cast<std::uint16_t>(port));
+    ::sockaddr_in address = loopback(port);
     ::socklen_t length = sizeof address;
     auto* const bytes = reinterpret_cast<::sockaddr*>(&address);
-    if (::bind(listening_, bytes, length) != 0 || ::listen(listening_, 8) != 0 ||
+    if (::bind(listening_, bytes, length) != 0 || ::listen(listening_, 64) != 0 ||
         ::getsockname(listening_, bytes, &length) != 0)
         ADD_FAILURE() << "no port to listen at";
     port_ = ::ntohs(address.sin_port);
@@ -77,6 +76,7 @@ LoopbackSender::~LoopbackSender() {
     stopping_ = true;
     thread_.join();
     ::close(listening_);
+    for (const int socket : staying_) ::close(socket);
 }
 
 void LoopbackSender::run() {
@@ -84,8 +84,12 @@ void LoopbackSender::run() {
         if (!is_ready(listening_, POLLIN)) continue;
         const int socket = ::accept4(listening_, nullptr, nullptr, SOCK_CLOEXEC);
         if (socket < 0) continue;
-        say_(Listener(socket, stopping_), connections_++);
-        ::close(socket);
+        const Listener listener(socket, stopping_);
+        say_(listener, connections_++);
+        if (listener.stays_)
+            staying_.push_back(socket);
+        else
+            ::close(socket);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 namespace touchable::test {
 
@@ -26,10 +27,14 @@ public:
         bool wait(std::chrono::milliseconds time) const;
         /// It has closed the connection.
         bool is_gone() const;
+        /// The connection stays open until the sender ends.
+        void stay() const { stays_ = true; }
 
     private:
+        friend class LoopbackSender;
         const int socket_;
         const std::atomic<bool>& stopping_;
+        mutable bool stays_ = false;
     };
     /// `number`: of the connection, from 0. When it returns the connection is closed.
     using Say = std::function<void(const Listener&, int number)>;
@@ -54,6 +59,7 @@ private:
     int listening_ = -1, port_ = 0;
     std::atomic<bool> stopping_{false};
     std::atomic<int> connections_{0};
+    std::vector<int> staying_;  // sockets, of the thread
     std::thread thread_;
 };
 

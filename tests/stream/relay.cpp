@@ -22,42 +22,20 @@
 #include <utility>
 #include <vector>
 
+#include "engine/clip/readers.hpp"
+#include "tests/unused_port.hpp"
+
 namespace touchable::test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-class Socket {
-public:
-    explicit Socket(int of = -1) : of_(of) {}
-    ~Socket() {
-        if (of_ >= 0) ::close(of_);
-    }
-    Socket(Socket&& other) noexcept : of_(std::exchange(other.of_, -1)) {}
-    Socket& operator=(Socket&& other) noexcept {
-        std::swap(of_, other.of_);
-        return *this;
-    }
-    int get() const { return of_; }
-
-private:
-    int of_;
-};
-
-sockaddr_in loopback(int port) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    return address;
-}
-
 const sockaddr* plain(const sockaddr_in& address) {
     return reinterpret_cast<const sockaddr*>(&address);
 }
 
-Socket new_socket(int type) {
-    return Socket(::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+Descriptor new_socket(int type) {
+    return Descriptor(::socket(AF_INET, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
 /// Decides what is lost, by a chain of two states, and when the rest arrives.
@@ -146,7 +124,7 @@ protected:
 
     const NetworkFaults faults_;
     const int target_port_;
-    Socket own_;
+    Descriptor own_;
     std::atomic<bool> stalled_{false}, cutting_{false};
     std::atomic<std::int64_t> passed_{0}, lost_{0};
 
@@ -166,19 +144,19 @@ public:
 
 private:
     struct Connection {
-        Connection(Socket client, Socket server, const NetworkFaults& faults)
+        Connection(Descriptor client, Descriptor server, const NetworkFaults& faults)
             : ends{std::move(client), std::move(server)}, ways{Direction(faults), Direction(faults)} {}
-        Socket ends[2];
+        Descriptor ends[2];
         Direction ways[2];  // from end k to the other
         bool is_broken = false;
     };
 
     void accept_one() {
-        Socket client(::accept4(own_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+        Descriptor client(::accept4(own_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
         if (client.get() < 0) return;
-        Socket server = new_socket(SOCK_STREAM);
+        Descriptor server = new_socket(SOCK_STREAM);
         const int at_once = 1;
-        for (const Socket* const end : {&client, &server})
+        for (const Descriptor* const end : {&client, &server})
             ::setsockopt(end->get(), IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
         const sockaddr_in target = loopback(target_port_);
         if (::connect(server.get(), plain(target), sizeof target) != 0 && errno != EINPROGRESS) return;
@@ -262,17 +240,17 @@ public:
 
 private:
     struct Path {
-        Path(sockaddr_in from, Socket to, const NetworkFaults& faults)
+        Path(sockaddr_in from, Descriptor to, const NetworkFaults& faults)
             : client(from), server(std::move(to)), ways{Direction(faults), Direction(faults)} {}
         sockaddr_in client;
-        Socket server;
+        Descriptor server;
         Direction ways[2];  // to the server, and back
     };
 
     Path* path_of(const sockaddr_in& client) {
         for (Path& path : paths_)
             if (path.client.sin_port == client.sin_port) return &path;
-        Socket server = new_socket(SOCK_DGRAM);
+        Descriptor server = new_socket(SOCK_DGRAM);
         const sockaddr_in target = loopback(target_port_);
         const int bytes = 1 << 22;
         ::setsockopt(server.get(), SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);

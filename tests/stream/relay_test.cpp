@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/unused_port.hpp"
+
 namespace touchable::test {
 namespace {
 
@@ -19,10 +21,7 @@ class End {
 public:
     explicit End(int of) : of_(of) {}
     explicit End(int type, int port) : End(::socket(AF_INET, type, 0)) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_port = htons(static_cast<std::uint16_t>(port));
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        const sockaddr_in address = loopback(port);
         const auto* const plain = reinterpret_cast<const sockaddr*>(&address);
         const int status =
             port == 0 ? ::bind(of_, plain, sizeof address) : ::connect(of_, plain, sizeof address);

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "engine/clip/clip_file.hpp"
-#include "engine/stream/jitter_buffer.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/stream/receiving.hpp"
 #include "engine/stream/sending.hpp"
 #include "tests/stream/stream_of_frames.hpp"
@@ -64,10 +64,7 @@ TEST(SegmentedClip, IsWhatWasSentToTheBit) {
         ASSERT_EQ(frames->size(), sent.frames.size());
         for (std::size_t n = 0; n < frames->size(); ++n) {
             EXPECT_EQ((*frames)[n].number, static_cast<std::int64_t>(n));
-            EXPECT_TRUE(same_plane((*frames)[n].depth, sent.frames[n].depth)) << n;
-            EXPECT_TRUE(same_plane((*frames)[n].haptic, sent.frames[n].haptic)) << n;
-            EXPECT_TRUE(same_plane((*frames)[n].height, sent.frames[n].height)) << n;
-            EXPECT_EQ((*frames)[n].colour.empty(), sent.frames[n].colour.empty()) << n;
+            EXPECT_TRUE(is_as_sent((*frames)[n], sent.frames[n])) << n;
         }
     }
 }

@@ -243,10 +243,7 @@ TEST(SrtOutput, LogsLittleOfAFlood) {
     const int port = unused_port();
     const auto output = sent.open(place_of(port));
     const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    sockaddr_in at = {};
-    at.sin_family = AF_INET;
-    at.sin_port = htons(static_cast<std::uint16_t>(port));
-    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const sockaddr_in at = loopback(port);
     std::string datagram(64, '\0');
     for (unsigned n = 0; n < 20'000; ++n) {
         for (std::size_t k = 0; k < datagram.size(); ++k)
@@ -353,11 +350,11 @@ TEST(SrtOutput, EndsThoughNobodyCalled) {
 }
 
 TEST(SrtOutput, WaitsTwiceAsLongEachTime) {
-    constexpr std::int64_t second = 1'000'000'000;
-    EXPECT_EQ(wait_before_call_ns(1), second / 2);
-    EXPECT_EQ(wait_before_call_ns(2), second);
-    EXPECT_EQ(wait_before_call_ns(5), 8 * second);
-    EXPECT_EQ(wait_before_call_ns(1000), 8 * second);
+    constexpr std::chrono::milliseconds half_a_second{500};
+    EXPECT_EQ(back_off(half_a_second, 0), half_a_second);
+    EXPECT_EQ(back_off(half_a_second, 1), 2 * half_a_second);
+    EXPECT_EQ(back_off(half_a_second, 4), 16 * half_a_second);
+    EXPECT_EQ(back_off(half_a_second, 999), 16 * half_a_second);
 }
 
 TEST(SrtOutput, RefusesPortThatIsTaken) {
@@ -365,9 +362,7 @@ TEST(SrtOutput, RefusesPortThatIsTaken) {
     const int port = unused_port();
     const auto output = sent.open(place_of(port));
     const int taken = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    sockaddr_in at = {};
-    at.sin_family = AF_INET;
-    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    sockaddr_in at = loopback(0);
     socklen_t length = sizeof at;
     ASSERT_EQ(::bind(taken, reinterpret_cast<const sockaddr*>(&at), length), 0);
     ASSERT_EQ(::getsockname(taken, reinterpret_cast<sockaddr*>(&at), &length), 0);

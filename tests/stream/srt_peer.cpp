@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "engine/stream/srt.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -38,10 +39,7 @@ int make_socket(const std::string& passphrase) {
 }  // namespace
 
 SrtPeer::SrtPeer(Kind kind, int port, const std::string& passphrase) {
-    sockaddr_in at = {};
-    at.sin_family = AF_INET;
-    at.sin_port = htons(static_cast<std::uint16_t>(port));
-    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const sockaddr_in at = loopback(port);
     const auto* const address = reinterpret_cast<const sockaddr*>(&at);
     const int made = make_socket(passphrase);
     if (kind == Kind::listens) {

@@ -35,10 +35,7 @@ void are_the_frames(const std::vector<RawFrame>& read, const StreamOfFrames& sen
     for (std::size_t n = 0; n < read.size(); ++n) {
         EXPECT_EQ(read[n].number, static_cast<std::int64_t>(n));
         EXPECT_EQ(read[n].time_ns, sent.frames[n].time_ns);
-        EXPECT_TRUE(same_plane(read[n].depth, sent.frames[n].depth)) << n;
-        EXPECT_TRUE(same_plane(read[n].haptic, sent.frames[n].haptic)) << n;
-        EXPECT_TRUE(same_plane(read[n].height, sent.frames[n].height)) << n;
-        EXPECT_EQ(read[n].colour.empty(), sent.frames[n].colour.empty()) << n;
+        EXPECT_TRUE(is_as_sent(read[n], sent.frames[n])) << n;
     }
 }
 
@@ -187,11 +184,7 @@ TEST(StreamClip, WhatIsLostOrDamagedIsHeld) {
         ASSERT_EQ(frames->size(), 20U) << harm;
         for (std::size_t n = 0; n < 20; ++n) {
             const RawFrame& frame = (*frames)[n];
-            const auto is_of = [&](std::size_t other) {
-                return same_plane(frame.depth, sent.frames[other].depth) &&
-                       same_plane(frame.haptic, sent.frames[other].haptic) &&
-                       same_plane(frame.height, sent.frames[other].height);
-            };
+            const auto is_of = [&](std::size_t k) { return same_touch_planes(frame, sent.frames[k]); };
             const bool is_held = n >= 7 && n < 10;
             EXPECT_TRUE(is_of(n) || (is_held && (is_of(6) || is_of(n - 1)))) << harm << ": " << n;
         }

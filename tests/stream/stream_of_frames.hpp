@@ -48,6 +48,11 @@ inline StreamOfFrames make_stream(const Scene& scene, int frames, const Planes& 
     return made;
 }
 
+/// All that is felt as it was sent, and colour where there was any.
+inline bool is_as_sent(const RawFrame& frame, const RawFrame& sent) {
+    return same_touch_planes(frame, sent) && frame.colour.empty() == sent.colour.empty();
+}
+
 inline StreamSource source_of(const std::string& url) {
     StreamSource source;
     const auto read = read_stream_url(url);

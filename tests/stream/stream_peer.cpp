@@ -9,6 +9,7 @@
 #include <cerrno>
 
 #include "engine/stream/stream_url.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 
@@ -17,10 +18,7 @@ StreamPeer::StreamPeer(const std::string& address, int receive_bytes)
     const auto url = read_stream_url(address);
     EXPECT_TRUE(url);
     if (receive_bytes > 0) ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
-    sockaddr_in to = {};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(static_cast<std::uint16_t>(url->port));
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const sockaddr_in to = loopback(url->port);
     EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
 }
 

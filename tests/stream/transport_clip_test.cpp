@@ -69,11 +69,6 @@ private:
     std::thread thread_;
 };
 
-bool is_as_sent(const RawFrame& frame, const RawFrame& sent) {
-    return same_plane(frame.depth, sent.depth) && same_plane(frame.haptic, sent.haptic) &&
-           same_plane(frame.height, sent.height) && frame.colour.empty() == sent.colour.empty();
-}
-
 TEST(TransportClip, IsWhatWasSentToTheBit) {
     for (const Planes& planes : {all_planes, Planes{}, Planes{true, true, false}}) {
         const auto sent = make_transport_stream(small_scene(64, 48, 16), 17, planes);

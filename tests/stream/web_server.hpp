@@ -1,13 +1,14 @@
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
+
+#include "tests/stream/loopback_sender.hpp"
 
 namespace touchable::test {
 
@@ -26,25 +27,18 @@ class WebServer {
 public:
     /// What a path is answered with; on the server's thread.
     using Answer = std::function<WebReply(const std::string& path)>;
-    explicit WebServer(Answer answer);
-    ~WebServer();
-    WebServer(const WebServer&) = delete;
-    WebServer& operator=(const WebServer&) = delete;
+    explicit WebServer(Answer answer) : answer_(std::move(answer)) {}
 
-    std::string url(const std::string& path) const;
+    std::string url(const std::string& path) const { return sender_.url("http", path); }
     std::vector<std::string> requests() const;
 
 private:
-    void run();
-    void serve(int connection);
+    void serve(const LoopbackSender::Listener& client);
 
     const Answer answer_;
-    int listener_ = -1, port_ = 0;
-    std::atomic<bool> ends_{false};
-    std::vector<int> silent_;
     mutable std::mutex mutex_;
     std::vector<std::string> requests_;  // guarded by mutex_
-    std::thread thread_;
+    const LoopbackSender sender_{[this](const LoopbackSender::Listener& client, int) { serve(client); }};
 };
 
 /// A file of a folder, or 404.

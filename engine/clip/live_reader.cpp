@@ -1,4 +1,4 @@
-// Cameras' runs: the numbers and times of live frames, and recordings that behave like a camera.
+// Live sources: the rules that all of them share, and recordings that behave like a camera.
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
@@ -13,8 +13,16 @@ using std::chrono::steady_clock;
 
 constexpr std::int64_t most_lost = 1'000'000;  // in a row; more is another count
 
-std::int64_t steady_ns(steady_clock::time_point moment) {
-    return std::chrono::nanoseconds(moment.time_since_epoch()).count();
+Error runs_on() {
+    return usage_error("a camera that runs goes to no other frame than its next");
+}
+Error told_to_stop(const std::string& kind, std::int64_t before_frame) {
+    return {ErrorKind::interrupted,
+            "the " + kind + " was told to stop before it gave frame " + std::to_string(before_frame)};
+}
+Result<void> check_wake(const Wake& wake) {
+    if (wake.descriptor() >= 0) return {};
+    return Error{ErrorKind::internal, "no event can be made to wait for"};
 }
 
 /// What chance decides about a frame.
@@ -41,13 +49,15 @@ public:
     Result<void> seek(std::int64_t frame) override;
     Result<std::optional<RawFrame>> next() override;
     Result<void> begin(steady_clock::time_point zero) override;
-    void interrupt() override;
+    void interrupt() override {
+        interrupted_ = true;
+        wake_.wake();
+    }
 
 private:
     CameraDelivery::Frame newest_or_next() const;
     Result<std::optional<RawFrame>> next_recorded();
     Result<std::optional<RawFrame>> read(std::int64_t number);
-    bool is_interrupted();
     Result<void> wait_for(const CameraDelivery::Frame& frame);
 
     const CameraDelivery delivery_;
@@ -55,13 +65,12 @@ private:
     std::int64_t position_ = 0;  // the frame that the recording gives next
     std::optional<steady_clock::time_point> zero_;
     CameraDelivery::Frame last_;
-    std::mutex mutex_;
-    std::condition_variable told_;
-    bool interrupted_ = false;  // guarded by mutex_
+    std::atomic<bool> interrupted_{false};
+    const Wake wake_;
 };
 
 Result<void> ReplayCamera::seek(std::int64_t frame) {
-    if (zero_) return usage_error("a camera that runs goes to no other frame than its next");
+    if (zero_) return runs_on();
     auto there = inner().seek(frame);
     if (there) position_ = frame;
     return there;
@@ -70,18 +79,7 @@ Result<void> ReplayCamera::seek(std::int64_t frame) {
 Result<void> ReplayCamera::begin(steady_clock::time_point zero) {
     zero_ = zero;
     last_ = {position_ - 1, 0};
-    return {};
-}
-
-void ReplayCamera::interrupt() {
-    const std::lock_guard lock(mutex_);
-    interrupted_ = true;
-    told_.notify_all();
-}
-
-bool ReplayCamera::is_interrupted() {
-    const std::lock_guard lock(mutex_);
-    return interrupted_;
+    return check_wake(wake_);
 }
 
 /// Of those that were not given yet: the newest that is there, or the first that comes.
@@ -112,15 +110,14 @@ Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
 }
 
 Result<void> ReplayCamera::wait_for(const CameraDelivery::Frame& frame) {
-    std::unique_lock lock(mutex_);
-    const auto is_interrupted = [this] { return interrupted_; };
-    if (frame.at_ns == CameraDelivery::never)
-        told_.wait(lock, is_interrupted);
-    else
-        told_.wait_until(lock, *zero_ + std::chrono::nanoseconds(frame.at_ns), is_interrupted);
-    if (!interrupted_) return {};
-    return Error{ErrorKind::interrupted,
-                 "the camera was told to stop before it gave frame " + std::to_string(frame.number)};
+    const std::int64_t zero_ns = steady_ns(*zero_);
+    while (!interrupted_) {
+        const bool never_comes = frame.at_ns == CameraDelivery::never;
+        const std::int64_t left_ns = never_comes ? -1 : zero_ns + frame.at_ns - steady_now_ns();
+        if (!never_comes && left_ns <= 0) return {};
+        wake_.wait(left_ns);
+    }
+    return told_to_stop("camera", frame.number);
 }
 
 /// At the camera's time.
@@ -136,7 +133,7 @@ Result<std::optional<RawFrame>> ReplayCamera::next() {
     if (!zero_) return next_recorded();
     const CameraDelivery::Frame delivery = newest_or_next();
     // A reader that was interrupted, or for which nothing comes, has no frame to decode.
-    if (const bool nothing_comes = delivery.at_ns == CameraDelivery::never; nothing_comes || is_interrupted())
+    if (const bool nothing_comes = delivery.at_ns == CameraDelivery::never; nothing_comes || interrupted_)
         return wait_for(delivery).error();
     auto frame = read(delivery.number);
     if (!frame || !*frame) return frame;
@@ -147,69 +144,138 @@ Result<std::optional<RawFrame>> ReplayCamera::next() {
 
 }  // namespace
 
-void CameraRun::begin(std::chrono::steady_clock::time_point zero) {
+void Wake::wait(std::int64_t longest_ns, std::initializer_list<pollfd> others) const {
+    constexpr std::int64_t second = 1'000'000'000;
+    std::vector<pollfd> all(others);
+    all.push_back({descriptor(), POLLIN, 0});
+    const timespec longest{longest_ns / second, longest_ns % second};
+    (void)::ppoll(all.data(), all.size(), longest_ns < 0 ? nullptr : &longest, nullptr);
+}
+
+void add_count(std::vector<std::string>& remarks, std::int64_t count, const std::string& of_what) {
+    if (count > 0) remarks.push_back(std::to_string(count) + " of " + of_what);
+}
+
+// --- LiveReader
+
+Result<std::optional<RawFrame>> LiveReader::next() {
+    while (true) {
+        TRY_ASSIGN(auto taken, wait_for_frame());
+        if (!taken) return std::optional<RawFrame>();
+        const auto placed = place(*taken);
+        if (!placed) continue;
+        RawFrame& frame = taken->frame;
+        frame.number = placed->number;
+        frame.time_ns = placed->time_ns;
+        const std::lock_guard lock(mutex_);
+        ways_[static_cast<std::size_t>(frame.number) % ways_.size()] = {frame.number, taken->way_ns};
+        return std::optional(std::move(frame));
+    }
+}
+
+/// Nothing in a run whose source is gone.
+LiveReader::MaybeTaken LiveReader::wait_for_frame() {
+    constexpr std::int64_t look_again_ns = 50'000'000;  // before a run a signal does not end the wait
+    const auto since = steady_clock::now();
+    while (!is_gone_) {
+        wake_.forget();
+        if (interrupted_ || (!has_begun() && stop_requested())) return told_to_stop(kind_, next_number_);
+        auto taken = take();
+        if (!taken || *taken) return taken;
+        if (is_gone_) break;
+        if (!has_begun())
+            if (auto why = nothing_came(since)) return *why;
+        wait(has_begun() ? -1 : look_again_ns);
+    }
+    if (has_begun()) return std::optional<Taken>();
+    const std::lock_guard lock(mutex_);
+    return input_error(remarks_.back());
+}
+
+Result<LiveReader::Taken> LiveReader::first_frame() {
+    TRY_ASSIGN(auto taken, wait_for_frame());
+    return std::move(*taken);  // before a run there is one, or an error
+}
+
+Result<void> LiveReader::begin(std::chrono::steady_clock::time_point zero) {
     constexpr std::int64_t most_before_a_run = 64;
     if (has_begun()) last_time_ns_ = most_before_a_run * ns_before_a_run;
     zero_ns_ = steady_ns(zero);
     last_count_.reset();
     interrupted_ = false;
-    wake_.forget();
+    if (!is_gone_) drain();
+    return check_wake(wake_);
 }
 
-Result<void> CameraRun::seek(std::int64_t frame) {
-    if (has_begun()) return usage_error("a camera that runs goes to no other frame than its next");
+Result<void> LiveReader::seek(std::int64_t frame) {
+    if (has_begun()) return runs_on();
     if (frame > next_number_) return usage_error("a camera has not taken frame " + std::to_string(frame));
     next_number_ = frame;
     last_time_ns_ = std::max<std::int64_t>(-1, (frame - 1) * ns_before_a_run);
     return {};
 }
 
-std::optional<CameraRun::Place> CameraRun::place(std::uint32_t count, std::int64_t at_ns) {
-    if (zero_ns_ && at_ns - *zero_ns_ <= last_time_ns_ && !last_count_) return std::nullopt;
+/// Nothing: it was taken before the run.
+std::optional<LiveReader::Place> LiveReader::place(const Taken& taken) {
+    if (zero_ns_ && taken.at_ns - *zero_ns_ <= last_time_ns_ && !last_count_) return std::nullopt;
     std::int64_t further = 1;
     if (last_count_) {
-        const std::uint32_t counted = count - *last_count_;
+        const std::uint32_t counted = taken.count - *last_count_;
         if (counted > 0 && counted <= most_lost) further = counted;
     }
-    if (zero_ns_) last_count_ = count;
+    if (zero_ns_) last_count_ = taken.count;
     Place place;
     place.number = next_number_ + further - 1;
     place.time_ns =
-        zero_ns_ ? std::max(at_ns - *zero_ns_, last_time_ns_ + 1) : place.number * ns_before_a_run;
+        zero_ns_ ? std::max(taken.at_ns - *zero_ns_, last_time_ns_ + 1) : place.number * ns_before_a_run;
     next_number_ = place.number + 1;
     last_time_ns_ = place.time_ns;
     return place;
 }
 
-void CameraRun::interrupt() {
+void LiveReader::interrupt() {
     interrupted_ = true;
     wake_.wake();
 }
 
-std::optional<Error> CameraRun::told_to_end() const {
-    if (!interrupted_ && (has_begun() || !stop_requested())) return std::nullopt;
-    return Error{ErrorKind::interrupted,
-                 "the " + kind_ + " was told to stop before it gave frame " + std::to_string(next_number_)};
-}
-
-void CameraRun::gone(const std::string& why) {
+LiveReader::MaybeTaken LiveReader::gone(const std::string& why) {
     is_gone_ = true;
     std::string when;
     if (zero_ns_)
         when = formatted(" after %.1f s; its last frame stands still",
-                         1e-9 * static_cast<double>(steady_ns(std::chrono::steady_clock::now()) - *zero_ns_));
+                         1e-9 * static_cast<double>(steady_now_ns() - *zero_ns_));
     remark("the " + kind_ + ", " + name_ + ", " + why + when);
+    return std::optional<Taken>();
 }
 
-void CameraRun::remark(std::string words) {
+void LiveReader::remark(std::string words) {
     const std::lock_guard lock(mutex_);
     remarks_.push_back(std::move(words));
 }
 
-std::vector<std::string> CameraRun::remarks() const {
-    const std::lock_guard lock(mutex_);
-    return remarks_;
+void LiveReader::take_meaning(Meaning meaning) {
+    scene_ = std::move(meaning.scene);
+    scene_.interpolation = FrameInterpolation::hold;
+    unstated_filters_ = meaning.unstated_filters;
+    for (auto& input : meaning.inputs) add_input(std::move(input));
 }
+
+std::int64_t LiveReader::taken_before(std::int64_t frame) const {
+    const std::lock_guard lock(mutex_);
+    const Way& way = ways_[static_cast<std::size_t>(frame) % ways_.size()];
+    return way.frame == frame ? way.ns : 0;
+}
+
+std::vector<std::string> LiveReader::remarks() const {
+    std::vector<std::string> all;
+    add_count(all, damaged_, "the camera's frames were damaged or cut short, and left out");
+    add_count(all, repeated_, "the camera's frames came twice, and were left out once");
+    const std::lock_guard lock(mutex_);
+    all.insert(all.end(), remarks_.begin(), remarks_.end());
+    return all;
+}
+
+// --- CameraDelivery
 
 CameraDelivery::Frame CameraDelivery::after(const Frame& last, const FrameRate& recorded) const {
     std::int64_t number = last.number + 1;

@@ -1,5 +1,5 @@
 // What a camera's depth means: by what is known of it and its first pictures, or by a scene file.
-#include "engine/camera/camera_reader.hpp"
+#include "engine/camera/depth_meaning.hpp"
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -68,22 +68,23 @@ Result<double> far_beyond(std::span<const PlaneView> first, const DepthCoding& d
 }
 
 /// A far plane that is open lies well beyond what the first pictures show.
-Result<DepthMeaning> settled(const SceneDescription& described, std::vector<std::filesystem::path> inputs,
-                             std::span<const PlaneView> first, const std::string& node) {
+Result<LiveReader::Meaning> settled(const SceneDescription& described,
+                                    std::vector<std::filesystem::path> inputs,
+                                    std::span<const PlaneView> first, const std::string& node) {
     SceneDescription::FoundInClip found;
     if (described.unstated.far) {
         const auto far = far_beyond(first, described.scene.depth);
-        if (!far) return input_error(node + ": " + far.error().message);
+        if (!far) return error_at(node, far.error());
         found.far = *far;
     }
     auto scene = settle(described, found);
-    if (!scene) return input_error(node + ": " + scene.error().message);
+    if (!scene) return error_at(node, scene.error());
     if (found.far)
         add_remark(scene->remarks,
                    {formatted("deeper than %.3g m is no depth: twice what the first frames show",
                               *found.far * scene->metres_per_unit),
                     true, "a scene file's depth.far says otherwise"});
-    return DepthMeaning{std::move(*scene), described.unstated.filters, std::move(inputs)};
+    return LiveReader::Meaning{std::move(*scene), described.unstated.filters, std::move(inputs)};
 }
 
 /// What the driver tells of the camera stands in for what is not known.
@@ -111,10 +112,36 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
     return known;
 }
 
+/// By a scene file, whose size is that of the pictures.
+Result<LiveReader::Meaning> meaning_in_file(const std::string& node, std::span<const PlaneView> first,
+                                            const std::filesystem::path& scene_file) {
+    TRY_ASSIGN(auto described, read_scene_file(scene_file));
+    Scene& made = described.scene;
+    made.folder.reset();
+    made.video.reset();
+    const std::string of_file = scene_file.string() + ": ";
+    if (!made.stored.is_plain() || made.depth.kind == DepthCodingKind::hue || made.depth_bits != 16)
+        return input_error(of_file +
+                           "a camera gives codes of 16 bits: depth.bits must be 16, and its coding "
+                           "metric, linear or inverse");
+    if (described.unstated.camera)
+        return input_error(of_file + "camera is missing: must be given, as folder.cameras are of pictures");
+    if (made.width != first.front().width || made.height != first.front().height)
+        return input_error(of_file + "is of " + size_text(made.width, made.height) + ", the camera gives " +
+                           size_text(first.front().width, first.front().height) + " (size=)");
+    if (made.lens.any() || made.colour_camera)
+        return input_error(of_file +
+                           "camera.distortion and colour_camera are of recordings: of a camera that is "
+                           "plugged in must be left out");
+    return settled(described, {scene_file}, first, node);
+}
+
 }  // namespace
 
-Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
-                                      std::span<const PlaneView> first, const SourceDescription& known) {
+Result<LiveReader::Meaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
+                                             std::span<const PlaneView> first, const SourceDescription& known,
+                                             const std::optional<std::filesystem::path>& scene_file) {
+    if (scene_file) return meaning_in_file(facts.node, first, *scene_file);
     std::vector<Remark> remarks;
     const SourceDescription all = with_card(facts, format, known, remarks);
     std::vector<std::filesystem::path> inputs;
@@ -129,31 +156,6 @@ Result<DepthMeaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t form
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
     scene.name = facts.card;
     return settled(*guessed, std::move(inputs), first, facts.node);
-}
-
-Result<DepthMeaning> meaning_in_file(const NodeFacts& facts, std::span<const PlaneView> first,
-                                     const std::filesystem::path& scene_file) {
-    TRY_ASSIGN(auto described, read_scene_file(scene_file));
-    Scene& made = described.scene;
-    made.folder.reset();
-    made.video.reset();
-    const std::string of_file = scene_file.string() + ": ";
-    if (!made.stored.is_plain() || made.depth.kind == DepthCodingKind::hue || made.depth_bits != 16)
-        return input_error(of_file +
-                           "a camera gives codes of 16 bits: depth.bits must be 16, and its coding "
-                           "metric, linear or inverse");
-    if (described.unstated.camera)
-        return input_error(of_file + "camera is missing: must be given, as folder.cameras are of pictures");
-    if (made.width != first.front().width || made.height != first.front().height)
-        return input_error(of_file + "is of " + std::to_string(made.width) + "x" +
-                           std::to_string(made.height) + ", the camera gives " +
-                           std::to_string(first.front().width) + "x" + std::to_string(first.front().height) +
-                           " (size=)");
-    if (made.lens.any() || made.colour_camera)
-        return input_error(of_file +
-                           "camera.distortion and colour_camera are of recordings: of a camera that is "
-                           "plugged in must be left out");
-    return settled(described, {scene_file}, first, facts.node);
 }
 
 }  // namespace touchable

@@ -1,7 +1,8 @@
-#include "engine/stream/jitter_buffer.hpp"
+// When what a sender sends was taken, and is shown.
 
 #include <algorithm>
-#include <vector>
+
+#include "engine/clip/readers.hpp"
 
 namespace touchable {
 namespace {
@@ -52,7 +53,7 @@ JitterBuffer::Moments JitterBuffer::add(std::int64_t sent_ns, std::int64_t arriv
     if (goes_on) {
         const std::int64_t way_ns = arrived_ns - sent_ns;
         std::int64_t jitter_ns = way_ns - shortest_way(way_ns, arrived_ns);
-        if (jitter_ns > most_way_ns) {  // the clock went back, or all was held up on the way
+        if (jitter_ns > longest_way_ns_) {  // the clock went back, or all was held up on the way
             shortest_ = {};
             (void)shortest_way(way_ns, arrived_ns);
             jitter_ns = 0;
