@@ -146,8 +146,7 @@ struct ClipObject {
           reader(std::move(opened)) {}
 
     bool has(const char* role) const {
-        return std::any_of(tracks.begin(), tracks.end(),
-                           [&](const TrackInfo& track) { return track.role == role; });
+        return std::ranges::any_of(tracks, [&](const TrackInfo& track) { return track.role == role; });
     }
 
     const SceneDescription described;
@@ -204,9 +203,8 @@ touch_clip_facts facts_of(const ClipObject& clip) {
     facts.has_colour = clip.has("colour");
     facts.has_haptic = clip.has("haptic");
     facts.has_height = clip.has("height");
-    facts.depth_is_lossless = std::all_of(clip.tracks.begin(), clip.tracks.end(), [](const TrackInfo& track) {
-        return track.role != "depth" || track.lossless;
-    });
+    facts.depth_is_lossless = std::ranges::all_of(
+        clip.tracks, [](const TrackInfo& track) { return track.role != "depth" || track.lossless; });
     facts.notes = static_cast<std::int32_t>(clip.notes.size());
     facts.has_own_times = scene.rate.own_times != nullptr;
     facts.frames = clip.frames.value_or(-1);

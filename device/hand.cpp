@@ -596,7 +596,7 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
     }
     const std::string name(item.substr(0, equals));
     const std::string value(item.substr(equals + 1));
-    const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) { return k.name == name; });
+    const auto key = std::ranges::find(keys_, name, &Key::name);
     if (key == keys_.end()) {
         return option_refusal(of, "unknown key '" + name + "'; keys are " + list_keys(keys_));
     }
@@ -616,8 +616,7 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
 }
 
 const HandOptions::Entry* HandOptions::find(std::string_view name) const {
-    const auto at =
-        std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key->name == name; });
+    const auto at = std::ranges::find_if(entries_, [&](const Entry& e) { return e.key->name == name; });
     return at == entries_.end() ? nullptr : &*at;
 }
 
@@ -634,7 +633,7 @@ bool HandOptions::given(std::string_view name) const {
 
 double HandOptions::number(std::string_view name) const {
     if (const Entry* entry = find(name)) return entry->number;
-    const auto key = std::find_if(keys_.begin(), keys_.end(), [&](const Key& k) { return k.name == name; });
+    const auto key = std::ranges::find(keys_, name, &Key::name);
     assert(key != keys_.end());
     return key->standard;
 }

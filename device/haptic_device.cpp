@@ -78,8 +78,7 @@ public:
 
     /// All of them are.
     bool is_over() const override {
-        return std::all_of(devices_.begin(), devices_.end(),
-                           [](const auto& device) { return device->is_over(); });
+        return std::ranges::all_of(devices_, [](const auto& device) { return device->is_over(); });
     }
     std::string prompt() const override { return all_said(&HapticDevice::prompt, "; "); }
     std::string why_no_position() const override { return all_said(&HapticDevice::why_no_position, "; "); }

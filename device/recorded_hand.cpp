@@ -327,7 +327,7 @@ glm::dmat3 principal_rotation(std::span<const glm::dvec3> points) {
         rotate_away(m, vectors, 1, 2);
     }
     std::array<int, 3> order{0, 1, 2};
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return m[a][a] > m[b][b]; });
+    std::ranges::stable_sort(order, [&](int a, int b) { return m[a][a] > m[b][b]; });
     const glm::dvec3 x = with_fixed_sign(glm::normalize(vectors[order[0]]));
     const glm::dvec3 y = with_fixed_sign(glm::normalize(vectors[order[1]]));
     return glm::transpose(glm::dmat3(x, y, glm::cross(x, y)));

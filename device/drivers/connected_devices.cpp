@@ -85,8 +85,7 @@ const std::array<KnownDevice, 9> known_hardware{{
 namespace fs = std::filesystem;
 
 bool is_number(const std::string& name) {
-    return !name.empty() &&
-           std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+    return !name.empty() && std::ranges::all_of(name, [](char c) { return c >= '0' && c <= '9'; });
 }
 
 /// Of a line of /proc/net/tcp: "  0: 0100007F:2711 00000000:0000 0A ..." listens at 0x2711.
@@ -147,8 +146,8 @@ std::vector<std::string> holders_of(const ConnectedSystem& system, const std::st
         if (!is_number(process) || process == own) continue;
         const std::string open = "/proc/" + process + "/fd";
         const auto descriptors = system.names(open);
-        if (std::any_of(descriptors.begin(), descriptors.end(),
-                        [&](const std::string& each) { return system.link(open + "/" + each) == node; }))
+        if (std::ranges::any_of(
+                descriptors, [&](const std::string& each) { return system.link(open + "/" + each) == node; }))
             holders.push_back(system.text("/proc/" + process + "/comm") + " (process " + process + ")");
     }
     return holders;
@@ -187,8 +186,8 @@ void judge(const ConnectedSystem& system, const KnownDevice& known, ConnectedDev
     }
     device.driven = known.driven.empty() ? known.word : known.driven;
     const std::string prefix = known.through == Through::hidraw ? "/dev/hidraw" : "/dev/bus/usb/";
-    const auto node = std::find_if(device.nodes.begin(), device.nodes.end(),
-                                   [&](const std::string& each) { return each.starts_with(prefix); });
+    const auto node =
+        std::ranges::find_if(device.nodes, [&](const std::string& each) { return each.starts_with(prefix); });
     if (known.through != Through::service && node != device.nodes.end()) device.node = *node;
     device.may_use = !device.node.empty() && system.may_use(device.node);
     if (known.through != Through::service && !device.may_use) device.rules = udev_rules_of(device.vendor);
@@ -251,7 +250,7 @@ const KnownDevice* known_device(std::uint16_t vendor, std::uint16_t product, std
         return name.find(each.in_name) != std::string_view::npos ||
                maker.find(each.in_name) != std::string_view::npos;
     };
-    const auto found = std::find_if(known_hardware.begin(), known_hardware.end(), fits);
+    const auto found = std::ranges::find_if(known_hardware, fits);
     return found == known_hardware.end() ? nullptr : &*found;
 }
 
@@ -260,7 +259,7 @@ std::vector<std::string> udev_rules_of(std::uint16_t vendor) {
     std::vector<std::string> rules;
     std::istringstream file(udev_rules());
     for (std::string line; std::getline(file, line);)
-        if (!line.starts_with("#") && std::any_of(marks.begin(), marks.end(), [&](const std::string& mark) {
+        if (!line.starts_with("#") && std::ranges::any_of(marks, [&](const std::string& mark) {
                 return line.find(mark) != std::string::npos;
             }))
             rules.push_back(line);
@@ -279,7 +278,7 @@ std::vector<std::string> ConnectedSystem::names(const std::string& folder) const
     for (fs::directory_iterator each(below(folder), failure), end; !failure && each != end;
          each.increment(failure))
         names.push_back(each->path().filename().string());
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     return names;
 }
 
@@ -339,8 +338,8 @@ std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system) {
     for (const std::string& name : system.names("/sys/bus/usb/devices"))
         if (auto device = usb_device(system, name, nodes)) devices.push_back(std::move(*device));
     for (const HidNode& hid : hid_nodes(system.root())) {
-        const bool is_listed = std::any_of(devices.begin(), devices.end(), [&](const ConnectedDevice& each) {
-            return std::find(each.nodes.begin(), each.nodes.end(), hid.node) != each.nodes.end();
+        const bool is_listed = std::ranges::any_of(devices, [&](const ConnectedDevice& each) {
+            return std::ranges::find(each.nodes, hid.node) != each.nodes.end();
         });
         if (is_listed) continue;
         if (auto device = lone_hid_device(system, hid)) devices.push_back(std::move(*device));

@@ -29,10 +29,10 @@ constexpr DeviceKind kinds_of_devices[] = {
 Error also_unplugged(Error error, std::string_view name) {
     const auto known = known_devices();
     const bool is_hardware =
-        std::any_of(known.begin(), known.end(), [&](const KnownDevice& each) { return each.word == name; });
+        std::ranges::any_of(known, [&](const KnownDevice& each) { return each.word == name; });
     if (error.kind != ErrorKind::input || !is_hardware) return error;
     const auto connected = connected_devices();
-    const bool is_there = std::any_of(connected.begin(), connected.end(), [&](const ConnectedDevice& each) {
+    const bool is_there = std::ranges::any_of(connected, [&](const ConnectedDevice& each) {
         return std::string_view(each.driven).substr(0, each.driven.find(':')) == name;
     });
     if (!is_there) error.message += "; and no " + std::string(name) + " is connected";
@@ -99,8 +99,7 @@ Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description
                                                   const DrivenSettings& driven) {
     const std::size_t colon = description.find(':');
     const std::string name = description.substr(0, colon);
-    const auto kind = std::find_if(std::begin(kinds_of_devices), std::end(kinds_of_devices),
-                                   [&](const DeviceKind& each) { return each.name == name; });
+    const auto kind = std::ranges::find(kinds_of_devices, name, &DeviceKind::name);
     if (kind == std::end(kinds_of_devices)) return unknown_device(name);
     auto driver = kind->make_driver(
         colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1));

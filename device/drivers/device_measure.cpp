@@ -113,7 +113,7 @@ constexpr double most_newtons = 1.5;
 
 WatchFigures::Percentiles percentiles_of(std::vector<double> values) {
     if (values.empty()) return {};
-    std::sort(values.begin(), values.end());
+    std::ranges::sort(values);
     return {static_cast<std::int64_t>(values.size()), percentile(values, 50), percentile(values, 99),
             values.back()};
 }

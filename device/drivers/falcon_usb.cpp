@@ -278,7 +278,7 @@ fs::path find_usb_device(const std::string& vendor, const std::string& product, 
         nodes.push_back(folders.nodes / three_digits(word_in(device / "busnum")) /
                         three_digits(word_in(device / "devnum")));
     }
-    return nodes.empty() ? fs::path() : *std::min_element(nodes.begin(), nodes.end());
+    return nodes.empty() ? fs::path() : *std::ranges::min_element(nodes);
 }
 
 Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders) {

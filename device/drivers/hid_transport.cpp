@@ -106,7 +106,7 @@ std::vector<HidNode> hid_nodes(const std::filesystem::path& root) {
         node->node = "/dev/" + each->path().filename().string();
         nodes.push_back(std::move(*node));
     }
-    std::sort(nodes.begin(), nodes.end(), node_comes_before);
+    std::ranges::sort(nodes, node_comes_before);
     return nodes;
 }
 

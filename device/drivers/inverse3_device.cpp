@@ -64,7 +64,7 @@ Inverse3Settings inverse3_settings(const json& config) {
 
 bool is_inverse3_id(const std::string& id) {
     return !id.empty() && id.size() <= longest_inverse3_id &&
-           std::all_of(id.begin(), id.end(), [](char c) { return c > ' ' && c < 0x7f; });
+           std::ranges::all_of(id, [](char c) { return c > ' ' && c < 0x7f; });
 }
 
 std::optional<Inverse3Arm> inverse3_arm(const json& entry) {
@@ -341,10 +341,8 @@ Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Messa
 }
 
 Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
-    const auto found = choice_.id.empty()
-                           ? arms.begin()
-                           : std::find_if(arms.begin(), arms.end(),
-                                          [this](const Inverse3Arm& arm) { return arm.id == choice_.id; });
+    const auto found =
+        choice_.id.empty() ? arms.begin() : std::ranges::find(arms, choice_.id, &Inverse3Arm::id);
     if (arms.empty())
         return Error{ErrorKind::device,
                      "the Haply service knows of no Inverse3; plug it in and switch it on"};
@@ -445,8 +443,7 @@ Result<void> Inverse3Driver::forget_what_came() {
 }
 
 Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& sample) {
-    const auto arm = std::find_if(message.arms.begin(), message.arms.end(),
-                                  [this](const Inverse3Arm& each) { return each.id == id_; });
+    const auto arm = std::ranges::find(message.arms, id_, &Inverse3Arm::id);
     if (arm == message.arms.end())
         return Error{ErrorKind::device,
                      "Inverse3 " + id_ + " is gone from the Haply service; plug it in again"};

@@ -315,8 +315,8 @@ NetworkPacket NetworkDriver::answer(std::span<const glm::dvec3> newtons, bool la
 /// few times, for a peer that is silent.
 Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
     if (!peer_) return {};
-    const bool zeros = std::all_of(newtons.begin(), newtons.end(),
-                                   [](const glm::dvec3& force) { return force == glm::dvec3(0); });
+    const bool zeros =
+        std::ranges::all_of(newtons, [](const glm::dvec3& force) { return force == glm::dvec3(0); });
     const bool is_gone = static_cast<double>(clock_() - peer_->received_ns) * 1e-9 > peer_gone_s;
     if (is_gone) {
         part();
@@ -395,7 +395,7 @@ void NetworkDriver::leave_out(const std::string& why, const UdpAddress& from) {
     const std::lock_guard lock(words_mutex_);
     if (any_peer_) return;
     const auto same = [&why](const LeftOut& each) { return each.why == why; };
-    auto known = std::find_if(left_out_why_.begin(), left_out_why_.end(), same);
+    auto known = std::ranges::find_if(left_out_why_, same);
     if (known == left_out_why_.end()) {
         if (left_out_why_.size() < most_reasons) left_out_why_.push_back({why, 0});
         known = std::prev(left_out_why_.end());

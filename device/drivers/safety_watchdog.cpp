@@ -91,8 +91,8 @@ void send_beside_others(Keeping& kept, bool is_alone, Send&& sends) {
 }
 
 bool is_alone(std::span<const Keeping> kept) {
-    return std::count_if(kept.begin(), kept.end(),
-                         [](const Keeping& each) { return each.descriptor != nothing_kept; }) < 2;
+    return std::ranges::count_if(kept, [](const Keeping& each) { return each.descriptor != nothing_kept; }) <
+           2;
 }
 
 /// The heart is looked at last of all before the word: this process may have been late, and not the other.
@@ -303,7 +303,7 @@ Result<void> SafetyWatchdog::health() const {
 
 Result<SafetyWatchdog::Kept> SafetyWatchdog::keep(std::shared_ptr<SafetyWatchdog> watchdog) {
     const std::lock_guard lock(watchdog->mutex_);
-    const auto free = std::find(std::begin(watchdog->taken_), std::end(watchdog->taken_), false);
+    const auto free = std::ranges::find(watchdog->taken_, false);
     if (free == std::end(watchdog->taken_))
         return Error{ErrorKind::device,
                      "no more than " + std::to_string(most_devices) + " devices can be used at a time"};

@@ -32,8 +32,7 @@ constexpr std::array<HandOptions::Key, 3> spacemouse_keys{{
 bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
     constexpr std::uint16_t ordinary_mice[] = {0xc650, 0xc651, 0xc654, 0xc655, 0xc656, 0xc657, 0xc658};
     if (vendor == 0x046d) return product >= 0xc603 && product <= 0xc63f;
-    return vendor == 0x256f &&
-           std::find(std::begin(ordinary_mice), std::end(ordinary_mice), product) == std::end(ordinary_mice);
+    return vendor == 0x256f && std::ranges::find(ordinary_mice, product) == std::end(ordinary_mice);
 }
 
 Result<SpaceMouseReport> decode_spacemouse_report(std::span<const std::byte> bytes) {

@@ -280,7 +280,7 @@ ClipQuality::FrameTimes FrameTimesEstimator::times() const {
     if (steps_ns_.empty()) return times;
     std::vector<std::int64_t> sorted = steps_ns_;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
+    std::ranges::nth_element(sorted, middle);
     const std::int64_t usual = std::max<std::int64_t>(*middle, 1);
     times.usual_ms = static_cast<double>(usual) * 1e-6;
     for (const std::int64_t step : steps_ns_) {
@@ -357,7 +357,7 @@ void PumpingEstimator::add(const RawFrame& frame) {
         return;
     }
     const auto middle = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
-    std::nth_element(ratios_.begin(), middle, ratios_.end());
+    std::ranges::nth_element(ratios_, middle);
     if (last_change_) {
         products_ += *last_change_ * *middle;
         ++count_;

@@ -32,7 +32,7 @@ std::int32_t exposure_change(const CellPicture& then, const CellPicture& now) {
     for (std::size_t k = 0; k < now.cells.size(); ++k)
         gained.push_back(now.cells[k].luma - then.cells[k].luma);
     const auto middle = gained.begin() + static_cast<std::ptrdiff_t>(gained.size() / 2);
-    std::nth_element(gained.begin(), middle, gained.end());
+    std::ranges::nth_element(gained, middle);
     return *middle;
 }
 
@@ -196,8 +196,7 @@ void BackgroundModel::see(Modes& modes, std::uint16_t code, const std::uint8_t* 
         if (may_be(mode) && (!nearest || std::abs(exact - mode.mean) < std::abs(exact - nearest->mean)))
             nearest = &mode;
     if (!nearest) {
-        nearest = &*std::min_element(modes.begin(), modes.end(),
-                                     [](const Mode& a, const Mode& b) { return a.count < b.count; });
+        nearest = &*std::ranges::min_element(modes, {}, &Mode::count);
         *nearest = {exact, code, 0, {}};
     }
     Mode& mode = *nearest;

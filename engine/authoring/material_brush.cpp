@@ -130,9 +130,8 @@ std::set<std::uint16_t> labels_of(const SegmentStore& segments, const NamedSegme
 
 /// What is said of a segment; null: nothing.
 NamedSegment* find_name(const SegmentStore& segments, SegmentNames& names, std::uint16_t label) {
-    const auto found =
-        std::find_if(names.segments.begin(), names.segments.end(),
-                     [&](const NamedSegment& name) { return labels_of(segments, name).contains(label); });
+    const auto found = std::ranges::find_if(
+        names.segments, [&](const NamedSegment& name) { return labels_of(segments, name).contains(label); });
     return found == names.segments.end() ? nullptr : &*found;
 }
 
@@ -146,10 +145,9 @@ SegmentNames with_one_name_each(const SegmentStore& segments, const SegmentNames
         const auto labels = labels_of(segments, name);
         const auto shares = [&](const NamedSegment& other) {
             const auto others = labels_of(segments, other);
-            return std::any_of(labels.begin(), labels.end(),
-                               [&](std::uint16_t label) { return others.contains(label); });
+            return std::ranges::any_of(labels, [&](std::uint16_t label) { return others.contains(label); });
         };
-        const auto same = std::find_if(merged.segments.begin(), merged.segments.end(), shares);
+        const auto same = std::ranges::find_if(merged.segments, shares);
         if (same == merged.segments.end())
             merged.segments.push_back(std::move(name));
         else

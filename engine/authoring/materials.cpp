@@ -159,8 +159,7 @@ HapticTrackReader::HapticTrackReader(std::unique_ptr<ClipReader> clip, const Hap
     scene_.haptic = ranges;
     const std::string haptic(role_name(PlaneRole::haptic)), height(role_name(PlaneRole::height));
     std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == haptic; });
-    const auto after = std::find_if(tracks_.begin(), tracks_.end(),
-                                    [&](const TrackInfo& track) { return track.role == height; });
+    const auto after = std::ranges::find(tracks_, height, &TrackInfo::role);
     tracks_.insert(after, {haptic, "materials of segments", "rgb24", scene_.width, scene_.height, true});
     const auto of_none = default_touch_note(false, inner().scene());
     std::erase_if(notes_, [&](const std::string& note) {
@@ -374,7 +373,7 @@ const PaletteMaterial& guess_material(const Segment& segment, std::int32_t of_pi
         static_cast<int>(std::int64_t{segment.pixels} * 1000 / std::max<std::int64_t>(of_pixels, 1));
     const Seen seen{hue_of(red, green, blue, chroma), (30 * red + 59 * green + 11 * blue) / 100, chroma,
                     std::clamp(segment.contrast, 0, 4080), permille};
-    const auto* const rule = std::find_if(std::begin(rules), std::end(rules), [&](const Rule& each) {
+    const auto* const rule = std::ranges::find_if(rules, [&](const Rule& each) {
         return (each.hue == Hue::any || each.hue == seen.hue) && each.brightness.holds(seen.brightness) &&
                each.chroma.holds(seen.chroma) && each.contrast.holds(seen.contrast) &&
                each.permille.holds(seen.permille);

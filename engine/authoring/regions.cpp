@@ -181,8 +181,8 @@ void RegionMerging::join(std::size_t into, std::size_t from) {
     one.red_green += gone.red_green;
     one.yellow_blue += gone.yellow_blue;
     const auto place_of = [](auto& borders, std::size_t region) {
-        return std::lower_bound(borders.begin(), borders.end(), region,
-                                [](const auto& border, std::size_t wanted) { return border.first < wanted; });
+        return std::ranges::lower_bound(
+            borders, region, [](const auto& border, std::size_t wanted) { return border.first < wanted; });
     };
     one.borders.erase(place_of(one.borders, from));
     for (const auto& [other, border] : gone.borders) {
@@ -236,16 +236,14 @@ void RegionMerging::share_borders(const Superpixels& superpixels) {
             regions_[other].borders.emplace_back(static_cast<std::uint16_t>(k), border);
         }
     for (Region& region : regions_)
-        std::sort(region.borders.begin(), region.borders.end(),
-                  [](const auto& a, const auto& b) { return a.first < b.first; });
+        std::ranges::sort(region.borders, [](const auto& a, const auto& b) { return a.first < b.first; });
 }
 
 /// Those first that differ least, and beyond that what is too small, or too many.
 void RegionMerging::join_alike() {
     queue_.clear();
     for (std::size_t k = 0; k < regions_.size(); ++k) offer(k);
-    auto left = std::count_if(regions_.begin(), regions_.end(),
-                              [](const Region& region) { return !region.borders.empty(); });
+    auto left = std::ranges::count_if(regions_, [](const Region& region) { return !region.borders.empty(); });
     while (!queue_.empty()) {
         std::pop_heap(queue_.begin(), queue_.end());
         const Candidate next = queue_.back();

@@ -172,7 +172,7 @@ bool Pieces::find() {
 /// With weights of 3 and 4 (chamfer): once from the upper left and once back.
 void NearestLabel::fill(std::vector<std::uint16_t>& labels, int columns, int rows) {
     const std::ptrdiff_t width = columns, height = rows;
-    if (std::find(labels.begin(), labels.end(), 0) == labels.end()) return;
+    if (std::ranges::find(labels, 0) == labels.end()) return;
     distances_.resize(labels.size());
     std::transform(labels.begin(), labels.end(), distances_.begin(),
                    [](std::uint16_t label) { return label == 0 ? nowhere : 0; });
@@ -203,8 +203,8 @@ std::uint16_t label_under(const SegmentCut& cut, const std::vector<std::uint16_t
     std::map<std::uint16_t, std::int64_t> counts;
     walk_along(cut.stroke, [&](const Point& point) { ++counts[labels[place_of(point, width)]]; });
     counts.erase(0);
-    const auto most = std::max_element(counts.begin(), counts.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto most =
+        std::ranges::max_element(counts, [](const auto& a, const auto& b) { return a.second < b.second; });
     return most == counts.end() ? std::uint16_t{0} : most->first;
 }
 

@@ -163,8 +163,7 @@ std::span<const PaletteMaterial> palette() {
 }
 
 const PaletteMaterial* find_material(std::string_view name) {
-    const auto found = std::find_if(materials.begin(), materials.end(),
-                                    [&](const PaletteMaterial& material) { return material.name == name; });
+    const auto found = std::ranges::find(materials, name, &PaletteMaterial::name);
     return found == materials.end() ? nullptr : &*found;
 }
 

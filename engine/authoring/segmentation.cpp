@@ -81,7 +81,7 @@ bool LabelMemory::are_alike(const RegionLook& a, const RegionLook& b) const {
 
 /// Gives regions the labels that they are paired with, the closest pair first, as far as neither is taken.
 void LabelMemory::take(std::vector<Pair>& pairs, std::vector<std::uint16_t>& names) {
-    std::sort(pairs.begin(), pairs.end());
+    std::ranges::sort(pairs);
     for (const Pair& pair : pairs) {
         if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
         names[pair.region] = known_[pair.known].label;
@@ -131,17 +131,15 @@ void LabelMemory::take_by_look(const std::vector<RegionLook>& looks, std::vector
 void LabelMemory::remember(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& names) {
     for (std::size_t region = 0; region < looks.size(); ++region) {
         if (names[region] == 0) continue;
-        const auto at =
-            std::lower_bound(known_.begin(), known_.end(), names[region],
-                             [](const Known& one, std::uint16_t label) { return one.label < label; });
+        const auto at = std::ranges::lower_bound(
+            known_, names[region], [](const Known& one, std::uint16_t label) { return one.label < label; });
         if (at != known_.end() && at->label == names[region])
             *at = {names[region], looks[region], frame_, false};
         else
             known_.insert(at, {names[region], looks[region], frame_, false});
     }
     while (known_.size() > most_known) {
-        const auto oldest = std::min_element(known_.begin(), known_.end(),
-                                             [](const Known& a, const Known& b) { return a.seen < b.seen; });
+        const auto oldest = std::ranges::min_element(known_, {}, &Known::seen);
         if (oldest->seen == frame_) break;
         known_.erase(oldest);
     }
@@ -206,8 +204,7 @@ void SegmentFigures::list_segments(Segmentation& of) {
         place_of_[label] = 0;
         of.segments.push_back({label, 0, {}, 0, 0, 0});
     }
-    std::sort(of.segments.begin(), of.segments.end(),
-              [](const Segment& a, const Segment& b) { return a.label < b.label; });
+    std::ranges::sort(of.segments, {}, &Segment::label);
     for (std::size_t k = 0; k < of.segments.size(); ++k)
         place_of_[of.segments[k].label] = static_cast<std::uint32_t>(k);
 }

@@ -92,7 +92,7 @@ Result<LabelNames> names_of_map(const SegmentMap& map, const Segmentation& frame
     std::set<int> used;
     for (const Segment& segment : frame.segments) {
         const auto& count = counts[segment.label];
-        const auto index = static_cast<int>(std::max_element(count.begin(), count.end()) - count.begin());
+        const auto index = static_cast<int>(std::ranges::max_element(count) - count.begin());
         const auto name = by_index.find(index);
         if (name == by_index.end()) continue;
         NamedSegment& named = found.emplace(segment.label, name->second).first->second;
@@ -173,8 +173,8 @@ Result<void> NameSearch::begin(std::optional<std::int64_t> frames) {
             places_.push_back({&name, at});
             TRY(check_place(places_.back(), size_, frames));
         }
-    std::stable_sort(places_.begin(), places_.end(),
-                     [](const NamedPlace& a, const NamedPlace& b) { return a.at.frame < b.at.frame; });
+    std::ranges::stable_sort(
+        places_, [](const NamedPlace& a, const NamedPlace& b) { return a.at.frame < b.at.frame; });
     return {};
 }
 
@@ -202,7 +202,7 @@ SegmentStore::Runs SegmentStore::runs_of(const std::vector<std::uint16_t>& label
 
 void SegmentStore::add(const Segmentation& frame) {
     for (const Segment& segment : frame.segments) {
-        const auto at = std::lower_bound(seen_.begin(), seen_.end(), segment.label, is_before_label);
+        const auto at = std::ranges::lower_bound(seen_, segment.label, is_before_label);
         if (at != seen_.end() && at->segment.label == segment.label) continue;
         seen_.insert(at, {frames(), segment});
     }
@@ -247,7 +247,7 @@ Segmentation SegmentStore::segmentation(std::int64_t frame) const {
 }
 
 const SegmentStore::FirstLook* SegmentStore::find(std::uint16_t label) const {
-    const auto at = std::lower_bound(seen_.begin(), seen_.end(), label, is_before_label);
+    const auto at = std::ranges::lower_bound(seen_, label, is_before_label);
     return at == seen_.end() || at->segment.label != label ? nullptr : &*at;
 }
 
@@ -259,7 +259,7 @@ std::int64_t SegmentStore::last_frame_of(std::uint16_t label) const {
 
 bool SegmentStore::has(std::int64_t frame, std::uint16_t label) const {
     const auto& runs = *frames_[static_cast<std::size_t>(frame)];
-    return std::any_of(runs.begin(), runs.end(), [&](const Run& run) { return run.label == label; });
+    return std::ranges::any_of(runs, [&](const Run& run) { return run.label == label; });
 }
 
 /// Through the frames beyond `from`, either way.
@@ -288,7 +288,7 @@ void SegmentStore::look_again(std::uint16_t label, const FirstLook& whole) {
     look.segment.x = place.x;
     look.segment.y = place.y;
     look.segment.pixels = place.pixels;
-    const auto at = std::lower_bound(seen_.begin(), seen_.end(), label, is_before_label);
+    const auto at = std::ranges::lower_bound(seen_, label, is_before_label);
     if (at != seen_.end() && at->segment.label == label)
         *at = look;
     else

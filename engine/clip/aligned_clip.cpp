@@ -178,7 +178,7 @@ double hand_metres_per_unit(const Scene& scene, const Line& line, const CellPict
             depths.push_back(depth_at(scene.depth, line.at(cell.depth) / CellPicture::per_code));
     if (depths.empty()) return 0;
     const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
+    std::ranges::nth_element(depths, middle);
     return picture_width * scene.camera.fx / (scene.width * *middle);
 }
 

@@ -217,7 +217,7 @@ std::string_view role_name(PlaneRole role) {
 }
 
 std::optional<PlaneRole> role_named(std::string_view name) {
-    const auto found = std::find(role_names.begin(), role_names.end(), name);
+    const auto found = std::ranges::find(role_names, name);
     if (found == role_names.end()) return std::nullopt;
     return all_roles[static_cast<std::size_t>(found - role_names.begin())];
 }

@@ -344,10 +344,9 @@ std::int64_t ClipFileReader::access_point(std::int64_t frame) const {
     if (!index_leads_) return 0;
     if (container_->has_whole_index()) return indexed_access_point(frame);
     const auto is_ours = [](const Track& track) { return track.pictures->has_additions(); };
-    if (std::all_of(tracks_.begin(), tracks_.end(), is_ours))
-        return frame - frame % clip_tags::access_interval;
+    if (std::ranges::all_of(tracks_, is_ours)) return frame - frame % clip_tags::access_interval;
     const auto is_ffv1 = [](const Track& track) { return track.pictures->info().codec == "ffv1"; };
-    return std::all_of(tracks_.begin(), tracks_.end(), is_ffv1) ? frame : 0;
+    return std::ranges::all_of(tracks_, is_ffv1) ? frame : 0;
 }
 
 std::vector<int> ClipFileReader::streams() const {
@@ -461,9 +460,8 @@ Result<void> ClipFileReader::start() {
 
 Result<void> ClipFileReader::open_tracks() {
     TRY_ASSIGN(const auto found, container_->tracks(*demuxer_, scene_));
-    const auto halves = std::count_if(found.begin(), found.end(), [](const ClipContainer::Track& track) {
-        return track.low_stream.has_value();
-    });
+    const auto halves = std::ranges::count_if(
+        found, [](const ClipContainer::Track& track) { return track.low_stream.has_value(); });
     const std::size_t tracks = found.size() + static_cast<std::size_t>(halves);
     for (const ClipContainer::Track& track : found) {
         const PlaneRole role = track.role;

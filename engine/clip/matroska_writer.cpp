@@ -140,9 +140,9 @@ void TrackWriter::end() {
 
 /// The first of those that are equally small.
 void TrackWriter::decide() {
-    const auto least = std::min_element(
-        codings_.begin(), codings_.end(),
-        [](const Coding& a, const Coding& b) { return a.bytes * a.offer.weight < b.bytes * b.offer.weight; });
+    const auto least = std::ranges::min_element(codings_, [](const Coding& a, const Coding& b) {
+        return a.bytes * a.offer.weight < b.bytes * b.offer.weight;
+    });
     if (least != codings_.begin()) std::swap(*codings_.begin(), *least);
     codings_.erase(codings_.begin() + 1, codings_.end());
 }
@@ -173,7 +173,7 @@ public:
                                                    std::vector<PlaneRole> roles);
 
     std::size_t count() const { return streams_.size(); }
-    bool has(PlaneRole role) const { return std::find(roles_.begin(), roles_.end(), role) != roles_.end(); }
+    bool has(PlaneRole role) const { return std::ranges::find(roles_, role) != roles_.end(); }
     PlaneRole role(std::size_t track) const { return roles_[track]; }
     const AVStream& stream(std::size_t track) const;
     /// Frames that its pictures were taken for so far.
@@ -203,9 +203,7 @@ Result<std::unique_ptr<TrackCopy>> TrackCopy::open(const std::filesystem::path& 
     std::unique_ptr<TrackCopy> copy(new TrackCopy);
     copy->file_ = file.string();
     for (const PlaneRole role : roles) {
-        const auto found =
-            std::find_if(tracks->begin(), tracks->end(),
-                         [&](const ClipContainer::Track& track) { return track.role == role; });
+        const auto found = std::ranges::find(*tracks, role, &ClipContainer::Track::role);
         if (found == tracks->end()) return std::unique_ptr<TrackCopy>();
         (*demuxer)->select(found->stream);
         copy->streams_.push_back(found->stream);
@@ -353,7 +351,7 @@ Result<void> MatroskaWriter::copy_until(std::int64_t frame) {
 /// not known yet how long it stays.
 Result<void> MatroskaWriter::write_complete() {
     const auto decided = [](const TrackWriter& track) { return track.decided(); };
-    if (!std::all_of(tracks_.begin(), tracks_.end(), decided)) return {};
+    if (!std::ranges::all_of(tracks_, decided)) return {};
     if (!begun_) TRY(begin_file());
     while (true) {
         std::size_t next = tracks_.size();

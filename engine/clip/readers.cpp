@@ -149,8 +149,8 @@ bool StillPlanesReader::replace_track(const StillPlane& still) {
     };
     const std::string name(role_name(still.role));
     const bool had_one = std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == name; });
-    const auto after = std::find_if(tracks_.begin(), tracks_.end(),
-                                    [&](const TrackInfo& track) { return role(track) > still.role; });
+    const auto after =
+        std::ranges::find_if(tracks_, [&](const TrackInfo& track) { return role(track) > still.role; });
     tracks_.insert(after, still.info)->role = name;
     return had_one;
 }

@@ -98,7 +98,7 @@ constexpr std::size_t most_resting = 96;
 /// The middle one, the lower of two; `numbers` come in another order.
 double median_of(std::vector<double>& numbers) {
     const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>((numbers.size() - 1) / 2);
-    std::nth_element(numbers.begin(), middle, numbers.end());
+    std::ranges::nth_element(numbers, middle);
     return *middle;
 }
 
@@ -122,7 +122,7 @@ public:
         from.reserve(points.size());
         for (const LinePoint& point : points) from.push_back(point.from);
         const auto at = [&](std::size_t k) {
-            std::nth_element(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(k), from.end());
+            std::ranges::nth_element(from, from.begin() + static_cast<std::ptrdiff_t>(k));
             return from[k];
         };
         spread_ = at(from.size() - 1 - from.size() / 10) - at(from.size() / 10);
@@ -216,7 +216,7 @@ private:
 std::int32_t gained(std::vector<std::int32_t> changes) {
     if (changes.empty()) return 0;
     const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
-    std::nth_element(changes.begin(), middle, changes.end());
+    std::ranges::nth_element(changes, middle);
     return *middle;
 }
 
@@ -441,8 +441,8 @@ void ShotAlignment::end_shot() {
     if (shot_.empty()) return;
     ++shots_;
     const auto count = static_cast<double>(shot_.size());
-    const auto still = static_cast<double>(
-        std::count_if(shot_.begin(), shot_.end(), [](const Fitted& f) { return f.is_still; }));
+    const auto still =
+        static_cast<double>(std::ranges::count_if(shot_, [](const Fitted& f) { return f.is_still; }));
     const bool is_still = still >= still_frames * count;
     still_shots_ += is_still;
     for (const Line& line : is_still ? lines_of_still() : lines_of_moving())

@@ -150,7 +150,7 @@ Result<void> VideoFile::read_times() {
         frames.emplace_back(time, (read.flags & AV_PKT_FLAG_KEY) != 0);
     }
     if (frames.empty()) return input_error(file_.string() + ": has no frames");
-    std::sort(frames.begin(), frames.end());
+    std::ranges::sort(frames);
     for (const auto& [time, is_key] : frames) {
         if (is_key) keys_.push_back(count());
         times_.push_back(time);
@@ -179,8 +179,8 @@ double VideoFile::seconds(std::int64_t frame) const {
 std::int64_t VideoFile::nearest(double seconds_after) const {
     const AVRational tick = demuxer_->container().streams[stream_]->time_base;
     const double time = seconds_after / av_q2d(tick) + static_cast<double>(times_.front());
-    const auto later = std::partition_point(
-        times_.begin(), times_.end(), [&](std::int64_t each) { return static_cast<double>(each) < time; });
+    const auto later = std::ranges::partition_point(
+        times_, [&](std::int64_t each) { return static_cast<double>(each) < time; });
     if (later == times_.begin()) return 0;
     if (later == times_.end()) return count() - 1;
     const double after = static_cast<double>(*later) - time, before = time - static_cast<double>(later[-1]);
@@ -213,7 +213,7 @@ Result<FramePtr> VideoFile::next() {
 }
 
 std::int64_t VideoFile::access_point(std::int64_t frame) const {
-    const auto later = std::upper_bound(keys_.begin(), keys_.end(), frame);
+    const auto later = std::ranges::upper_bound(keys_, frame);
     return later == keys_.begin() ? 0 : later[-1];
 }
 

@@ -61,8 +61,7 @@ std::vector<Sample> samples_of(const GlobeMap& elevation, const GlobeMap& mask, 
                 {static_cast<float>(height), mask_brightness(mask, mask_x, mask_y) > mask_middle, area});
         }
     }
-    std::sort(samples.begin(), samples.end(),
-              [](const Sample& a, const Sample& b) { return a.height < b.height; });
+    std::ranges::sort(samples, {}, &Sample::height);
     return samples;
 }
 

@@ -349,7 +349,7 @@ double largest_over(const DisplacedSphere& shape, const CubePyramid<5>& look, in
                     most, relief * look.mean(direction, 0, MappedGround::elevation) - shape.rise(direction));
             }
     });
-    return *std::max_element(largest.begin(), largest.end());
+    return *std::ranges::max_element(largest);
 }
 
 }  // namespace
@@ -440,8 +440,8 @@ DisplacedSphere::Tiles DisplacedSphere::tiles_of(int side, RowBands& rows) const
 /// in coarse tiles that are near enough are looked at.
 void DisplacedSphere::widen(Tiles& tiles, const Tiles& coarse, RowBands& rows) const {
     const std::vector<Bound> own = tiles.bounds;
-    const double widest = *std::max_element(tiles.radii.begin(), tiles.radii.end()),
-                 widest_coarse = *std::max_element(coarse.radii.begin(), coarse.radii.end());
+    const double widest = *std::ranges::max_element(tiles.radii),
+                 widest_coarse = *std::ranges::max_element(coarse.radii);
     const auto cosine_within = [](double angle) { return angle < pi ? cosine(1.01 * angle) : -1.0; };
     const int inside = coarse.side / tiles.side;  // tiles along a coarse one
     const auto each_in = [&](std::size_t coarse_tile, auto&& visit) {

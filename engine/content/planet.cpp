@@ -63,8 +63,7 @@ Planet::Planet(std::uint64_t seed) : noise_(seed), sea_level_(0) {
         heights.push_back({continents(place.at), place.area});
         whole += place.area;
     }
-    std::stable_sort(heights.begin(), heights.end(),
-                     [](const Height& a, const Height& b) { return a.height < b.height; });
+    std::ranges::stable_sort(heights, {}, &Height::height);
     for (const Height& height : heights) {
         sea_level_ = height.height;
         under += height.area;

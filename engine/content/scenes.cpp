@@ -166,8 +166,7 @@ const std::vector<std::string_view>& scene_names() {
 }
 
 Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const SceneOptions& options) {
-    const auto family = std::find_if(families.begin(), families.end(),
-                                     [&](const Family& candidate) { return candidate.name == name; });
+    const auto family = std::ranges::find(families, name, &Family::name);
     if (family == families.end()) return unknown(name);
     TRY(check(name, options));
     auto made = family->make(name, options);

@@ -43,7 +43,7 @@ constexpr const char* optional_extensions[] = {
 };
 
 bool has_extension(const std::vector<std::string>& here, std::string_view name) {
-    return std::find(here.begin(), here.end(), name) != here.end();
+    return std::ranges::find(here, name) != here.end();
 }
 
 bool is_on(const Feature& feature, const GpuFeatures& features) {

@@ -220,8 +220,7 @@ Result<void> SurfaceRecording::make_table() {
 
 std::optional<int> SurfaceRecording::reach() const {
     const bool one_kernel =
-        !is_hue() &&
-        std::all_of(filters_.filters.begin(), filters_.filters.end(), [](const FilterPlan::Stage& stage) {
+        !is_hue() && std::ranges::all_of(filters_.filters, [](const FilterPlan::Stage& stage) {
             return std::holds_alternative<FilterPlan::MedianWindow>(stage.filter);
         });
     return one_kernel ? filters_.reach() : std::nullopt;

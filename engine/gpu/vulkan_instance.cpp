@@ -46,7 +46,7 @@ bool layer_is_here() {
     std::vector<VkLayerProperties> layers;
     if (vkEnumerateInstanceLayerProperties(&count, nullptr) == VK_SUCCESS) layers.resize(count);
     if (vkEnumerateInstanceLayerProperties(&count, layers.data()) != VK_SUCCESS) return false;
-    return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+    return std::ranges::any_of(layers, [](const VkLayerProperties& layer) {
         return std::strcmp(layer.layerName, validation_layer) == 0;
     });
 }
@@ -58,7 +58,7 @@ bool extension_is_here(const char* name) {
         extensions.resize(count);
     if (vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data()) != VK_SUCCESS)
         return false;
-    return std::any_of(extensions.begin(), extensions.end(), [name](const VkExtensionProperties& here) {
+    return std::ranges::any_of(extensions, [name](const VkExtensionProperties& here) {
         return std::strcmp(here.extensionName, name) == 0;
     });
 }

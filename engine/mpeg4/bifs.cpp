@@ -97,7 +97,7 @@ Result<std::string> SceneDecoder::string() {
 
 Result<Prototype> SceneDecoder::prototype() {
     const auto id = bits_.get(config_.prototype_id_bits);
-    if (std::find(prototype_ids_.begin(), prototype_ids_.end(), id) != prototype_ids_.end())
+    if (std::ranges::find(prototype_ids_, id) != prototype_ids_.end())
         return wrong("a second PROTO of number " + std::to_string(id));
     Prototype made{.name = "Proto" + std::to_string(id)};
     if (has_names_) {
@@ -200,7 +200,7 @@ Result<std::string> SceneDecoder::type(NodeSlot slot) {
         if (code == 0) continue;
         if (version == 2 && code == 1) {
             const auto id = bits_.get(config_.prototype_id_bits);
-            const auto known = std::find(prototype_ids_.begin(), prototype_ids_.end(), id);
+            const auto known = std::ranges::find(prototype_ids_, id);
             if (known == prototype_ids_.end())
                 return wrong("a node of PROTO number " + std::to_string(id) + ", which is not there");
             return scene_.prototypes[static_cast<std::size_t>(known - prototype_ids_.begin())].name;
@@ -356,7 +356,7 @@ void find_named(const std::vector<FieldValue>& values, std::vector<const Node*>&
 
 /// The nodes that have names, each once, in the order in which the binary form meets them.
 void find_named(const NodePtr& node, std::vector<const Node*>& found) {
-    if (!node || std::find(found.begin(), found.end(), node.get()) != found.end()) return;
+    if (!node || std::ranges::find(found, node.get()) != found.end()) return;
     if (!node->name.empty()) found.push_back(node.get());
     for (const Field& field : node->fields) find_named(field.values, found);
 }
@@ -517,8 +517,8 @@ Result<void> SceneEncoder::type_code(const Node& node, NodeSlot slot) {
     if (!prototype) {
         const NodeType* const type = node_type(node.type);
         const auto fits = [slot](const NodeCode& each) { return each.slot == slot; };
-        const auto code = type ? std::find_if(type->codes.begin(), type->codes.end(), fits)
-                               : std::vector<NodeCode>::const_iterator();
+        const auto code =
+            type ? std::ranges::find_if(type->codes, fits) : std::vector<NodeCode>::const_iterator();
         if (!type || code == type->codes.end())
             return input_error(printable(node.type) + ": MPEG-4 has no such node" +
                                (type && !type->codes.empty() ? " there" : "; a PROTO could define it"));

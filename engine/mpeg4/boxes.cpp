@@ -19,7 +19,7 @@ constexpr int most_nested = 8;
 
 bool is_box_of_boxes(std::string_view type) {
     constexpr std::string_view known[] = {"trak", "mdia", "minf", "stbl", "udta", "meta"};
-    return std::find(std::begin(known), std::end(known), type) != std::end(known);
+    return std::ranges::find(known, type) != std::end(known);
 }
 
 /// The boxes between two places, those too without their tables.
@@ -202,7 +202,7 @@ Result<TrackSamples> samples_in(BytesView stbl, std::size_t most) {
 Bytes tables_of(const TrackSamples& track, std::uint64_t later) {
     const auto& samples = track.samples;
     Bytes all = runs_of(samples, [](const Sample& s) { return s.duration; }).box("stts");
-    if (std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.shown_later != 0; }))
+    if (std::ranges::any_of(samples, [](const Sample& s) { return s.shown_later != 0; }))
         put_bytes(all, runs_of(samples, [](const Sample& s) {
                            return static_cast<std::uint32_t>(s.shown_later);
                        }).box("ctts", 1));
@@ -294,8 +294,7 @@ private:
 };
 
 PictureTrack* Gatherer::track_of(std::uint64_t id) {
-    const auto found = std::find_if(tracks_.begin(), tracks_.end(),
-                                    [id](const PictureTrack& each) { return each.id == id; });
+    const auto found = std::ranges::find(tracks_, id, &PictureTrack::id);
     return found == tracks_.end() ? nullptr : &*found;
 }
 
@@ -582,9 +581,7 @@ Result<std::vector<Box>> boxes_in(BytesView bytes) {
     std::vector<Box> boxes;
     while (!bytes.empty()) {
         // Where nothing but a few zeros is left, a writer of QuickTime has ended its list with them.
-        if (bytes.size() < 8 &&
-            std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t b) { return b == 0; }))
-            break;
+        if (bytes.size() < 8 && std::ranges::all_of(bytes, [](std::uint8_t b) { return b == 0; })) break;
         const std::uint64_t stated = number_at(bytes, 0, 4);
         const std::uint64_t head = stated == 1 ? 16 : 8;
         if (bytes.size() < head)
@@ -603,8 +600,7 @@ Result<std::vector<Box>> boxes_in(BytesView bytes) {
 }
 
 const Box* box_named(std::span<const Box> boxes, std::string_view type) {
-    const auto found =
-        std::find_if(boxes.begin(), boxes.end(), [type](const Box& box) { return box.type == type; });
+    const auto found = std::ranges::find(boxes, type, &Box::type);
     return found == boxes.end() ? nullptr : &*found;
 }
 

@@ -106,8 +106,8 @@ bool is_name(std::string_view word) {
     constexpr std::string_view marks = "{}[]\"#,";
     constexpr std::array<std::string_view, 6> keywords{"DEF", "USE", "NULL", "IS", "PROTO", "EXTERNPROTO"};
     const auto is_letter = [marks](char c) { return c > ' ' && c <= '~' && marks.find(c) == marks.npos; };
-    return !word.empty() && word.size() <= longest && std::all_of(word.begin(), word.end(), is_letter) &&
-           std::find(keywords.begin(), keywords.end(), word) == keywords.end();
+    return !word.empty() && word.size() <= longest && std::ranges::all_of(word, is_letter) &&
+           std::ranges::find(keywords, word) == keywords.end();
 }
 
 std::optional<Url> url_of(std::string text) {
@@ -134,8 +134,7 @@ int levels_of(const Node& node) {
 }
 
 const NodeType* node_type(std::string_view name) {
-    const auto found = std::find_if(types().begin(), types().end(),
-                                    [name](const NodeType& type) { return type.name == name; });
+    const auto found = std::ranges::find(types(), name, &NodeType::name);
     return found == types().end() ? nullptr : &*found;
 }
 
@@ -174,7 +173,7 @@ const FieldSpec* field_named(std::span<const FieldSpec> fields, std::string_view
 }
 
 void sort_fields(Node& node, std::span<const FieldSpec> specs) {
-    std::stable_sort(node.fields.begin(), node.fields.end(), [specs](const Field& a, const Field& b) {
+    std::ranges::stable_sort(node.fields, [specs](const Field& a, const Field& b) {
         return field_named(specs, a.name) < field_named(specs, b.name);
     });
 }

@@ -40,8 +40,7 @@ Result<std::vector<Descriptor>> descriptors_in(BytesView bytes) {
 }
 
 const Descriptor* with_tag(std::span<const Descriptor> all, std::uint8_t tag) {
-    const auto found =
-        std::find_if(all.begin(), all.end(), [tag](const Descriptor& each) { return each.tag == tag; });
+    const auto found = std::ranges::find(all, tag, &Descriptor::tag);
     return found == all.end() ? nullptr : &*found;
 }
 
@@ -337,8 +336,7 @@ Result<std::optional<SceneStream>> read_scene_stream(BytesView moov, const ReadB
     TRY_ASSIGN(const auto boxes, boxes_in(moov));
     const auto tracks = tracks_of(boxes);
     const auto with_handler = [&](std::string_view handler) {
-        return std::find_if(tracks.begin(), tracks.end(),
-                            [&](const Track& each) { return each.handler == handler; });
+        return std::ranges::find(tracks, handler, &Track::handler);
     };
     const auto scene = with_handler("sdsm"), objects = with_handler("odsm");
     if (scene == tracks.end()) return std::optional<SceneStream>();
@@ -397,8 +395,8 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
             put_box(movie, part.type, part.content);
         } else {
             TRY_ASSIGN(const auto trak, marked(part.content, shown));
-            const bool is_object = std::any_of(
-                stream.objects.begin(), stream.objects.end(),
+            const bool is_object = std::ranges::any_of(
+                stream.objects,
                 [id = track_id(part.content)](const auto& object) { return object.second == id; });
             put_box(movie, "trak", is_object ? enabled(trak) : trak);
         }

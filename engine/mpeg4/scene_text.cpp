@@ -31,7 +31,7 @@ public:
     Result<Token> next();
     Error wrong(std::size_t at, const std::string& what) const {
         const std::string_view before = text_.substr(0, at);
-        const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+        const auto line = 1 + std::ranges::count(before, '\n');
         const auto begin = before.rfind('\n');
         const std::size_t column = begin == std::string_view::npos ? at + 1 : at - begin;
         return input_error("line " + std::to_string(line) + ", column " + std::to_string(column) + ": " +

@@ -39,7 +39,7 @@ constexpr TableKind table_kinds[] = {{"stsc", 12}, {"stco", 4}, {"co64", 8},
 bool has_boxes(std::string_view type) {
     constexpr std::string_view known[] = {"moov", "trak", "mdia", "minf", "stbl", "edts", "dinf", "udta",
                                           "mvex", "moof", "traf", "gmhd", "tref", "mfra", "wave"};
-    return std::find(std::begin(known), std::end(known), type) != std::end(known);
+    return std::ranges::find(known, type) != std::end(known);
 }
 
 class Walk {

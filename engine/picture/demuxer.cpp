@@ -149,8 +149,7 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(std::unique_ptr<ByteSou
 }
 
 bool Demuxer::is_disparity(int stream) const {
-    return std::find(disparities_.begin(), disparities_.end(), container_->streams[stream]->id) !=
-           disparities_.end();
+    return std::ranges::find(disparities_, container_->streams[stream]->id) != disparities_.end();
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const SourceFile& file) {

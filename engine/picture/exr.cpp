@@ -194,9 +194,8 @@ public:
         for (int k = 0; k < pipeline_.channel_count; ++k) {
             exr_coding_channel_info_t& one = pipeline_.channels[k];
             one.decode_to_ptr = nullptr;
-            const auto wanted = std::find_if(channels_.begin(), channels_.end(), [&](const auto* channel) {
-                return channel->in_part == one.channel_name;
-            });
+            const auto wanted = std::ranges::find_if(
+                channels_, [&](const auto* channel) { return channel->in_part == one.channel_name; });
             if (wanted == channels_.end()) continue;
             if (one.width != chunk.width || one.height != chunk.height) return false;
             const int bytes = (*wanted)->format.bytes, row = chunk.width * bytes;

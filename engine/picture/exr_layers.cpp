@@ -73,7 +73,7 @@ bool is_depth_word(const std::string& word) {
 }
 bool is_named_depth(const std::string& channel) {
     const auto words = words_of(channel);
-    return std::any_of(words.begin(), words.end(), is_depth_word);
+    return std::ranges::any_of(words, is_depth_word);
 }
 
 /// Another channel of the same layer and part, by its own name.
@@ -96,13 +96,13 @@ bool is_of_other_pass(const std::vector<std::string>& words) {
                                            "vector",         "uv",           "indexma",          "indexob",
                                            "material index", "object index", "combined"};
     return std::any_of(words.begin(), words.end() - 1, [&](const std::string& word) {
-        return std::find(std::begin(others), std::end(others), word) != std::end(others);
+        return std::ranges::find(others, word) != std::end(others);
     });
 }
 
 /// Whether a file is a picture of that channel's layer and nothing more.
 bool is_only_layer(const ExrChannelNames& channels, std::size_t k) {
-    return std::all_of(channels.begin(), channels.end(), [&](const ExrChannelName& other) {
+    return std::ranges::all_of(channels, [&](const ExrChannelName& other) {
         return other.part == channels[k].part && exr_layer_of(other.name) == exr_layer_of(channels[k].name);
     });
 }
@@ -114,7 +114,7 @@ int depth_rank(const ExrChannelNames& channels, std::size_t k) {
     const std::string& own = words.back();
     const bool is_of_vector = channel_beside(channels, k, "x").has_value();
     if (is_of_other_pass(words)) return 0;
-    if (own == "z" && !is_of_vector) return std::count(words.begin(), words.end(), "depth") > 0 ? 5 : 4;
+    if (own == "z" && !is_of_vector) return std::ranges::count(words, "depth") > 0 ? 5 : 4;
     if (is_named_depth(name) && own != "a" && !is_rest_of_colour(channels, k, own)) return 3;
     if (is_of_vector || !is_only_layer(channels, k)) return 0;
     return own == "y" ? 2 : own == "r" ? 1 : 0;

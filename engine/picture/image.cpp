@@ -123,7 +123,7 @@ std::vector<std::uint32_t> few_colours(const PlaneView& image) {
             if (found.size() > most) return {};
         }
     std::vector<std::uint32_t> colours(found.begin(), found.end());
-    std::sort(colours.begin(), colours.end());
+    std::ranges::sort(colours);
     return colours;
 }
 

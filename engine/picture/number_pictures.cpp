@@ -34,7 +34,7 @@ template <class Number>
 Number number_at(const char* from, bool swapped) {
     std::array<char, sizeof(Number)> bytes;
     std::copy_n(from, sizeof(Number), bytes.begin());
-    if (swapped) std::reverse(bytes.begin(), bytes.end());
+    if (swapped) std::ranges::reverse(bytes);
     return std::bit_cast<Number>(bytes);
 }
 

@@ -335,7 +335,7 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
 /// The only one that fits, if it is.
 template <class Fits>
 const NpzArray* only(const std::vector<NpzArray>& arrays, Fits&& fits) {
-    const auto first = std::find_if(arrays.begin(), arrays.end(), fits);
+    const auto first = std::ranges::find_if(arrays, fits);
     if (first == arrays.end() || std::find_if(first + 1, arrays.end(), fits) != arrays.end()) return nullptr;
     return &*first;
 }
@@ -538,7 +538,7 @@ Result<void> NpyStack::trust(NpyStack confidence, std::optional<double> least) {
         std::vector<float> numbers(pixels_of(first));
         for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(first, k);
         const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-        std::nth_element(numbers.begin(), middle, numbers.end());
+        std::ranges::nth_element(numbers, middle);
         least = *middle / 2.0;
     }
     least_confidence_ = least;

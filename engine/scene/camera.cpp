@@ -151,7 +151,7 @@ std::int64_t FrameRate::frame_at(std::int64_t time_ns) const {
     if (time_ns >= own_times->back())
         return static_cast<std::int64_t>(own_times->size()) - 1 +
                even_frame(*this, time_ns - own_times->back());
-    return std::upper_bound(own_times->begin(), own_times->end(), time_ns) - own_times->begin() - 1;
+    return std::ranges::upper_bound(*own_times, time_ns) - own_times->begin() - 1;
 }
 
 std::int64_t FrameRate::nearest(std::int64_t time) const {
@@ -178,7 +178,7 @@ std::optional<FrameRate> rate_of_own_times(std::vector<std::int64_t> times_ns) {
 
 std::size_t CameraPath::known() const {
     return static_cast<std::size_t>(
-        std::count_if(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); }));
+        std::ranges::count_if(poses, [](const auto& pose) { return pose.has_value(); }));
 }
 
 double CameraPath::length() const {

@@ -131,7 +131,7 @@ void Node::allow_only(const std::vector<std::string>& legal) const {
     for (const std::string& name : legal) names += (names.empty() ? "" : ", ") + name;
     if (!value_.is_object()) refuse("an object {...} of " + names);
     for (const auto& item : value_.items())
-        if (std::find(legal.begin(), legal.end(), item.key()) == legal.end())
+        if (std::ranges::find(legal, item.key()) == legal.end())
             throw Refusal{"unknown member " + shown(path_of(item.key())) + ": must be one of " + names};
 }
 

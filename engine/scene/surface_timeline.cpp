@@ -25,7 +25,7 @@ std::uint64_t pins(std::size_t one, std::size_t other) {
     return std::uint64_t{one + 1} << 32 | std::uint64_t{other + 1};
 }
 bool is_pinned(const auto& pins, std::size_t slot) {
-    return std::any_of(pins.begin(), pins.end(), [slot](std::uint64_t pair) {
+    return std::ranges::any_of(pins, [slot](std::uint64_t pair) {
         return pair >> 32 == slot + 1 || (pair & 0xffffffffU) == slot + 1;
     });
 }

@@ -12,7 +12,7 @@ using Weighted = std::pair<double, std::int64_t>;
 
 /// The value below and above which there is half of the weight.
 double weighted_median(std::vector<Weighted> values) {
-    std::sort(values.begin(), values.end());
+    std::ranges::sort(values);
     std::int64_t all = 0, sum = 0;
     for (const Weighted& value : values) all += value.second;
     for (const Weighted& value : values)

@@ -53,8 +53,8 @@ int bytes_of_pixel(const PlaneView& plane) {
 }  // namespace
 
 int FrameChanges::StaleBlocks::count() const {
-    return static_cast<int>(std::count_if(changed_->begin(), changed_->end(),
-                                          [this](std::uint64_t frame) { return frame > since_; }));
+    return static_cast<int>(
+        std::ranges::count_if(*changed_, [this](std::uint64_t frame) { return frame > since_; }));
 }
 
 BlockGrid::Run FrameChanges::StaleBlocks::next_run(int first_row, int last_row, int from) const {

@@ -26,7 +26,7 @@ struct Picture {
 };
 
 std::uint16_t lower_median_of(std::vector<std::uint16_t> codes) {
-    std::sort(codes.begin(), codes.end());
+    std::ranges::sort(codes);
     return codes[(codes.size() - 1) / 2];
 }
 
@@ -122,8 +122,7 @@ Picture flying_pixels_landed(const Picture& before, const FlyingPixels& filter) 
                 sides.emplace_back(-std::abs(a - b), nearer.second);
             }
             if (!sides.empty())
-                after.at(x, y).code =
-                    static_cast<std::uint16_t>(std::min_element(sides.begin(), sides.end())->second);
+                after.at(x, y).code = static_cast<std::uint16_t>(std::ranges::min_element(sides)->second);
         }
     return after;
 }

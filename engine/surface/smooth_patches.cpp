@@ -450,8 +450,7 @@ std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const Dept
             with(scene, harshness + factor);
         }
     }
-    std::stable_sort(tried.begin(), tried.end(),
-                     [](const TriedFilters& a, const TriedFilters& b) { return a.harshness < b.harshness; });
+    std::ranges::stable_sort(tried, {}, &TriedFilters::harshness);
     return tried;
 }
 

@@ -146,7 +146,7 @@ std::vector<double> valid_depths(const Scene& scene, const SurfaceFrame& given) 
 double quantile(std::vector<double>& depths, double share) {
     const auto at =
         depths.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
-    std::nth_element(depths.begin(), at, depths.end());
+    std::ranges::nth_element(depths, at);
     return *at;
 }
 

@@ -304,8 +304,8 @@ void add_check_command(CLI::App& app, Command& command) {
     add_device_options(*check, words->device);
     check->callback([words, question, &command] {
         command = [words, question]() -> Result<void> {
-            const bool asks = std::any_of(question.begin(), question.end(),
-                                          [](const CLI::Option* option) { return option->count() > 0; });
+            const bool asks =
+                std::ranges::any_of(question, [](const CLI::Option* option) { return option->count() > 0; });
             TRY_ASSIGN(const auto options, read_words(*words, asks));
             return run_check(options);
         };

@@ -126,8 +126,8 @@ std::string files_beside(const ConvertOptions& options, const Converted& done) {
 /// Those that a glTF scene names.
 std::string files_of_scene(const ConvertOptions& options, const Converted& done) {
     const std::string stem = options.out.stem().string();
-    const bool has_colour = std::any_of(done.tracks.begin(), done.tracks.end(),
-                                        [](const TrackInfo& track) { return track.role == "colour"; });
+    const bool has_colour =
+        std::ranges::any_of(done.tracks, [](const TrackInfo& track) { return track.role == "colour"; });
     std::string words = stem + ".bin";
     if (done.frames > 1) words += ", " + stem + ".mp4";
     if (done.frames > 1 || !has_colour) words += ", " + stem + ".png";
@@ -333,7 +333,7 @@ bool Conversion::is_resized() const {
 Result<void> Conversion::check_loss() const {
     const auto& tracks = source_->tracks();
     const bool drops_touch =
-        codes_ && std::any_of(tracks.begin(), tracks.end(), [](const TrackInfo& track) {
+        codes_ && std::ranges::any_of(tracks, [](const TrackInfo& track) {
             return track.role == role_name(PlaneRole::haptic) || track.role == role_name(PlaneRole::height);
         });
     if (drops_touch && !options_.allow_lossy)
@@ -519,7 +519,7 @@ ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions&
         return (role == PlaneRole::depth &&
                 (options.clip.alignment == DepthAlignment::on || options.clip.fill_from_motion)) ||
                (role == PlaneRole::haptic && maps.haptic) || (role == PlaneRole::height && maps.height) ||
-               std::find(options.made.begin(), options.made.end(), role) != options.made.end();
+               std::ranges::find(options.made, role) != options.made.end();
     };
     ClipStorage::Copied copied{clip.inputs().front(), {}};
     for (const TrackInfo& track : clip.tracks())

@@ -273,7 +273,7 @@ KernelFacts facts_of(const KernelRun& first, std::span<const KernelRun> later) {
         if (run.device_ms)
             facts.least_device_ms = std::min(facts.least_device_ms.value_or(*run.device_ms), *run.device_ms);
     }
-    std::sort(ms.begin(), ms.end());
+    std::ranges::sort(ms);
     facts.least_ms = ms.front();
     facts.p50_ms = ms[ms.size() / 2];
     return facts;
@@ -378,7 +378,7 @@ TimerFacts timer_facts() {
         clock_gettime(CLOCK_MONOTONIC, &now);
         late = (nanoseconds(now) - nanoseconds(wake)) / 1000.0;
     }
-    std::sort(late_us.begin(), late_us.end());
+    std::ranges::sort(late_us);
     facts.late_p50_us = late_us[late_us.size() / 2];
     facts.late_max_us = late_us.back();
     return facts;
@@ -438,9 +438,8 @@ TrialVerdict judge(const TouchDemand& demand, const TrialFigures& figures, int c
         {"decoding a frame", figures.decode_ms.mean, usable_share * frame_ms, "ms"},
         {"building a frame", figures.build_ms.mean, usable_share * frame_ms, "ms"},
         {"all of it", figures.cpu_ms_per_second(demand), usable_ms, "ms of CPU time a second"}};
-    const Need* tightest =
-        std::max_element(std::begin(needs), std::end(needs),
-                         [](const Need& a, const Need& b) { return a.takes / a.may < b.takes / b.may; });
+    const Need* tightest = std::ranges::max_element(
+        needs, [](const Need& a, const Need& b) { return a.takes / a.may < b.takes / b.may; });
     TrialVerdict verdict;
     verdict.can = tightest->takes <= tightest->may;
     verdict.why = std::string(tightest->what) + " takes " + figure(tightest->takes) + " of the " +

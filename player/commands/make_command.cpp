@@ -300,7 +300,7 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
         read->mask = mask_of(maps.elevation, *sea_level);
         maps.mask = map_of(read->mask);
         const auto& mask = read->mask.image.samples;
-        if (std::find(mask.begin(), mask.end(), mask.front() ^ 255) == mask.end())
+        if (std::ranges::find(mask, mask.front() ^ 255) == mask.end())
             return input_error(files.sea_level
                                    ? "--sea-level leaves only land, or only sea, in the elevation map"
                                    : "the elevation map is level everywhere");

@@ -59,9 +59,7 @@ std::string report_in_words(const MaterialReport& report, const Scene& scene, bo
         return (segment.paint.name.empty() || segment.paint.is_guess) &&
                std::int64_t{1000} * segment.pixels < told_permille * scene.width * scene.height;
     });
-    std::stable_sort(
-        told.begin(), told.end(),
-        [](const MaterialReport::Seen& a, const MaterialReport::Seen& b) { return a.pixels > b.pixels; });
+    std::ranges::stable_sort(told, std::greater(), &MaterialReport::Seen::pixels);
     std::string words = "  label  --at            share  colour   material\n";
     bool guessed = false;
     for (const MaterialReport::Seen& segment : told) {
@@ -93,7 +91,7 @@ SegmentNames used_names(const MaterialReport& report, const SegmentNames& given)
     for (const MaterialReport::Seen& segment : report.segments) {
         const bool is_first_guess = segment.paint.is_guess && segment.at.frame == 0;
         if (segment.paint.name.empty() && !is_first_guess) continue;
-        const auto known = std::find_if(used.segments.begin(), used.segments.end(), [&](const auto& name) {
+        const auto known = std::ranges::find_if(used.segments, [&](const auto& name) {
             return !segment.paint.name.empty() && name.name == segment.paint.name &&
                    name.feel == segment.paint.feel && name.is_guess == segment.paint.is_guess;
         });

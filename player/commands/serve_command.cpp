@@ -425,7 +425,7 @@ Result<void> check_url(const StreamUrl& url) {
         return usage_error(in_quotes(url.name()) +
                            ": https is for a web server in front of this one; right would be http://");
     const auto is_plain = [](char letter) { return letter > ' ' && letter < 127 && letter != '%'; };
-    if (!std::all_of(url.path.begin(), url.path.end(), is_plain))
+    if (!std::ranges::all_of(url.path, is_plain))
         return usage_error(
             in_quotes(url.name()) +
             ": right would be a name of plain letters and digits behind the port, such as /clip.mkv");

@@ -133,7 +133,7 @@ UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& 
     if (valid.empty()) return {0, 1};
     auto quantile = [&valid](std::size_t percent) {
         const auto at = valid.begin() + static_cast<std::ptrdiff_t>((valid.size() - 1) * percent / 100);
-        std::nth_element(valid.begin(), at, valid.end());
+        std::ranges::nth_element(valid, at);
         return *at;
     };
     return {quantile(4), quantile(96)};

@@ -428,7 +428,7 @@ void FingerDrawing::draw_solids(GpuCommands& commands, const ViewCamera& camera,
     };
     const auto balls_in = [](const std::vector<Solid>& solids) {
         return static_cast<std::size_t>(
-            std::count_if(solids.begin(), solids.end(), [](const Solid& solid) { return solid.is_ball; }));
+            std::ranges::count_if(solids, [](const Solid& solid) { return solid.is_ball; }));
     };
     const std::size_t solids = shapes_.solids.size(), balls = balls_in(shapes_.solids);
     draw(solid_.ball, false, false, 0, balls, true);

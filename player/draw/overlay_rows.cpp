@@ -291,7 +291,7 @@ void EqualisedDepth::find_bins(const float* depths, int width, std::uint32_t* bi
 }
 
 double EqualisedDepth::depth_at(double share) const {
-    const auto at = std::lower_bound(shares_.begin(), shares_.end(), share);
+    const auto at = std::ranges::lower_bound(shares_, share);
     const auto k =
         static_cast<std::uint32_t>(std::min<std::ptrdiff_t>(at - shares_.begin(), std::ssize(shares_) - 1));
     const auto begin_of = [this](std::uint32_t bin) {

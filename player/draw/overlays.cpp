@@ -75,7 +75,7 @@ SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows
     if (values.empty()) return seen;
     const auto quantile = [&](std::size_t percent) {
         const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * percent / 100);
-        std::nth_element(values.begin(), at, values.end());
+        std::ranges::nth_element(values, at);
         return static_cast<double>(*at);
     };
     const std::size_t outermost = scalar == Scalar::depth ? 1 : 0;
@@ -192,7 +192,7 @@ void Overlays::Painter::paint_values(Overlay kind, const HeightField& field, con
         make_equalised(range, meaning.factor);
     } else {
         colours_.assign(colour_ramp().begin(), colour_ramp().end());
-        if (scale.least_is_light) std::reverse(colours_.begin(), colours_.end());
+        if (scale.least_is_light) std::ranges::reverse(colours_);
         if (even) std::fill(colours_.begin(), colours_.end(), ramp_colour(0.5));
     }
     const auto least = static_cast<float>(range.least);

@@ -416,7 +416,7 @@ double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dve
     }
     const auto at =
         distances.end() - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(distances.size()));
-    std::nth_element(distances.begin(), at, distances.end());
+    std::ranges::nth_element(distances, at);
     return std::clamp(-centre.z / std::max(*at, -centre.z), 0.1, 1.0);
 }
 
@@ -445,7 +445,7 @@ Viewpoint::Subject subject_of(const HeightField& field) {
         std::transform(subject.points.begin(), subject.points.end(), values.begin(),
                        [axis](const glm::dvec3& point) { return point[axis]; });
         const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-        std::nth_element(values.begin(), at, values.end());
+        std::ranges::nth_element(values, at);
         subject.middle[axis] = *at;
     }
     return subject;

@@ -124,8 +124,8 @@ Result<void> FeedThreads::go_to(const MediaMoment& hand) {
         const std::lock_guard lock(mutex_);
         std::erase_if(queue_, [&hand](const Queued& queued) { return queued.place.epoch > hand.epoch; });
     }
-    const auto left = std::find_if(left_.begin(), left_.end(),
-                                   [&hand](const ReadPlace& place) { return place.is_of(hand); });
+    const auto left =
+        std::ranges::find_if(left_, [&hand](const ReadPlace& place) { return place.is_of(hand); });
     auto there = left == left_.end() ? feed_.read_from(hand.epoch, hand.start_ns) : feed_.go_back(*left);
     left_.clear();
     return there;
@@ -145,8 +145,8 @@ Result<void> FeedThreads::go_on(std::uint64_t wanted) {
 
 /// Those before an epoch's first do not count: the loop's way back would have to wait for them otherwise.
 std::ptrdiff_t FeedThreads::frames_waiting() const {
-    return std::count_if(queue_.begin(), queue_.end(),
-                         [](const Queued& queued) { return queued.frame && queued.frame->shown; });
+    return std::ranges::count_if(queue_,
+                                 [](const Queued& queued) { return queued.frame && queued.frame->shown; });
 }
 
 /// Gives the builder what was read once there is room, or waits for news. False once there is no more to do.

@@ -40,7 +40,7 @@ constexpr double samples_per_second = 1000;
 
 ForceComparison::Deviation deviation_of(std::vector<double> values) {
     if (values.empty()) return {};
-    std::sort(values.begin(), values.end());
+    std::ranges::sort(values);
     const double sum = std::accumulate(values.begin(), values.end(), 0.0);
     const auto below = static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1));
     return {sum / static_cast<double>(values.size()), values[below], values.back()};
@@ -82,8 +82,7 @@ private:
                 return frequency >= band.from_hz &&
                        (frequency < band.to_hz || band.to_hz == samples_per_second / 2);
             };
-            const auto band =
-                std::find_if(ForceComparison::noise_bands.begin(), ForceComparison::noise_bands.end(), in);
+            const auto band = std::ranges::find_if(ForceComparison::noise_bands, in);
             if (band == ForceComparison::noise_bands.end()) continue;
             double cosine = 0, sine = 0;
             for (std::size_t k = 0; k < window; ++k) {
@@ -105,13 +104,12 @@ private:
 
 /// The five samples that differ most, of each 50 ms the worst.
 std::vector<ForceComparison::WorstTick> worst_of(std::vector<ForceComparison::WorstTick> all) {
-    std::sort(all.begin(), all.end(),
-              [](const ForceComparison::WorstTick& a, const ForceComparison::WorstTick& b) {
-                  return a.newtons != b.newtons ? a.newtons > b.newtons : a.tick < b.tick;
-              });
+    std::ranges::sort(all, [](const ForceComparison::WorstTick& a, const ForceComparison::WorstTick& b) {
+        return a.newtons != b.newtons ? a.newtons > b.newtons : a.tick < b.tick;
+    });
     std::vector<ForceComparison::WorstTick> out;
     for (const ForceComparison::WorstTick& one : all) {
-        const bool near = std::any_of(out.begin(), out.end(), [&](const ForceComparison::WorstTick& other) {
+        const bool near = std::ranges::any_of(out, [&](const ForceComparison::WorstTick& other) {
             return std::abs(one.tick - other.tick) < 50;
         });
         if (!near) out.push_back(one);
@@ -191,7 +189,7 @@ Result<ForceTable> read_force_table(const std::string& file) {
     TRY_ASSIGN(const auto table, CsvTable::read(file));
     TRY_ASSIGN(const auto c, read_columns(table));
     ForceTable out;
-    const double last_finger = *std::max_element(c[Column::finger].begin(), c[Column::finger].end());
+    const double last_finger = *std::ranges::max_element(c[Column::finger]);
     if (!(last_finger >= 0 && last_finger < fingers_of_a_hand))
         return input_error(file + ": its column finger goes to " + std::to_string(last_finger) +
                            "; right would be 0 to 255");

@@ -169,7 +169,7 @@ int OutputFile::write_out() {
         if (count == 0) why = ENOSPC;
         if (count < 0 && errno != EINTR) why = errno;
     }
-    const auto whole = std::upper_bound(ends_.begin(), ends_.end(), done);
+    const auto whole = std::ranges::upper_bound(ends_, done);
     pieces_ += static_cast<std::size_t>(whole - ends_.begin());
     if (whole != ends_.begin()) size_ += *(whole - 1);
     waiting_.clear();

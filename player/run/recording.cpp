@@ -168,7 +168,7 @@ std::optional<std::vector<PartPlace>> find_parts(RecordingBytes& bytes, const Pa
             return std::nullopt;
         parts.push_back(*part);
     }
-    std::reverse(parts.begin(), parts.end());
+    std::ranges::reverse(parts);
     return parts;
 }
 

@@ -47,7 +47,7 @@ bool same_filled(const RawFrame& a, const RawFrame& b) {
 }
 
 bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::int64_t number) {
-    return std::any_of(dropped.begin(), dropped.end(), [&](const DroppedFrames& frames) {
+    return std::ranges::any_of(dropped, [&](const DroppedFrames& frames) {
         return frames.epoch == epoch && number >= frames.first && number < frames.first + frames.count;
     });
 }
@@ -113,7 +113,7 @@ nlohmann::ordered_json to_json(const Spread& s) {
 
 Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};
-    std::sort(values.begin(), values.end());
+    std::ranges::sort(values);
     auto quantile = [&values](double share) {
         const auto rank = static_cast<std::size_t>(share * static_cast<double>(values.size()));
         return values[std::min(rank, values.size() - 1)];
