@@ -302,10 +302,42 @@ public:
         double glide;      ///< over rough ground before it hops, device metres
     };
 
-    ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script, const SurfaceProbe& probe);
+    ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script, const SurfaceProbe& probe)
+        : settings_(settings),
+          local_relief_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit,
+                        settings.box),
+          script_(std::move(script)) {
+        centre_depth_ = start_depth(probe, script_->pixel(), settings.box, settings.workspace);
+        look_at_ground(probe);
+        for (int k = 0; k < settings.fingers; ++k) {
+            Finger finger{finger_offset(k, settings.fingers, settings.spread), 0, glm::dvec3(0), {}};
+            finger.depth = start_depth(probe, finger_pixel(finger), settings.box, settings.workspace);
+            finger.goal = aim(finger, script_->penetration(k), entry_height, probe);
+            fingers_.push_back(finger);
+        }
+    }
 
     int fingers() const override { return settings_.fingers; }
-    void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
+    void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override {
+        assert(goals.size() == fingers_.size());
+        const bool moves = tick > 0 && !waits_;
+        if (moves) script_->advance(ground_, probe);
+        if (!waits_) look_at_ground(probe);
+        waits_ = false;
+        const double to_come = std::max(0.0, 1 - static_cast<double>(tick) * tick_s / entry_s);
+        for (std::size_t k = 0; k < fingers_.size(); ++k) {
+            Finger& finger = fingers_[k];
+            if (moves) finger.glided += settings_.speed * tick_s;
+            const double penetration = script_->penetration(static_cast<int>(k));
+            const bool there = move(finger, aim(finger, penetration, entry_height * to_come, probe));
+            if (!hops(finger)) {
+                waits_ = waits_ || !there;
+            } else if (there) {
+                finger.ridge.reset();
+            }
+            goals[k] = finger.goal;
+        }
+    }
 
 private:
     static constexpr double entry_s = 0.25;       // a hand comes down in this time ...
@@ -331,12 +363,65 @@ private:
         bool firm;     // whether it may go behind `depth`
     };
 
-    bool hops(const Finger& finger) const;
-    void look_at_ground(const SurfaceProbe& probe);
-    glm::dvec2 finger_pixel(const Finger& finger) const;
-    Stance stance(Finger& finger, const glm::dvec2& pixel, const SurfaceProbe& probe) const;
-    glm::dvec3 aim(Finger& finger, double penetration, double height, const SurfaceProbe& probe) const;
-    bool move(Finger& finger, const glm::dvec3& target) const;
+    bool hops(const Finger& finger) const { return finger.ridge && finger.glided > settings_.glide; }
+
+    /// The depth at which pixels are measured follows the surface gently, or all fingers would jerk sideways
+    /// whenever the centre crosses a silhouette.
+    void look_at_ground(const SurfaceProbe& probe) {
+        const glm::dvec2 pixel = script_->pixel();
+        const std::optional<double> seen = probe.depth_under(pixel.x, pixel.y);
+        if (seen) centre_depth_ += (*seen - centre_depth_) * (tick_s / settling_s);
+        ground_.surface = seen.has_value();
+        ground_.metres_per_pixel =
+            pixel_size(probe, pixel, centre_depth_, settings_.workspace.metres_per_scene_unit);
+    }
+
+    glm::dvec2 finger_pixel(const Finger& finger) const {
+        const glm::dvec2 offset = finger.offset / ground_.metres_per_pixel;
+        const glm::dvec2 pixel = script_->pixel() + glm::dvec2(offset.x, -offset.y);
+        return glm::clamp(pixel, settings_.box.least, settings_.box.greatest);
+    }
+
+    /// A finger on its way minds the ground about it; one that stays over its pixel minds only that.
+    Stance stance(Finger& finger, const glm::dvec2& pixel, const SurfaceProbe& probe) const {
+        const std::optional<double> under = probe.depth_under(pixel.x, pixel.y);
+        finger.depth = under.value_or(finger.depth);
+        if (!script_->moves()) return {finger.depth, under.has_value()};
+        const LocalRelief local_relief = local_relief_.about(pixel, finger.depth, probe);
+        if (!under || local_relief.kind == LocalRelief::Kind::broken) {
+            finger.ridge.reset();
+            return {local_relief.highest, false};
+        }
+        if (local_relief.kind == LocalRelief::Kind::rough && !finger.ridge) {
+            finger.ridge = local_relief.highest;
+            finger.glided = 0;
+        }
+        if (finger.ridge) finger.ridge = std::min(*finger.ridge, local_relief.highest);
+        return hops(finger) ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
+    }
+
+    /// `penetration` along -Z where the ground is firm. A finger that crosses other ground or has yet to come
+    /// down by `height` is lifted along its pixel's ray, on which nothing else stands.
+    glm::dvec3 aim(Finger& finger, double penetration, double height, const SurfaceProbe& probe) const {
+        const double metres_per_unit = settings_.workspace.metres_per_scene_unit;
+        const glm::dvec2 pixel = finger_pixel(finger);
+        const auto [depth, firm] = stance(finger, pixel, probe);
+        const double lift = height + (firm ? 0 : std::max(-penetration, clearance));
+        const double nearest = nearest_goal * depth;
+        glm::dvec3 goal =
+            probe.unproject(pixel.x, pixel.y, std::max(depth - lift / metres_per_unit, nearest));
+        if (firm) goal.z = std::min(goal.z - penetration / metres_per_unit, -nearest);
+        return goal;
+    }
+
+    /// Moves the finger's goal to `target` as far as it gets within one tick; whether that is about there.
+    bool move(Finger& finger, const glm::dvec3& target) const {
+        const glm::dvec3 way = target - finger.goal;
+        const double length = glm::length(way) * settings_.workspace.metres_per_scene_unit;
+        const double longest = settings_.max_speed * tick_s;
+        finger.goal = length > longest ? finger.goal + way * (longest / length) : target;
+        return length - longest <= greatest_lag;
+    }
 
     Settings settings_;
     LocalReliefSearch local_relief_;
@@ -346,105 +431,6 @@ private:
     std::vector<Finger> fingers_;
     bool waits_ = false;  // the script, for a finger that is not yet where it should be
 };
-
-bool ScriptedHand::hops(const Finger& finger) const {
-    return finger.ridge && finger.glided > settings_.glide;
-}
-
-ScriptedHand::ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script,
-                           const SurfaceProbe& probe)
-    : settings_(settings),
-      local_relief_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit, settings.box),
-      script_(std::move(script)) {
-    centre_depth_ = start_depth(probe, script_->pixel(), settings.box, settings.workspace);
-    look_at_ground(probe);
-    for (int k = 0; k < settings.fingers; ++k) {
-        Finger finger{finger_offset(k, settings.fingers, settings.spread), 0, glm::dvec3(0), {}};
-        finger.depth = start_depth(probe, finger_pixel(finger), settings.box, settings.workspace);
-        finger.goal = aim(finger, script_->penetration(k), entry_height, probe);
-        fingers_.push_back(finger);
-    }
-}
-
-void ScriptedHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) {
-    assert(goals.size() == fingers_.size());
-    const bool moves = tick > 0 && !waits_;
-    if (moves) script_->advance(ground_, probe);
-    if (!waits_) look_at_ground(probe);
-    waits_ = false;
-    const double to_come = std::max(0.0, 1 - static_cast<double>(tick) * tick_s / entry_s);
-    for (std::size_t k = 0; k < fingers_.size(); ++k) {
-        Finger& finger = fingers_[k];
-        if (moves) finger.glided += settings_.speed * tick_s;
-        const double penetration = script_->penetration(static_cast<int>(k));
-        const bool there = move(finger, aim(finger, penetration, entry_height * to_come, probe));
-        if (!hops(finger)) {
-            waits_ = waits_ || !there;
-        } else if (there) {
-            finger.ridge.reset();
-        }
-        goals[k] = finger.goal;
-    }
-}
-
-/// The depth at which pixels are measured follows the surface gently, or all fingers would jerk sideways
-/// whenever the centre crosses a silhouette.
-void ScriptedHand::look_at_ground(const SurfaceProbe& probe) {
-    const glm::dvec2 pixel = script_->pixel();
-    const std::optional<double> seen = probe.depth_under(pixel.x, pixel.y);
-    if (seen) centre_depth_ += (*seen - centre_depth_) * (tick_s / settling_s);
-    ground_.surface = seen.has_value();
-    ground_.metres_per_pixel =
-        pixel_size(probe, pixel, centre_depth_, settings_.workspace.metres_per_scene_unit);
-}
-
-glm::dvec2 ScriptedHand::finger_pixel(const Finger& finger) const {
-    const glm::dvec2 offset = finger.offset / ground_.metres_per_pixel;
-    const glm::dvec2 pixel = script_->pixel() + glm::dvec2(offset.x, -offset.y);
-    return glm::clamp(pixel, settings_.box.least, settings_.box.greatest);
-}
-
-/// A finger on its way minds the ground about it; one that stays over its pixel minds only that.
-ScriptedHand::Stance ScriptedHand::stance(Finger& finger, const glm::dvec2& pixel,
-                                          const SurfaceProbe& probe) const {
-    const std::optional<double> under = probe.depth_under(pixel.x, pixel.y);
-    finger.depth = under.value_or(finger.depth);
-    if (!script_->moves()) return {finger.depth, under.has_value()};
-    const LocalRelief local_relief = local_relief_.about(pixel, finger.depth, probe);
-    if (!under || local_relief.kind == LocalRelief::Kind::broken) {
-        finger.ridge.reset();
-        return {local_relief.highest, false};
-    }
-    if (local_relief.kind == LocalRelief::Kind::rough && !finger.ridge) {
-        finger.ridge = local_relief.highest;
-        finger.glided = 0;
-    }
-    if (finger.ridge) finger.ridge = std::min(*finger.ridge, local_relief.highest);
-    return hops(finger) ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
-}
-
-/// `penetration` along -Z where the ground is firm. A finger that crosses other ground or has yet to come
-/// down by `height` is lifted along its pixel's ray, on which nothing else stands.
-glm::dvec3 ScriptedHand::aim(Finger& finger, double penetration, double height,
-                             const SurfaceProbe& probe) const {
-    const double metres_per_unit = settings_.workspace.metres_per_scene_unit;
-    const glm::dvec2 pixel = finger_pixel(finger);
-    const auto [depth, firm] = stance(finger, pixel, probe);
-    const double lift = height + (firm ? 0 : std::max(-penetration, clearance));
-    const double nearest = nearest_goal * depth;
-    glm::dvec3 goal = probe.unproject(pixel.x, pixel.y, std::max(depth - lift / metres_per_unit, nearest));
-    if (firm) goal.z = std::min(goal.z - penetration / metres_per_unit, -nearest);
-    return goal;
-}
-
-/// Moves the finger's goal to `target` as far as it gets within one tick; whether that is about there.
-bool ScriptedHand::move(Finger& finger, const glm::dvec3& target) const {
-    const glm::dvec3 way = target - finger.goal;
-    const double length = glm::length(way) * settings_.workspace.metres_per_scene_unit;
-    const double longest = settings_.max_speed * tick_s;
-    finger.goal = length > longest ? finger.goal + way * (longest / length) : target;
-    return length - longest <= greatest_lag;
-}
 
 using Key = HandOptions::Key;
 constexpr double millimetre = 0.001;
@@ -519,8 +505,7 @@ Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::s
                                           presses ? 0 : given.number(speed.name),
                                           given.number(max_speed.name),
                                           presses ? 0 : given.number(glide.name) * millimetre};
-    return std::unique_ptr<Hand>(
-        std::make_unique<ScriptedHand>(settings, make_script(name, given, fingers, box, probe), probe));
+    return std::make_unique<ScriptedHand>(settings, make_script(name, given, fingers, box, probe), probe);
 }
 
 // ---- What a person writes

@@ -380,8 +380,8 @@ Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, i
         place_motion(motion, offsets, given.number("contact"), units_per_metre, workspace, probe);
     std::optional<double> deepest;
     if (given.given("depth")) deepest = given.number("depth") * 0.001;
-    return std::unique_ptr<Hand>(std::make_unique<RecordedHand>(
-        file, std::move(motion), std::move(offsets), GoalWatch(workspace.metres_per_scene_unit, deepest)));
+    return std::make_unique<RecordedHand>(file, std::move(motion), std::move(offsets),
+                                          GoalWatch(workspace.metres_per_scene_unit, deepest));
 }
 
 }  // namespace touchable

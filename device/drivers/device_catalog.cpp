@@ -104,7 +104,7 @@ Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description
     auto driver = kind->make_driver(
         colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1));
     if (!driver) return also_unplugged(driver.error(), name);
-    return std::unique_ptr<HapticDevice>(std::make_unique<DrivenDevice>(std::move(*driver), driven));
+    return std::make_unique<DrivenDevice>(std::move(*driver), driven);
 }
 
 // ---- In words

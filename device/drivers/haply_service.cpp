@@ -279,7 +279,7 @@ Result<std::unique_ptr<Transport>> LocalHaplyService::connect(milliseconds patie
     TRY(settle(*connection, patience));
     if (connection->line().state != ServiceLine::State::open)
         return no_haply_service(address(), connection->line().failure);
-    return std::unique_ptr<Transport>(std::make_unique<ServiceTransport>(std::move(connection), address()));
+    return std::make_unique<ServiceTransport>(std::move(connection), address());
 }
 
 }  // namespace touchable

@@ -171,7 +171,7 @@ Result<std::unique_ptr<ReportTransport>> open_hid(const std::string& node,
         at = found->node;
     }
     TRY_ASSIGN(auto opened, HidTransport::open(at));
-    return std::unique_ptr<ReportTransport>(std::move(opened));
+    return opened;
 }
 
 }  // namespace touchable

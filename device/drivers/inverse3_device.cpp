@@ -503,8 +503,7 @@ Result<Inverse3Choice> read_inverse3_choice(std::string_view keys) {
 Result<std::unique_ptr<DeviceDriver>> make_inverse3_driver(std::string_view keys) {
     TRY_ASSIGN(auto choice, read_inverse3_choice(keys));
     auto service = std::make_unique<LocalHaplyService>(choice.port);
-    return std::unique_ptr<DeviceDriver>(
-        std::make_unique<Inverse3Driver>(std::move(choice), std::move(service)));
+    return std::make_unique<Inverse3Driver>(std::move(choice), std::move(service));
 }
 
 }  // namespace touchable

@@ -474,7 +474,7 @@ Result<NetworkSettings> read_network_settings(std::string_view keys) {
 
 Result<std::unique_ptr<DeviceDriver>> make_network_driver(std::string_view keys) {
     TRY_ASSIGN(const auto settings, read_network_settings(keys));
-    return std::unique_ptr<DeviceDriver>(std::make_unique<NetworkDriver>(settings));
+    return std::make_unique<NetworkDriver>(settings);
 }
 
 }  // namespace touchable

@@ -202,7 +202,7 @@ Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text
 
 Result<std::unique_ptr<DeviceDriver>> make_recorded_driver(std::string_view text) {
     TRY_ASSIGN(auto driver, read_recorded_device(text, std::make_unique<SteadyReplayClock>()));
-    return std::unique_ptr<DeviceDriver>(std::move(driver));
+    return driver;
 }
 
 }  // namespace touchable

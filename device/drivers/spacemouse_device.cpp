@@ -127,7 +127,7 @@ Result<std::unique_ptr<DeviceDriver>> make_spacemouse_driver(std::string_view ke
                          "no SpaceMouse is connected (USB 046d:c6xx or 256f): plug one in, or name its node",
                          {{Setting::device, "spacemouse:node=/dev/hidraw0"}}});
     };
-    return std::unique_ptr<DeviceDriver>(std::make_unique<SpaceMouseDriver>(settings.pace, std::move(open)));
+    return std::make_unique<SpaceMouseDriver>(settings.pace, std::move(open));
 }
 
 }  // namespace touchable

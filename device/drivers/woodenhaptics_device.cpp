@@ -397,8 +397,7 @@ Result<std::unique_ptr<DeviceDriver>> make_woodenhaptics_driver(std::string_view
                          "no WoodenHaptics is connected (USB 1234:0006): plug one in, or name its node",
                          {{Setting::device, "woodenhaptics:file=FILE,node=/dev/hidraw0"}}});
     };
-    return std::unique_ptr<DeviceDriver>(
-        std::make_unique<WoodenHapticsDriver>(build, settings.homed, std::move(open)));
+    return std::make_unique<WoodenHapticsDriver>(build, settings.homed, std::move(open));
 }
 
 }  // namespace touchable

@@ -91,6 +91,10 @@ Result<void> learn(ClipReader& clip, Known& known) {
     return {};
 }
 
+std::string percent_of(double share) {
+    return formatted("%.3g %%", 100 * share);
+}
+
 class FilledReader final : public ReaderAround {
 public:
     FilledReader(std::unique_ptr<ClipReader> clip, Known known)
@@ -114,91 +118,81 @@ public:
     }
     /// Looks at some frames all over the clip, and does without colour if that misleads there. Says what was
     /// found.
-    Result<void> prepare();
+    Result<void> prepare() {
+        TRY(measure());
+        if (filling_.is_misled_by_colour()) {
+            TRY(inner().rewind());
+            known_ = Known(scene().depth, false);
+            TRY(learn(inner(), known_));
+            TRY(measure());
+        }
+        notes_.push_back(in_words());
+        return rewind();
+    }
 
 private:
-    Result<void> measure();
-    std::string in_words() const;
-    std::int64_t frame_at_rest(std::int64_t n) const;
+    Result<void> measure() {
+        std::int64_t at_rest = 0;
+        for (const KnownRest& rest : known_.rests) at_rest += rest.end - rest.first;
+        const std::int64_t count = std::min(measured_frames, at_rest);
+        measured_ = holes_ = filled_ = 0;
+        for (std::int64_t k = 0; k < count; ++k) {
+            TRY(seek(frame_at_rest(k * at_rest / count)));
+            TRY(next());
+            ++measured_;
+            holes_ += filling_.holes();
+            filled_ += filling_.filled();
+        }
+        return {};
+    }
+
+    std::string in_words() const {
+        const std::string why = "no hole is filled from motion, because ";
+        const auto frames = [](std::int64_t count) {
+            return std::to_string(count) + (count == 1 ? " frame" : " frames");
+        };
+        if (known_.frames < least_frames)
+            return why + "it takes " + frames(least_frames) + " to tell that a camera stands still";
+        if (known_.moving == known_.frames) return why + "the camera moves: the clip is left as it is";
+        std::string said;
+        if (measured_ == 0 || holes_ == 0) {
+            said = "holes are filled from frames that saw what is behind, but the " + frames(measured_) +
+                   " that were measured have none";
+        } else {
+            const auto pixels = static_cast<double>(measured_) * scene().width * scene().height;
+            said = "holes are filled from frames that saw what is behind: " +
+                   percent_of(static_cast<double>(holes_) / pixels) + " of depth was holes, " +
+                   percent_of(static_cast<double>(holes_ - filled_) / pixels) + " is; " +
+                   std::to_string(filled_ / measured_) + " pixels a frame were filled (of " +
+                   frames(measured_) + ")";
+        }
+        if (!known_.uses_colour)
+            said +=
+                "; colour is not used: where depth shows something nearer, colour often shows what is behind "
+                "(it does not lie on depth's pixels, or both look alike)";
+        if (known_.moving > 0)
+            said += "; " + frames(known_.moving) + " of " + std::to_string(known_.frames) +
+                    ", in which the camera moves, are left as they are";
+        if (known_.forgotten > 0)
+            said += "; " + frames(known_.forgotten) +
+                    " are left as they are, as there is no memory for more shots";
+        return said;
+    }
+
+    /// The nth of the frames in which the camera rests.
+    std::int64_t frame_at_rest(std::int64_t n) const {
+        for (const KnownRest& rest : known_.rests) {
+            if (n < rest.end - rest.first) return rest.first + n;
+            n -= rest.end - rest.first;
+        }
+        return 0;
+    }
 
     Known known_;
     HolesFromMotion filling_;
     std::vector<std::string> notes_;
     std::int64_t measured_ = 0, holes_ = 0, filled_ = 0;  // frames; pixels of those
 };
-
-Result<void> FilledReader::prepare() {
-    TRY(measure());
-    if (filling_.is_misled_by_colour()) {
-        TRY(inner().rewind());
-        known_ = Known(scene().depth, false);
-        TRY(learn(inner(), known_));
-        TRY(measure());
-    }
-    notes_.push_back(in_words());
-    return rewind();
-}
-
-/// The nth of the frames in which the camera rests.
-std::int64_t FilledReader::frame_at_rest(std::int64_t n) const {
-    for (const KnownRest& rest : known_.rests) {
-        if (n < rest.end - rest.first) return rest.first + n;
-        n -= rest.end - rest.first;
-    }
-    return 0;
-}
-
-Result<void> FilledReader::measure() {
-    std::int64_t at_rest = 0;
-    for (const KnownRest& rest : known_.rests) at_rest += rest.end - rest.first;
-    const std::int64_t count = std::min(measured_frames, at_rest);
-    measured_ = holes_ = filled_ = 0;
-    for (std::int64_t k = 0; k < count; ++k) {
-        TRY(seek(frame_at_rest(k * at_rest / count)));
-        TRY(next());
-        ++measured_;
-        holes_ += filling_.holes();
-        filled_ += filling_.filled();
-    }
-    return {};
-}
-
-std::string percent_of(double share) {
-    return formatted("%.3g %%", 100 * share);
-}
-
-std::string FilledReader::in_words() const {
-    const std::string why = "no hole is filled from motion, because ";
-    const auto frames = [](std::int64_t count) {
-        return std::to_string(count) + (count == 1 ? " frame" : " frames");
-    };
-    if (known_.frames < least_frames)
-        return why + "it takes " + frames(least_frames) + " to tell that a camera stands still";
-    if (known_.moving == known_.frames) return why + "the camera moves: the clip is left as it is";
-    std::string said;
-    if (measured_ == 0 || holes_ == 0) {
-        said = "holes are filled from frames that saw what is behind, but the " + frames(measured_) +
-               " that were measured have none";
-    } else {
-        const auto pixels = static_cast<double>(measured_) * scene().width * scene().height;
-        said = "holes are filled from frames that saw what is behind: " +
-               percent_of(static_cast<double>(holes_) / pixels) + " of depth was holes, " +
-               percent_of(static_cast<double>(holes_ - filled_) / pixels) + " is; " +
-               std::to_string(filled_ / measured_) + " pixels a frame were filled (of " + frames(measured_) +
-               ")";
-    }
-    if (!known_.uses_colour)
-        said +=
-            "; colour is not used: where depth shows something nearer, colour often shows what is behind "
-            "(it does not lie on depth's pixels, or both look alike)";
-    if (known_.moving > 0)
-        said += "; " + frames(known_.moving) + " of " + std::to_string(known_.frames) +
-                ", in which the camera moves, are left as they are";
-    if (known_.forgotten > 0)
-        said +=
-            "; " + frames(known_.forgotten) + " are left as they are, as there is no memory for more shots";
-    return said;
-}
 
 }  // namespace
 
@@ -210,7 +204,7 @@ Result<std::unique_ptr<ClipReader>> with_filled_holes(std::unique_ptr<ClipReader
     TRY(learn(*clip, known));
     auto filled = std::make_unique<FilledReader>(std::move(clip), std::move(known));
     TRY(filled->prepare());
-    return std::unique_ptr<ClipReader>(std::move(filled));
+    return filled;
 }
 
 }  // namespace touchable

@@ -212,10 +212,72 @@ public:
     explicit Draft(const State& now)
         : now_(*now.painted), segments_(now.painted->segments), names_(now.names) {}
 
-    Result<std::string> operator()(const Paint& paint);
-    Result<std::string> operator()(const Join& join);
-    Result<std::string> operator()(const SegmentCut& cut);
-    Result<std::string> operator()(const Otherwise& otherwise);
+    Result<std::string> operator()(const Paint& paint) {
+        TRY_ASSIGN(const auto label, label_of(*segments_, paint.at));
+        const PaletteMaterial* const material = find_material(paint.material);
+        if (material == nullptr) return usage_error(no_such_material(paint.material));
+        NamedSegment* name = find_name(*segments_, names_, label);
+        if (name == nullptr) name = &names_.segments.emplace_back(new_name(label, paint.at, {}));
+        name->material = paint.material;
+        name->feel = material->feel();
+        name->is_guess = false;
+        return printable(name->name) + " is " + paint.material + frames_in_words(*segments_, label);
+    }
+
+    /// What a person said counts before a guess, and the first before the second.
+    Result<std::string> operator()(const Join& join) {
+        auto a = label_of(*segments_, join.a), b = label_of(*segments_, join.b);
+        if (!a) return a.error();
+        if (!b) return b.error();
+        const NamedSegment *of_a = find_name(*segments_, names_, *a),
+                           *of_b = find_name(*segments_, names_, *b);
+        if (*a == *b) return usage_error("both places are on " + segment_in_words(*a));
+        const std::string both = segment_in_words(*a) + " and " + segment_in_words(*b);
+        if (of_a != nullptr && of_a == of_b) return usage_error(both + " are one already");
+        PixelOfFrame at_a = join.a, at_b = join.b;
+        if (of_b != nullptr && !of_b->is_guess && (of_a == nullptr || of_a->is_guess)) {
+            std::swap(of_a, of_b);
+            std::swap(at_a, at_b);
+            std::swap(*a, *b);
+        }
+        NamedSegment joined = of_a != nullptr ? *of_a : new_name(*a, at_a, now_.by_label.at(*a));
+        const std::vector<PixelOfFrame> places = of_b != nullptr ? of_b->at : std::vector{at_b};
+        joined.at.insert(joined.at.end(), places.begin(), places.end());
+        std::erase_if(names_.segments, [&](const NamedSegment& name) {
+            const auto labels = labels_of(*segments_, name);
+            return labels.contains(*a) || labels.contains(*b);
+        });
+        names_.segments.push_back(std::move(joined));
+        return both + " are one";
+    }
+
+    Result<std::string> operator()(const SegmentCut& cut) {
+        if (names_.cuts.size() == most_cuts)
+            return usage_error("a clip's segments are cut " + std::to_string(most_cuts) + " times at most");
+        TRY_ASSIGN(auto made, segments_->with_cut(cut));
+        std::vector<std::uint16_t> labels;
+        segments_->read_labels(cut.frame, labels);
+        const std::uint16_t whole = label_under(cut, labels, segments_->width());
+        const std::uint16_t part = made.seen().back().segment.label;
+        const NamedSegment* const name = find_name(*segments_, names_, whole);
+        segments_ = std::make_shared<const SegmentStore>(std::move(made));
+        names_.cuts.push_back(cut);
+        if (name != nullptr) {
+            const NamedSegment said = *name;
+            name_parts(*segments_, names_, whole, part, said);
+        }
+        return segment_in_words(whole) + " is cut; " + segment_in_words(part) + " is its smaller part" +
+               frames_in_words(*segments_, whole);
+    }
+
+    Result<std::string> operator()(const Otherwise& otherwise) {
+        if (!otherwise.material.empty() && find_material(otherwise.material) == nullptr)
+            return usage_error(no_such_material(otherwise.material));
+        names_.otherwise = otherwise.material;
+        return "what nobody named is " +
+               (otherwise.material.empty() ? std::string("guessed") : otherwise.material);
+    }
+
     Result<State> finish() { return state_of(std::move(segments_), std::move(names_)); }
 
 private:
@@ -223,71 +285,6 @@ private:
     std::shared_ptr<const SegmentStore> segments_;
     SegmentNames names_;
 };
-
-Result<std::string> MaterialBrush::Draft::operator()(const Paint& paint) {
-    TRY_ASSIGN(const auto label, label_of(*segments_, paint.at));
-    const PaletteMaterial* const material = find_material(paint.material);
-    if (material == nullptr) return usage_error(no_such_material(paint.material));
-    NamedSegment* name = find_name(*segments_, names_, label);
-    if (name == nullptr) name = &names_.segments.emplace_back(new_name(label, paint.at, {}));
-    name->material = paint.material;
-    name->feel = material->feel();
-    name->is_guess = false;
-    return printable(name->name) + " is " + paint.material + frames_in_words(*segments_, label);
-}
-
-/// What a person said counts before a guess, and the first before the second.
-Result<std::string> MaterialBrush::Draft::operator()(const Join& join) {
-    auto a = label_of(*segments_, join.a), b = label_of(*segments_, join.b);
-    if (!a) return a.error();
-    if (!b) return b.error();
-    const NamedSegment *of_a = find_name(*segments_, names_, *a), *of_b = find_name(*segments_, names_, *b);
-    if (*a == *b) return usage_error("both places are on " + segment_in_words(*a));
-    const std::string both = segment_in_words(*a) + " and " + segment_in_words(*b);
-    if (of_a != nullptr && of_a == of_b) return usage_error(both + " are one already");
-    PixelOfFrame at_a = join.a, at_b = join.b;
-    if (of_b != nullptr && !of_b->is_guess && (of_a == nullptr || of_a->is_guess)) {
-        std::swap(of_a, of_b);
-        std::swap(at_a, at_b);
-        std::swap(*a, *b);
-    }
-    NamedSegment joined = of_a != nullptr ? *of_a : new_name(*a, at_a, now_.by_label.at(*a));
-    const std::vector<PixelOfFrame> places = of_b != nullptr ? of_b->at : std::vector{at_b};
-    joined.at.insert(joined.at.end(), places.begin(), places.end());
-    std::erase_if(names_.segments, [&](const NamedSegment& name) {
-        const auto labels = labels_of(*segments_, name);
-        return labels.contains(*a) || labels.contains(*b);
-    });
-    names_.segments.push_back(std::move(joined));
-    return both + " are one";
-}
-
-Result<std::string> MaterialBrush::Draft::operator()(const SegmentCut& cut) {
-    if (names_.cuts.size() == most_cuts)
-        return usage_error("a clip's segments are cut " + std::to_string(most_cuts) + " times at most");
-    TRY_ASSIGN(auto made, segments_->with_cut(cut));
-    std::vector<std::uint16_t> labels;
-    segments_->read_labels(cut.frame, labels);
-    const std::uint16_t whole = label_under(cut, labels, segments_->width());
-    const std::uint16_t part = made.seen().back().segment.label;
-    const NamedSegment* const name = find_name(*segments_, names_, whole);
-    segments_ = std::make_shared<const SegmentStore>(std::move(made));
-    names_.cuts.push_back(cut);
-    if (name != nullptr) {
-        const NamedSegment said = *name;
-        name_parts(*segments_, names_, whole, part, said);
-    }
-    return segment_in_words(whole) + " is cut; " + segment_in_words(part) + " is its smaller part" +
-           frames_in_words(*segments_, whole);
-}
-
-Result<std::string> MaterialBrush::Draft::operator()(const Otherwise& otherwise) {
-    if (!otherwise.material.empty() && find_material(otherwise.material) == nullptr)
-        return usage_error(no_such_material(otherwise.material));
-    names_.otherwise = otherwise.material;
-    return "what nobody named is " +
-           (otherwise.material.empty() ? std::string("guessed") : otherwise.material);
-}
 
 /// What is the oldest cannot be undone any more, where more is there than is kept.
 void MaterialBrush::forget_oldest() {

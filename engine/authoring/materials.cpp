@@ -89,11 +89,38 @@ public:
     explicit HapticPainter(const HapticRanges& ranges) : ranges_(ranges), codes_(65536), reliefs_(65536) {}
 
     /// What segments of this label feel like, 0: a picture without any.
-    void set(std::uint16_t label, const Feel& feel);
+    void set(std::uint16_t label, const Feel& feel) {
+        codes_[label] = haptic_code(feel.properties, ranges_);
+        reliefs_[label] = feel.relief;
+    }
+
     /// Of labels that were set, row by row; 0: no segment.
-    Image haptic(const std::vector<std::uint16_t>& labels, int width, int height);
+    Image haptic(const std::vector<std::uint16_t>& labels, int width, int height) {
+        labels_ = labels;
+        nearest_.fill(labels_, width, height);
+        Image image{width, height, 1, 3, {}};
+        image.samples.resize(3 * labels_.size());
+        std::uint8_t* to = image.samples.data();
+        for (const std::uint16_t label : labels_) {
+            std::memcpy(to, codes_[label].data(), 3);
+            to += 3;
+        }
+        return image;
+    }
+
     /// Of the picture that was painted last: its heights, 8 bits, around level (128) scaled by relief.
-    Image scaled(const PlaneView& height) const;
+    Image scaled(const PlaneView& height) const {
+        Image image{height.width, height.height, 1, 1, {}};
+        image.samples.reserve(labels_.size());
+        std::size_t k = 0;
+        for (int y = 0; y < height.height; ++y)
+            for (int x = 0; x < height.width; ++x, ++k) {
+                const int above = (height.sample(x, y) - level_height) * reliefs_[labels_[k]] / 100;
+                image.samples.push_back(
+                    static_cast<std::uint8_t>(std::clamp(level_height + above, 0, top_height)));
+            }
+        return image;
+    }
 
 private:
     HapticRanges ranges_;
@@ -102,37 +129,6 @@ private:
     std::vector<std::uint16_t> labels_;  // of all pixels
     NearestLabel nearest_;
 };
-
-void HapticPainter::set(std::uint16_t label, const Feel& feel) {
-    codes_[label] = haptic_code(feel.properties, ranges_);
-    reliefs_[label] = feel.relief;
-}
-
-Image HapticPainter::haptic(const std::vector<std::uint16_t>& labels, int width, int height) {
-    labels_ = labels;
-    nearest_.fill(labels_, width, height);
-    Image image{width, height, 1, 3, {}};
-    image.samples.resize(3 * labels_.size());
-    std::uint8_t* to = image.samples.data();
-    for (const std::uint16_t label : labels_) {
-        std::memcpy(to, codes_[label].data(), 3);
-        to += 3;
-    }
-    return image;
-}
-
-Image HapticPainter::scaled(const PlaneView& height) const {
-    Image image{height.width, height.height, 1, 1, {}};
-    image.samples.reserve(labels_.size());
-    std::size_t k = 0;
-    for (int y = 0; y < height.height; ++y)
-        for (int x = 0; x < height.width; ++x, ++k) {
-            const int above = (height.sample(x, y) - level_height) * reliefs_[labels_[k]] / 100;
-            image.samples.push_back(
-                static_cast<std::uint8_t>(std::clamp(level_height + above, 0, top_height)));
-        }
-    return image;
-}
 
 /// A clip with haptic pictures of these ranges in place of its own, which a class derived from this paints.
 class HapticTrackReader : public ReaderAround {
@@ -143,29 +139,27 @@ public:
 
 protected:
     /// `ranges` are valid (validate).
-    HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges);
+    HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges)
+        : ReaderAround(std::move(clip)),
+          scene_(inner().scene()),
+          tracks_(inner().tracks()),
+          notes_(inner().notes()) {
+        scene_.haptic = ranges;
+        const std::string haptic(role_name(PlaneRole::haptic)), height(role_name(PlaneRole::height));
+        std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == haptic; });
+        const auto after = std::ranges::find(tracks_, height, &TrackInfo::role);
+        tracks_.insert(after, {haptic, "materials of segments", "rgb24", scene_.width, scene_.height, true});
+        const auto of_none = default_touch_note(false, inner().scene());
+        std::erase_if(notes_, [&](const std::string& note) {
+            return note.starts_with(haptic + " is ") || (of_none && note == *of_none);
+        });
+    }
 
 private:
     Scene scene_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
 };
-
-HapticTrackReader::HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges)
-    : ReaderAround(std::move(clip)),
-      scene_(inner().scene()),
-      tracks_(inner().tracks()),
-      notes_(inner().notes()) {
-    scene_.haptic = ranges;
-    const std::string haptic(role_name(PlaneRole::haptic)), height(role_name(PlaneRole::height));
-    std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == haptic; });
-    const auto after = std::ranges::find(tracks_, height, &TrackInfo::role);
-    tracks_.insert(after, {haptic, "materials of segments", "rgb24", scene_.width, scene_.height, true});
-    const auto of_none = default_touch_note(false, inner().scene());
-    std::erase_if(notes_, [&](const std::string& note) {
-        return note.starts_with(haptic + " is ") || (of_none && note == *of_none);
-    });
-}
 
 class PaintedReader final : public HapticTrackReader {
 public:
@@ -227,18 +221,82 @@ struct Materials {
 class MaterialReader final : public HapticTrackReader {
 public:
     MaterialReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges, Materials materials,
-                   BeginSegments begin, std::shared_ptr<MaterialReport> report);
+                   BeginSegments begin, std::shared_ptr<MaterialReport> report)
+        : HapticTrackReader(std::move(clip), ranges),
+          materials_(std::move(materials)),
+          begin_(std::move(begin)),
+          report_(std::move(report)),
+          painter_(ranges) {
+        start();
+    }
 
-    Result<std::optional<RawFrame>> next() override;
-    Result<void> seek(std::int64_t frame) override;
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = ReaderAround::next();
+        if (!frame || !*frame) return frame;
+        RawFrame& raw = **frame;
+        if (materials_.otherwise == nullptr) TRY(check_colour(raw, inner()));
+        if (materials_.scale_relief) TRY(check_heights(raw, inner()));
+        const auto begun = std::chrono::steady_clock::now();
+        const bool follows = before_ && before_->is_before(raw) && raw.number == before_->number + 1;
+        const Segmentation& segmentation = segments_of_(raw, follows);
+        for (const Segment& segment : segmentation.segments)
+            if (!met_[segment.label]) meet(segment, raw.number);
+        if (follows) count_changes(segmentation);
+        labels_before_ = segmentation.labels;
+        before_.emplace(raw);
+        Image haptic = painter_.haptic(segmentation.labels, scene().width, scene().height);
+        if (materials_.scale_relief)
+            add_plane(raw, PlaneRole::height, plane_from(painter_.scaled(raw.height), 8));
+        add_plane(raw, PlaneRole::haptic, plane_from(std::move(haptic)));
+        ++report_->frames;
+        report_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+        return frame;
+    }
+
+    Result<void> seek(std::int64_t frame) override {
+        const auto count = frame_count();
+        if (count && frame > *count) return inner().seek(frame);  // which refuses it
+        TRY(inner().seek(0));
+        start();
+        for (std::int64_t number = 0; number < frame; ++number) {
+            if (stop_requested()) return interrupted_error();
+            TRY_ASSIGN(const auto passed, next());
+            if (!passed) break;
+        }
+        return {};
+    }
+
     std::int64_t access_point(std::int64_t) const override { return 0; }
     /// Segments are made of it.
     void leave_out_colour() override {}
 
 private:
-    void start();
-    void meet(const Segment& segment, std::int64_t frame);
-    void count_changes(const Segmentation& segmentation);
+    /// Before the first frame.
+    void start() {
+        segments_of_ = begin_(scene());
+        painter_ = HapticPainter(scene().haptic);
+        painter_.set(0, {scene().default_properties, 100});
+        met_.assign(65536, false);
+        before_.reset();
+        *report_ = {};
+    }
+
+    void meet(const Segment& segment, std::int64_t frame) {
+        PaintedSegments::Paint paint =
+            paint_of(segment, scene().width * scene().height, materials_.named, materials_.otherwise);
+        painter_.set(segment.label, paint.feel);
+        met_[segment.label] = true;
+        report_->segments.push_back(
+            {segment.label, {segment.x, segment.y, frame}, segment.pixels, segment.colour, std::move(paint)});
+    }
+
+    void count_changes(const Segmentation& segmentation) {
+        for (std::size_t k = 0; k < labels_before_.size(); ++k) {
+            const std::uint16_t now = segmentation.labels[k], earlier = labels_before_[k];
+            report_->compared += now != 0 && earlier != 0;
+            report_->changed += now != 0 && earlier != 0 && now != earlier;
+        }
+    }
 
     const Materials materials_;
     const BeginSegments begin_;
@@ -251,80 +309,6 @@ private:
     std::optional<RawFrame::Place> before_;
 };
 
-MaterialReader::MaterialReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges,
-                               Materials materials, BeginSegments begin,
-                               std::shared_ptr<MaterialReport> report)
-    : HapticTrackReader(std::move(clip), ranges),
-      materials_(std::move(materials)),
-      begin_(std::move(begin)),
-      report_(std::move(report)),
-      painter_(ranges) {
-    start();
-}
-
-/// Before the first frame.
-void MaterialReader::start() {
-    segments_of_ = begin_(scene());
-    painter_ = HapticPainter(scene().haptic);
-    painter_.set(0, {scene().default_properties, 100});
-    met_.assign(65536, false);
-    before_.reset();
-    *report_ = {};
-}
-
-void MaterialReader::meet(const Segment& segment, std::int64_t frame) {
-    PaintedSegments::Paint paint =
-        paint_of(segment, scene().width * scene().height, materials_.named, materials_.otherwise);
-    painter_.set(segment.label, paint.feel);
-    met_[segment.label] = true;
-    report_->segments.push_back(
-        {segment.label, {segment.x, segment.y, frame}, segment.pixels, segment.colour, std::move(paint)});
-}
-
-void MaterialReader::count_changes(const Segmentation& segmentation) {
-    for (std::size_t k = 0; k < labels_before_.size(); ++k) {
-        const std::uint16_t now = segmentation.labels[k], earlier = labels_before_[k];
-        report_->compared += now != 0 && earlier != 0;
-        report_->changed += now != 0 && earlier != 0 && now != earlier;
-    }
-}
-
-Result<std::optional<RawFrame>> MaterialReader::next() {
-    auto frame = ReaderAround::next();
-    if (!frame || !*frame) return frame;
-    RawFrame& raw = **frame;
-    if (materials_.otherwise == nullptr) TRY(check_colour(raw, inner()));
-    if (materials_.scale_relief) TRY(check_heights(raw, inner()));
-    const auto begun = std::chrono::steady_clock::now();
-    const bool follows = before_ && before_->is_before(raw) && raw.number == before_->number + 1;
-    const Segmentation& segmentation = segments_of_(raw, follows);
-    for (const Segment& segment : segmentation.segments)
-        if (!met_[segment.label]) meet(segment, raw.number);
-    if (follows) count_changes(segmentation);
-    labels_before_ = segmentation.labels;
-    before_.emplace(raw);
-    Image haptic = painter_.haptic(segmentation.labels, scene().width, scene().height);
-    if (materials_.scale_relief)
-        add_plane(raw, PlaneRole::height, plane_from(painter_.scaled(raw.height), 8));
-    add_plane(raw, PlaneRole::haptic, plane_from(std::move(haptic)));
-    ++report_->frames;
-    report_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    return frame;
-}
-
-Result<void> MaterialReader::seek(std::int64_t frame) {
-    const auto count = frame_count();
-    if (count && frame > *count) return inner().seek(frame);  // which refuses it
-    TRY(inner().seek(0));
-    start();
-    for (std::int64_t number = 0; number < frame; ++number) {
-        if (stop_requested()) return interrupted_error();
-        TRY_ASSIGN(const auto passed, next());
-        if (!passed) break;
-    }
-    return {};
-}
-
 Result<std::unique_ptr<ClipReader>> begin_reading(std::unique_ptr<ClipReader> clip,
                                                   const MaterialSettings& settings, LabelNames named,
                                                   const BeginSegments& begin,
@@ -335,8 +319,8 @@ Result<std::unique_ptr<ClipReader>> begin_reading(std::unique_ptr<ClipReader> cl
     scene.haptic = settings.ranges.value_or(ranges_of_palette(scene, others));
     TRY(validate(scene));
     Materials materials{std::move(named), find_material(settings.names.otherwise), settings.scale_relief};
-    return std::unique_ptr<ClipReader>(std::make_unique<MaterialReader>(
-        std::move(clip), scene.haptic, std::move(materials), begin, std::move(report)));
+    return std::make_unique<MaterialReader>(std::move(clip), scene.haptic, std::move(materials), begin,
+                                            std::move(report));
 }
 
 /// Cuts are followed both ways through time, so that all frames are read before.
@@ -425,8 +409,7 @@ Result<std::unique_ptr<ClipReader>> with_painted_segments(std::unique_ptr<ClipRe
     for (const auto& [label, paint] : painted->by_label) feels.push_back(paint.feel);
     scene.haptic = ranges_of_palette(scene, feels);
     TRY(validate(scene));
-    return std::unique_ptr<ClipReader>(
-        std::make_unique<PaintedReader>(std::move(clip), scene.haptic, std::move(painted)));
+    return std::make_unique<PaintedReader>(std::move(clip), scene.haptic, std::move(painted));
 }
 
 Result<SegmentStore> read_segments(ClipReader& clip, const BeginSegments& begin,

@@ -96,12 +96,35 @@ Result<void> check_relief_colour(const RawFrame& frame, const ClipReader& clip) 
 class ReliefReader final : public ReaderAround {
 public:
     ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene, const ReliefSettings& settings,
-                 const ReliefRange& range, std::vector<std::string> notes);
+                 const ReliefRange& range, std::vector<std::string> notes)
+        : ReaderAround(std::move(clip)),
+          scene_(scene),
+          tracks_(inner().tracks()),
+          notes_(inner().notes()),
+          filter_(settings, scene.depth),
+          heights_(range, settings.amount) {
+        const std::string height(role_name(PlaneRole::height));
+        std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == height; });
+        tracks_.push_back({height, "relief of colour", "gray", scene.width, scene.height, true});
+        std::move(notes.begin(), notes.end(), std::back_inserter(notes_));
+    }
 
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
     const std::vector<std::string>& notes() const override { return notes_; }
-    Result<std::optional<RawFrame>> next() override;
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = ReaderAround::next();
+        if (frame && !*frame) add_flicker();
+        if (!frame || !*frame) return frame;
+        RawFrame& raw = **frame;
+        TRY(check_relief_colour(raw, inner()));
+        if (!before_ || !before_->is_before(raw) || raw.number != before_->number + 1) heights_.forget();
+        before_.emplace(raw);
+        Image image{scene_.width, scene_.height, 1, 1, heights_.next(filter_.apply(raw))};
+        add_plane(raw, PlaneRole::height, plane_from(std::move(image), 8));
+        return frame;
+    }
+
     /// Relief is made of it.
     void leave_out_colour() override {}
 
@@ -114,46 +137,16 @@ private:
     std::optional<RawFrame::Place> before_;
     bool has_told_flicker_ = false;
 
-    void add_flicker();
+    /// After the last frame.
+    void add_flicker() {
+        const auto flicker = heights_.flicker();
+        if (!flicker || has_told_flicker_) return;
+        has_told_flicker_ = true;
+        notes_.push_back("relief: where colour changes no more than by noise, heights change by " +
+                         short_number(flicker->mean, 3) + " of 255 levels a frame, and " +
+                         short_number(100 * flicker->more_than_one, 3) + " % of them by more than one");
+    }
 };
-
-ReliefReader::ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene,
-                           const ReliefSettings& settings, const ReliefRange& range,
-                           std::vector<std::string> notes)
-    : ReaderAround(std::move(clip)),
-      scene_(scene),
-      tracks_(inner().tracks()),
-      notes_(inner().notes()),
-      filter_(settings, scene.depth),
-      heights_(range, settings.amount) {
-    const std::string height(role_name(PlaneRole::height));
-    std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == height; });
-    tracks_.push_back({height, "relief of colour", "gray", scene.width, scene.height, true});
-    std::move(notes.begin(), notes.end(), std::back_inserter(notes_));
-}
-
-Result<std::optional<RawFrame>> ReliefReader::next() {
-    auto frame = ReaderAround::next();
-    if (frame && !*frame) add_flicker();
-    if (!frame || !*frame) return frame;
-    RawFrame& raw = **frame;
-    TRY(check_relief_colour(raw, inner()));
-    if (!before_ || !before_->is_before(raw) || raw.number != before_->number + 1) heights_.forget();
-    before_.emplace(raw);
-    Image image{scene_.width, scene_.height, 1, 1, heights_.next(filter_.apply(raw))};
-    add_plane(raw, PlaneRole::height, plane_from(std::move(image), 8));
-    return frame;
-}
-
-/// After the last frame.
-void ReliefReader::add_flicker() {
-    const auto flicker = heights_.flicker();
-    if (!flicker || has_told_flicker_) return;
-    has_told_flicker_ = true;
-    notes_.push_back("relief: where colour changes no more than by noise, heights change by " +
-                     short_number(flicker->mean, 3) + " of 255 levels a frame, and " +
-                     short_number(100 * flicker->more_than_one, 3) + " % of them by more than one");
-}
 
 /// What the telling frames have of relief.
 Result<ReliefRange> look(Prefetch& ahead, const ReliefSettings& settings) {
@@ -443,8 +436,7 @@ Result<std::unique_ptr<ClipReader>> with_relief(std::unique_ptr<ClipReader> clip
     const Scene scene = with_heights(clip->scene(), max_height, notes);
     TRY(validate(scene));
     notes.push_back(range_in_words(range));
-    return std::unique_ptr<ClipReader>(
-        std::make_unique<ReliefReader>(std::move(clip), scene, settings, range, std::move(notes)));
+    return std::make_unique<ReliefReader>(std::move(clip), scene, settings, range, std::move(notes));
 }
 
 }  // namespace touchable

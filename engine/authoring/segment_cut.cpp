@@ -79,10 +79,54 @@ public:
     Pieces(const std::vector<std::uint16_t>& labels, std::uint16_t label, int width, int height)
         : labels_(labels), label_(label), width_(width), height_(height), pieces_(labels.size(), not_seen) {}
 
-    void draw(const SegmentCut& cut);
+    /// An end that stops short inside of the segment goes straight on to its border, unless it is a loop's.
+    void draw(const SegmentCut& cut) {
+        const auto draw_pixel = [&](const Point& point) {
+            if (is_in(point)) pieces_[place_of(point, width_)] = on_stroke;
+        };
+        walk_along(cut.stroke, draw_pixel);
+        if (is_loop(cut.stroke)) return walk(cut.stroke.back(), cut.stroke.front(), draw_pixel);
+        const auto go_on = [&](const Point& from, const Point& end) {
+            bool is_inside = is_in(end);
+            walk(end, beyond(from, end), [&](const Point& point) {
+                is_inside = is_inside && is_in(point);
+                if (is_inside) draw_pixel(point);
+            });
+        };
+        go_on(point_before_end(cut.stroke.begin(), cut.stroke.end()), cut.stroke.front());
+        go_on(point_before_end(cut.stroke.rbegin(), cut.stroke.rend()), cut.stroke.back());
+    }
+
     /// Fills each with a number of its own, and pixels of the stroke with the nearest one's. False: there is
     /// one piece beside the stroke, or none.
-    bool find();
+    bool find() {
+        std::uint16_t number = first_piece;
+        std::int64_t largest = 0, pieces_beside = 0;
+        std::size_t largest_number = 0;
+        is_part_.assign(65536, false);
+        for (int y = 0; y < height_; ++y)
+            for (int x = 0; x < width_; ++x) {
+                if (!is_in({x, y}) || pieces_[place_of({x, y}, width_)] != not_seen || number == 65535)
+                    continue;
+                bool is_beside = false;
+                const std::int64_t pixels = fill({x, y}, number, is_beside);
+                if (is_beside) {
+                    ++pieces_beside;
+                    is_part_[number] = true;
+                    if (pixels > largest) {
+                        largest = pixels;
+                        largest_number = number;
+                    }
+                }
+                ++number;
+            }
+        is_part_[largest_number] = false;
+        for (std::uint16_t& piece : pieces_)
+            if (piece == on_stroke) piece = not_seen;
+        NearestLabel().fill(pieces_, width_, height_);
+        return pieces_beside > 1;
+    }
+
     /// Whether the pixel belongs to a piece beside the stroke that is not the largest.
     bool is_smaller(std::size_t at) const { return is_part_[pieces_[at]]; }
 
@@ -91,7 +135,27 @@ private:
         return point.x >= 0 && point.y >= 0 && point.x < width_ && point.y < height_ &&
                labels_[place_of(point, width_)] == label_;
     }
-    std::int64_t fill(const Point& seed, std::uint16_t number, bool& is_beside);
+    /// Gives all that is joined to the seed this number; how many pixels that are.
+    std::int64_t fill(const Point& seed, std::uint16_t number, bool& is_beside) {
+        std::vector<Point> open{seed};
+        pieces_[place_of(seed, width_)] = number;
+        std::int64_t pixels = 0;
+        while (!open.empty()) {
+            const Point at = open.back();
+            open.pop_back();
+            ++pixels;
+            for (const Point& next :
+                 {Point{at.x - 1, at.y}, {at.x + 1, at.y}, {at.x, at.y - 1}, {at.x, at.y + 1}}) {
+                if (!is_in(next)) continue;
+                std::uint16_t& piece = pieces_[place_of(next, width_)];
+                is_beside = is_beside || piece == on_stroke;
+                if (piece != not_seen) continue;
+                piece = number;
+                open.push_back(next);
+            }
+        }
+        return pixels;
+    }
 
     const std::vector<std::uint16_t>& labels_;
     const std::uint16_t label_;
@@ -99,73 +163,6 @@ private:
     std::vector<std::uint16_t> pieces_;
     std::vector<bool> is_part_;  // by piece
 };
-
-/// An end that stops short inside of the segment goes straight on to its border, unless it is a loop's.
-void Pieces::draw(const SegmentCut& cut) {
-    const auto draw_pixel = [&](const Point& point) {
-        if (is_in(point)) pieces_[place_of(point, width_)] = on_stroke;
-    };
-    walk_along(cut.stroke, draw_pixel);
-    if (is_loop(cut.stroke)) return walk(cut.stroke.back(), cut.stroke.front(), draw_pixel);
-    const auto go_on = [&](const Point& from, const Point& end) {
-        bool is_inside = is_in(end);
-        walk(end, beyond(from, end), [&](const Point& point) {
-            is_inside = is_inside && is_in(point);
-            if (is_inside) draw_pixel(point);
-        });
-    };
-    go_on(point_before_end(cut.stroke.begin(), cut.stroke.end()), cut.stroke.front());
-    go_on(point_before_end(cut.stroke.rbegin(), cut.stroke.rend()), cut.stroke.back());
-}
-
-/// Gives all that is joined to the seed this number; how many pixels that are.
-std::int64_t Pieces::fill(const Point& seed, std::uint16_t number, bool& is_beside) {
-    std::vector<Point> open{seed};
-    pieces_[place_of(seed, width_)] = number;
-    std::int64_t pixels = 0;
-    while (!open.empty()) {
-        const Point at = open.back();
-        open.pop_back();
-        ++pixels;
-        for (const Point& next :
-             {Point{at.x - 1, at.y}, {at.x + 1, at.y}, {at.x, at.y - 1}, {at.x, at.y + 1}}) {
-            if (!is_in(next)) continue;
-            std::uint16_t& piece = pieces_[place_of(next, width_)];
-            is_beside = is_beside || piece == on_stroke;
-            if (piece != not_seen) continue;
-            piece = number;
-            open.push_back(next);
-        }
-    }
-    return pixels;
-}
-
-bool Pieces::find() {
-    std::uint16_t number = first_piece;
-    std::int64_t largest = 0, pieces_beside = 0;
-    std::size_t largest_number = 0;
-    is_part_.assign(65536, false);
-    for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-            if (!is_in({x, y}) || pieces_[place_of({x, y}, width_)] != not_seen || number == 65535) continue;
-            bool is_beside = false;
-            const std::int64_t pixels = fill({x, y}, number, is_beside);
-            if (is_beside) {
-                ++pieces_beside;
-                is_part_[number] = true;
-                if (pixels > largest) {
-                    largest = pixels;
-                    largest_number = number;
-                }
-            }
-            ++number;
-        }
-    is_part_[largest_number] = false;
-    for (std::uint16_t& piece : pieces_)
-        if (piece == on_stroke) piece = not_seen;
-    NearestLabel().fill(pieces_, width_, height_);
-    return pieces_beside > 1;
-}
 
 }  // namespace
 

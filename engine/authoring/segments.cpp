@@ -140,11 +140,36 @@ public:
         : names_(names), map_(map), size_(size) {}
 
     /// Before the first frame; nothing: their number is not known.
-    Result<void> begin(std::optional<std::int64_t> frames);
+    Result<void> begin(std::optional<std::int64_t> frames) {
+        if (map_ && (map_->indices.width != size_.width || map_->indices.height != size_.height))
+            return input_error(map_->file + ": has " + std::to_string(map_->indices.width) + 'x' +
+                               std::to_string(map_->indices.height) +
+                               " pixels: must have those of the clip's depth, " +
+                               std::to_string(size_.width) + 'x' + std::to_string(size_.height));
+        TRY_ASSIGN(auto by_index, names_by_index(names_, map_));
+        by_index_ = std::move(by_index);
+        for (const NamedSegment& name : names_.segments)
+            for (const PixelOfFrame& at : name.at) {
+                places_.push_back({&name, at});
+                TRY(check_place(places_.back(), size_, frames));
+            }
+        std::ranges::stable_sort(
+            places_, [](const NamedPlace& a, const NamedPlace& b) { return a.at.frame < b.at.frame; });
+        return {};
+    }
+
     /// The place that is looked for next; null: none is.
     const NamedPlace* next() const { return next_ < places_.size() ? &places_[next_] : nullptr; }
     bool wants_map() const { return map_.has_value(); }
-    Result<void> look(const Segmentation& segmentation, std::int64_t frame);
+    Result<void> look(const Segmentation& segmentation, std::int64_t frame) {
+        if (map_ && frame == 0) {
+            TRY_ASSIGN(auto of_map, names_of_map(*map_, segmentation, by_index_));
+            found_ = std::move(of_map);
+        }
+        for (; next() && next()->at.frame == frame; ++next_) TRY(take_name(*next(), segmentation, by_pixel_));
+        return {};
+    }
+
     LabelNames take_found() {
         by_pixel_.merge(found_);
         return std::move(by_pixel_);
@@ -159,33 +184,6 @@ private:
     std::size_t next_ = 0;
     LabelNames found_, by_pixel_;  // by the map, and by pixels
 };
-
-Result<void> NameSearch::begin(std::optional<std::int64_t> frames) {
-    if (map_ && (map_->indices.width != size_.width || map_->indices.height != size_.height))
-        return input_error(map_->file + ": has " + std::to_string(map_->indices.width) + 'x' +
-                           std::to_string(map_->indices.height) +
-                           " pixels: must have those of the clip's depth, " + std::to_string(size_.width) +
-                           'x' + std::to_string(size_.height));
-    TRY_ASSIGN(auto by_index, names_by_index(names_, map_));
-    by_index_ = std::move(by_index);
-    for (const NamedSegment& name : names_.segments)
-        for (const PixelOfFrame& at : name.at) {
-            places_.push_back({&name, at});
-            TRY(check_place(places_.back(), size_, frames));
-        }
-    std::ranges::stable_sort(
-        places_, [](const NamedPlace& a, const NamedPlace& b) { return a.at.frame < b.at.frame; });
-    return {};
-}
-
-Result<void> NameSearch::look(const Segmentation& segmentation, std::int64_t frame) {
-    if (map_ && frame == 0) {
-        TRY_ASSIGN(auto of_map, names_of_map(*map_, segmentation, by_index_));
-        found_ = std::move(of_map);
-    }
-    for (; next() && next()->at.frame == frame; ++next_) TRY(take_name(*next(), segmentation, by_pixel_));
-    return {};
-}
 
 }  // namespace
 

@@ -12,8 +12,10 @@
 // panel. Plain values, for any thread.
 
 #include <cassert>
+#include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -120,6 +122,10 @@ template <class T>
 class [[nodiscard]] Result {
 public:
     Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+    /// What was made of a class is handed out as its base.
+    template <class Derived>
+    requires std::is_convertible_v<std::unique_ptr<Derived>, T> Result(std::unique_ptr<Derived> made)
+        : state_(std::in_place_index<0>, std::move(made)) {}
     Result(Error error) : state_(std::in_place_index<1>, std::move(error)) {}
 
     explicit operator bool() const { return state_.index() == 0; }

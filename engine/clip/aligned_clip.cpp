@@ -44,34 +44,33 @@ public:
     }
     const Scene& scene() const override { return scene_; }
     const std::vector<std::string>& notes() const override { return notes_; }
-    Result<std::optional<RawFrame>> next() override;
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = ReaderAround::next();
+        if (!frame || !*frame) return frame;
+        RawFrame& raw = **frame;
+        const DepthCoding& stored = inner().scene().depth;
+        const CodeLine& line = lines_[std::min(static_cast<std::size_t>(raw.number), lines_.size() - 1)];
+        std::vector<std::uint16_t> codes(65536, no_aligned_depth);
+        for (int code = stored.valid_min; code <= stored.valid_max; ++code) {
+            const auto word = static_cast<std::uint16_t>(code);
+            if (stored.is_valid(word)) codes[word] = line.at(word);
+        }
+        Image image{scene_.width, scene_.height, 2, 1, {}};
+        image.samples.resize(2 * static_cast<std::size_t>(image.width) *
+                             static_cast<std::size_t>(image.height));
+        std::uint8_t* to = image.samples.data();
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x, to += 2) std::memcpy(to, &codes[raw.depth.sample(x, y)], 2);
+        raw.depth = {};
+        add_plane(raw, PlaneRole::depth, plane_from(std::move(image), 16));
+        return frame;
+    }
 
 private:
     Scene scene_;
     std::vector<std::string> notes_;
     std::vector<CodeLine> lines_;  // by frame; the last one for those that could not be read before
 };
-
-Result<std::optional<RawFrame>> AlignedReader::next() {
-    auto frame = ReaderAround::next();
-    if (!frame || !*frame) return frame;
-    RawFrame& raw = **frame;
-    const DepthCoding& stored = inner().scene().depth;
-    const CodeLine& line = lines_[std::min(static_cast<std::size_t>(raw.number), lines_.size() - 1)];
-    std::vector<std::uint16_t> codes(65536, no_aligned_depth);
-    for (int code = stored.valid_min; code <= stored.valid_max; ++code) {
-        const auto word = static_cast<std::uint16_t>(code);
-        if (stored.is_valid(word)) codes[word] = line.at(word);
-    }
-    Image image{scene_.width, scene_.height, 2, 1, {}};
-    image.samples.resize(2 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-    std::uint8_t* to = image.samples.data();
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x, to += 2) std::memcpy(to, &codes[raw.depth.sample(x, y)], 2);
-    raw.depth = {};
-    add_plane(raw, PlaneRole::depth, plane_from(std::move(image), 16));
-    return frame;
-}
 
 /// What reading all frames tells.
 struct Looked {
@@ -257,8 +256,8 @@ Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReade
         resting_pulse(resting, into, scene, looked.first), scene);
     std::vector<CodeLine> codes;
     for (const Line& line : into) codes.push_back(fixed_point(line, scene.depth.code_max));
-    return std::unique_ptr<ClipReader>(std::make_unique<AlignedReader>(std::move(clip), std::move(scene),
-                                                                       std::move(codes), std::move(note)));
+    return std::make_unique<AlignedReader>(std::move(clip), std::move(scene), std::move(codes),
+                                           std::move(note));
 }
 
 }  // namespace touchable

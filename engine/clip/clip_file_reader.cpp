@@ -13,14 +13,38 @@
 namespace touchable {
 namespace {
 
+/// Packets of a track under way: one being decoded while another waits.
+constexpr std::size_t packets_ahead = 2;
+/// From this many pixels on a picture is worth a thread.
+constexpr std::int64_t pixels_for_thread = 50'000;
+
+std::optional<TrackDecoder::Picture> end_of_track() {
+    return {};
+}
+
 /// Decodes a track of a file ahead of its reader: large pictures on a thread of its own, small ones when
 /// they are asked for. The same pictures and errors in the same order either way.
 class TrackThread {
 public:
     /// What is made of each decoded plane; `where` it is, for messages.
     using Fit = std::function<Result<Plane>(Plane, const std::string& where)>;
-    TrackThread(TrackDecoder decoder, int stream, Fit fit);
-    ~TrackThread();  ///< ends once the picture being decoded is done
+    TrackThread(TrackDecoder decoder, int stream, Fit fit)
+        : decoder_(std::move(decoder)),
+          stream_(stream),
+          name_(decoder_.name()),
+          fit_(std::move(fit)),
+          threaded_(decoder_.pixels() >= pixels_for_thread) {}
+
+    /// ends once the picture being decoded is done
+    ~TrackThread() {
+        {
+            const std::lock_guard lock(mutex_);
+            stopping_ = true;
+        }
+        changed_.notify_all();
+        if (thread_.joinable()) thread_.join();
+    }
+
     TrackThread(const TrackThread&) = delete;
     TrackThread& operator=(const TrackThread&) = delete;
 
@@ -34,14 +58,42 @@ public:
     std::string name() const { return name_; }
 
     /// Gives it packets to work on while others are read.
-    void fill(Demuxer& file);
+    void fill(Demuxer& file) {
+        while (threaded_ && has_room()) push(file);
+    }
+
     /// The next picture, whose plane is the one before where all samples are the same; nothing after the
     /// last. Waits for it.
-    Result<std::optional<TrackDecoder::Picture>> next(Demuxer& file);
+    Result<std::optional<TrackDecoder::Picture>> next(Demuxer& file) {
+        while (!final_) {
+            if (auto outcome = take()) {
+                if (*outcome && **outcome) return std::move(*outcome);
+                final_ = std::move(outcome);
+            } else {
+                push(file);
+            }
+        }
+        return *final_ ? Outcome(end_of_track()) : Outcome(final_->error());
+    }
+
     /// From the packets on that come from now on, planes are left out where that saves decoding.
     void leave_out() { left_out_ = true; }
     /// Forgets all packets and pictures: the next packet holds this frame.
-    void restart(std::int64_t frame);
+    void restart(std::int64_t frame) {
+        std::unique_lock lock(mutex_);
+        jobs_.clear();
+        changed_.wait(lock, [this] { return !working_; });
+        if (thrown_) {  // its thread has ended with that
+            lock.unlock();
+            thread_.join();
+            lock.lock();
+            thrown_ = nullptr;
+        }
+        outcomes_.clear();
+        decoder_.restart(frame);
+        final_.reset();
+        all_read_ = false;
+    }
 
 private:
     using Outcome = Result<std::optional<TrackDecoder::Picture>>;
@@ -49,13 +101,101 @@ private:
         Result<PacketPtr> packet;  ///< null: there is none any more
         bool left_out = false;
     };
-    bool has_room();
-    void push(Demuxer& file);
-    std::optional<Outcome> take();
-    void run();
-    void work(const Job& job);
-    void give(Outcome outcome);
-    Outcome fitted(TrackDecoder::Picture picture);
+    bool has_room() {
+        if (all_read_) return false;
+        const std::lock_guard lock(mutex_);
+        return jobs_.size() + outcomes_.size() + (working_ ? 1 : 0) < packets_ahead;
+    }
+
+    void push(Demuxer& file) {
+        auto packet = file.next(stream_);
+        all_read_ = !packet || !*packet;
+        std::unique_lock lock(mutex_);
+        jobs_.push_back({std::move(packet), left_out_});
+        lock.unlock();
+        changed_.notify_all();
+        if (!threaded_ || thread_.joinable()) return;
+        if (auto started = start_thread(thread_, "track-decoder", "that decodes a track", [this] { run(); });
+            !started)
+            give(started.error());
+    }
+
+    /// Nothing: a further packet is needed.
+    std::optional<Outcome> take() {
+        std::unique_lock lock(mutex_);
+        if (!threaded_ && outcomes_.empty() && !jobs_.empty()) {
+            const Job job = std::move(jobs_.front());
+            jobs_.pop_front();
+            lock.unlock();
+            work(job);
+            lock.lock();
+        }
+        changed_.wait(lock, [this] { return !outcomes_.empty() || thrown_ || (jobs_.empty() && !working_); });
+        if (!outcomes_.empty()) {
+            auto outcome = std::move(outcomes_.front());
+            outcomes_.pop_front();
+            return outcome;
+        }
+        if (thrown_) std::rethrow_exception(thrown_);
+        return std::nullopt;
+    }
+
+    /// Nothing thrown leaves the thread: `next` throws it again.
+    void run() {
+        std::unique_lock lock(mutex_);
+        while (true) {
+            changed_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
+            if (stopping_) return;
+            const Job job = std::move(jobs_.front());
+            jobs_.pop_front();
+            working_ = true;
+            lock.unlock();
+            std::exception_ptr thrown;
+            try {
+                work(job);
+            } catch (...) {
+                thrown = std::current_exception();
+            }
+            lock.lock();
+            working_ = false;
+            thrown_ = thrown;
+            changed_.notify_all();
+            if (thrown_) return;
+        }
+    }
+
+    void work(const Job& job) {
+        if (!job.packet) return give(job.packet.error());
+        const AVPacket* packet = job.packet->get();
+        if (packet && job.left_out && decoder_.is_one_packet_each()) {
+            auto skipped = decoder_.skip(*packet);
+            return give(skipped ? Outcome(std::optional(std::move(*skipped))) : Outcome(skipped.error()));
+        }
+        if (auto sent = decoder_.send(packet); !sent) return give(sent.error());
+        while (true) {
+            auto decoded = decoder_.receive();
+            if (!decoded) return give(decoded.error());
+            if (!*decoded) break;
+            give(fitted(std::move(**decoded)));
+        }
+        if (!packet) give(end_of_track());
+    }
+
+    void give(Outcome outcome) {
+        {
+            const std::lock_guard lock(mutex_);
+            outcomes_.push_back(std::move(outcome));
+        }
+        changed_.notify_all();
+    }
+
+    Outcome fitted(TrackDecoder::Picture picture) {
+        TRY_ASSIGN(auto plane,
+                   fit_(std::move(picture.plane), name_ + ", frame " + std::to_string(picture.number)));
+        if (!same_samples(plane.view, newest_.view)) newest_ = std::move(plane);
+        picture.plane = newest_;
+        return std::optional(std::move(picture));
+    }
 
     TrackDecoder decoder_;  // the worker's, as is newest_
     const int stream_;
@@ -77,159 +217,6 @@ private:
     std::thread thread_;
 };
 
-/// Packets of a track under way: one being decoded while another waits.
-constexpr std::size_t packets_ahead = 2;
-/// From this many pixels on a picture is worth a thread.
-constexpr std::int64_t pixels_for_thread = 50'000;
-
-std::optional<TrackDecoder::Picture> end_of_track() {
-    return {};
-}
-
-TrackThread::TrackThread(TrackDecoder decoder, int stream, Fit fit)
-    : decoder_(std::move(decoder)),
-      stream_(stream),
-      name_(decoder_.name()),
-      fit_(std::move(fit)),
-      threaded_(decoder_.pixels() >= pixels_for_thread) {}
-
-TrackThread::~TrackThread() {
-    {
-        const std::lock_guard lock(mutex_);
-        stopping_ = true;
-    }
-    changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
-}
-
-void TrackThread::restart(std::int64_t frame) {
-    std::unique_lock lock(mutex_);
-    jobs_.clear();
-    changed_.wait(lock, [this] { return !working_; });
-    if (thrown_) {  // its thread has ended with that
-        lock.unlock();
-        thread_.join();
-        lock.lock();
-        thrown_ = nullptr;
-    }
-    outcomes_.clear();
-    decoder_.restart(frame);
-    final_.reset();
-    all_read_ = false;
-}
-
-void TrackThread::fill(Demuxer& file) {
-    while (threaded_ && has_room()) push(file);
-}
-
-bool TrackThread::has_room() {
-    if (all_read_) return false;
-    const std::lock_guard lock(mutex_);
-    return jobs_.size() + outcomes_.size() + (working_ ? 1 : 0) < packets_ahead;
-}
-
-void TrackThread::push(Demuxer& file) {
-    auto packet = file.next(stream_);
-    all_read_ = !packet || !*packet;
-    std::unique_lock lock(mutex_);
-    jobs_.push_back({std::move(packet), left_out_});
-    lock.unlock();
-    changed_.notify_all();
-    if (!threaded_ || thread_.joinable()) return;
-    if (auto started = start_thread(thread_, "track-decoder", "that decodes a track", [this] { run(); });
-        !started)
-        give(started.error());
-}
-
-Result<std::optional<TrackDecoder::Picture>> TrackThread::next(Demuxer& file) {
-    while (!final_) {
-        if (auto outcome = take()) {
-            if (*outcome && **outcome) return std::move(*outcome);
-            final_ = std::move(outcome);
-        } else {
-            push(file);
-        }
-    }
-    return *final_ ? Outcome(end_of_track()) : Outcome(final_->error());
-}
-
-/// Nothing: a further packet is needed.
-std::optional<TrackThread::Outcome> TrackThread::take() {
-    std::unique_lock lock(mutex_);
-    if (!threaded_ && outcomes_.empty() && !jobs_.empty()) {
-        const Job job = std::move(jobs_.front());
-        jobs_.pop_front();
-        lock.unlock();
-        work(job);
-        lock.lock();
-    }
-    changed_.wait(lock, [this] { return !outcomes_.empty() || thrown_ || (jobs_.empty() && !working_); });
-    if (!outcomes_.empty()) {
-        auto outcome = std::move(outcomes_.front());
-        outcomes_.pop_front();
-        return outcome;
-    }
-    if (thrown_) std::rethrow_exception(thrown_);
-    return std::nullopt;
-}
-
-/// Nothing thrown leaves the thread: `next` throws it again.
-void TrackThread::run() {
-    std::unique_lock lock(mutex_);
-    while (true) {
-        changed_.wait(lock, [this] { return stopping_ || !jobs_.empty(); });
-        if (stopping_) return;
-        const Job job = std::move(jobs_.front());
-        jobs_.pop_front();
-        working_ = true;
-        lock.unlock();
-        std::exception_ptr thrown;
-        try {
-            work(job);
-        } catch (...) {
-            thrown = std::current_exception();
-        }
-        lock.lock();
-        working_ = false;
-        thrown_ = thrown;
-        changed_.notify_all();
-        if (thrown_) return;
-    }
-}
-
-void TrackThread::work(const Job& job) {
-    if (!job.packet) return give(job.packet.error());
-    const AVPacket* packet = job.packet->get();
-    if (packet && job.left_out && decoder_.is_one_packet_each()) {
-        auto skipped = decoder_.skip(*packet);
-        return give(skipped ? Outcome(std::optional(std::move(*skipped))) : Outcome(skipped.error()));
-    }
-    if (auto sent = decoder_.send(packet); !sent) return give(sent.error());
-    while (true) {
-        auto decoded = decoder_.receive();
-        if (!decoded) return give(decoded.error());
-        if (!*decoded) break;
-        give(fitted(std::move(**decoded)));
-    }
-    if (!packet) give(end_of_track());
-}
-
-TrackThread::Outcome TrackThread::fitted(TrackDecoder::Picture picture) {
-    TRY_ASSIGN(auto plane,
-               fit_(std::move(picture.plane), name_ + ", frame " + std::to_string(picture.number)));
-    if (!same_samples(plane.view, newest_.view)) newest_ = std::move(plane);
-    picture.plane = newest_;
-    return std::optional(std::move(picture));
-}
-
-void TrackThread::give(Outcome outcome) {
-    {
-        const std::lock_guard lock(mutex_);
-        outcomes_.push_back(std::move(outcome));
-    }
-    changed_.notify_all();
-}
-
 constexpr double ns_per_second = 1e9, latest_seconds = 4e9;
 
 class ClipFileReader final : public ClipReader {
@@ -238,7 +225,15 @@ public:
         : file_(source.string()), container_(std::move(container)) {
         add_input(source.path());
     }
-    Result<void> open(const std::optional<SceneDescription>& replacement);
+    Result<void> open(const std::optional<SceneDescription>& replacement) {
+        TRY(open_file());
+        TRY_ASSIGN(recorded_rate_, container_->rate(*demuxer_));
+        TRY_ASSIGN(whole_, container_->whole_part(*demuxer_));
+        TRY(read_scene(replacement));
+        TRY(start());
+        return describe();
+    }
+
     bool leaves_far_open() const { return unstated_.far; }
 
     const Scene& scene() const override { return scene_; }
@@ -246,10 +241,41 @@ public:
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return promised_; }
     const std::vector<std::string>& notes() const override { return notes_; }
-    Result<std::optional<RawFrame>> next() override;
+    Result<std::optional<RawFrame>> next() override {
+        if (first_) return std::exchange(first_, std::nullopt);
+        return read();
+    }
+
     Result<void> rewind() override { return seek(0); }
-    Result<void> seek(std::int64_t frame) override;
-    std::int64_t access_point(std::int64_t frame) const override;
+    /// By the file's index, or where that leads nowhere by reading on from the first byte.
+    Result<void> seek(std::int64_t frame) override {
+        if (frame < 0)
+            return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
+        first_.reset();
+        TRY_ASSIGN(index_leads_, begin_at(frame));
+        if (!index_leads_) {
+            TRY(open_file());
+            TRY(start());
+        }
+        while ((first_ ? 0 : number_) < frame) {
+            TRY_ASSIGN(const auto passed, next());
+            if (!passed)
+                return usage_error(file_ + ": has no frame " + std::to_string(frame) + ": its last is " +
+                                   std::to_string(number_ - 1));
+        }
+        return {};
+    }
+
+    /// Of clips that other programs have encoded anew it is not known.
+    std::int64_t access_point(std::int64_t frame) const override {
+        if (!index_leads_) return 0;
+        if (container_->has_whole_index()) return indexed_access_point(frame);
+        const auto is_ours = [](const Track& track) { return track.pictures->has_additions(); };
+        if (std::ranges::all_of(tracks_, is_ours)) return frame - frame % clip_tags::access_interval;
+        const auto is_ffv1 = [](const Track& track) { return track.pictures->info().codec == "ffv1"; };
+        return std::ranges::all_of(tracks_, is_ffv1) ? frame : 0;
+    }
+
     void leave_out_colour() override { with_colour_ = false; }
 
 private:
@@ -265,32 +291,310 @@ private:
     Error refuse(const std::string& what, Hints hints = {}) const {
         return input_error(file_ + ": " + what, std::move(hints));
     }
-    Result<void> open_file();
-    Result<void> start();
-    Result<void> read_scene(const std::optional<SceneDescription>& replacement);
-    Result<void> read_poses();
-    Result<void> open_tracks();
-    Result<void> describe();
-    Result<void> describe_tracks();
-    std::vector<int> streams() const;
-    std::int64_t indexed_access_point(std::int64_t frame) const;
-    std::optional<std::int64_t> key_packet(int stream, std::int64_t least);
-    Result<bool> begin_at(std::int64_t frame);
+    Result<void> open_file() {
+        TRY_ASSIGN(auto demuxer, container_->open());
+        tracks_.clear();
+        demuxer_ = std::move(demuxer);
+        return {};
+    }
+
+    /// Opens the tracks of a file just opened and reads frame 0.
+    Result<void> start() {
+        number_ = 0;
+        first_.reset();
+        TRY(open_tracks());
+        TRY_ASSIGN(auto frame, read());
+        if (!frame) return refuse("has no frames");
+        first_ = std::move(*frame);
+        return {};
+    }
+
+    Result<void> read_scene(const std::optional<SceneDescription>& replacement) {
+        TRY_ASSIGN(auto described, replacement ? Result<SceneDescription>(*replacement)
+                                               : container_->scene(*demuxer_, recorded_rate_));
+        notes_.insert(notes_.end(), container_->notes().begin(), container_->notes().end());
+        if (!described.unstated.rate)
+            if (auto note = clip_tags::rate_note(described.scene.rate, recorded_rate_))
+                notes_.push_back(std::move(*note));
+        auto scene = settle(described, {.rate = recorded_rate_});
+        if (!scene) return refuse(scene.error().message);
+        scene_ = std::move(*scene);
+        unstated_ = described.unstated;
+        return read_poses();
+    }
+
+    /// They are at the times that the frames were recorded at.
+    Result<void> read_poses() {
+        const auto text = container_->poses(*demuxer_);
+        if (!text) return {};
+        TRY_ASSIGN(const auto poses, parse_timed_poses(*text, file_ + ": poses.txt", scene_.metres_per_unit));
+        scene_.path = std::make_shared<const CameraPath>(path_of_timed_poses(poses, recorded_rate_));
+        return {};
+    }
+
+    Result<void> open_tracks() {
+        TRY_ASSIGN(const auto found, container_->tracks(*demuxer_, scene_));
+        const auto halves = std::ranges::count_if(
+            found, [](const ClipContainer::Track& track) { return track.low_stream.has_value(); });
+        const std::size_t tracks = found.size() + static_cast<std::size_t>(halves);
+        for (const ClipContainer::Track& track : found) {
+            const PlaneRole role = track.role;
+            const auto open = [&](int stream, TrackThread::Fit fit) -> Result<std::unique_ptr<TrackThread>> {
+                TRY_ASSIGN(auto decoder,
+                           TrackDecoder::open(*demuxer_->container().streams[stream], role, file_, tracks));
+                demuxer_->select(stream);
+                return std::make_unique<TrackThread>(std::move(decoder), stream, std::move(fit));
+            };
+            const auto fit = [this, role](Plane plane, const std::string& where) {
+                return fit_plane(role, std::move(plane), scene_, where);
+            };
+            const auto leave = [](Plane plane, const std::string&) {
+                return Result<Plane>(std::move(plane));
+            };
+            TRY_ASSIGN(auto pictures, open(track.stream, track.low_stream ? TrackThread::Fit(leave)
+                                                                          : TrackThread::Fit(fit)));
+            Track& made = tracks_.emplace_back(Track{.pictures = std::move(pictures)});
+            made.low_bits = track.low_bits;
+            made.is_lossless = track.is_lossless;
+            if (!track.low_stream) continue;
+            TRY_ASSIGN(made.low, open(*track.low_stream, leave));
+        }
+        return {};
+    }
+
+    /// What can be told of the whole clip once frame 0 is there.
+    Result<void> describe() {
+        if (whole_) {
+            promised_ = whole_->frames;
+            if (recorded_rate_.own_times && std::ssize(*recorded_rate_.own_times) < promised_)
+                return refuse_times();
+            if (whole_->is_cut)
+                notes_.push_back("the file is cut: its first " + std::to_string(promised_) +
+                                 (promised_ == 1 ? " frame is" : " frames are") + " whole");
+            else if (whole_->is_uneven)
+                notes_.push_back("its tracks end at different frames: the first " +
+                                 std::to_string(promised_) + (promised_ == 1 ? " has all" : " have all"));
+            return describe_tracks();
+        }
+        // A Matroska file gets its duration when it is completed, so one that ends sooner is not whole.
+        const std::optional<double> end_s = demuxer_->pictures_end();
+        if (!end_s) return refuse("was never completed: it has no duration");
+        constexpr double rounding = 0.002;
+        if (!recorded_rate_.own_times) {
+            promised_ = std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
+            return describe_tracks();
+        }
+        promised_ = std::ssize(*recorded_rate_.own_times);
+        const double left = *end_s - origin_seconds_ - seconds_of(promised_ - 1);  // for the last of them
+        if (left < -rounding) return refuse_times();
+        if (left > longest_gap() + rounding && pictures_of_depth() > promised_) return refuse_times();
+        return describe_tracks();
+    }
+
+    Result<void> describe_tracks() {
+        for (const Track& track : tracks_) {
+            TrackInfo& info = infos_.emplace_back(track.pictures->info());
+            info.lossless = info.lossless || track.is_lossless;
+            if (track.low) info.pixel_format = std::to_string(8 + track.low_bits) + " bits in two tracks";
+        }
+        const auto notes = describe_planes(infos_, *first_, scene_);
+        notes_.insert(notes_.end(), notes.begin(), notes.end());
+        return {};
+    }
+
+    std::vector<int> streams() const {
+        std::vector<int> all;
+        for (const Track& track : tracks_) {
+            all.push_back(track.pictures->stream());
+            if (track.low) all.push_back(track.low->stream());
+        }
+        return all;
+    }
+
+    /// The last frame up to this one at which every track begins anew, as far as the index knows. Of some
+    /// tracks every picture is on its own: those of the others decide.
+    std::int64_t indexed_access_point(std::int64_t frame) const {
+        std::int64_t target = frame, before = frame + 1;
+        while (target < before) {  // where one begins anew another may not
+            before = target;
+            for (const int stream : streams()) {
+                if (container_->has_whole_index()) {
+                    target = std::min(target, demuxer_->key_picture(stream, target));
+                    continue;
+                }
+                const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
+                if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
+                    target = std::min(target, *begins);
+            }
+        }
+        return target;
+    }
+
+    /// The frame of the next packet, which decoding can begin with. FFmpeg leads the other tracks to where
+    /// the first decodes a frame, which may be before they show it: what they have before `least` is passed
+    /// over.
+    std::optional<std::int64_t> key_packet(int stream, std::int64_t least) {
+        while (true) {
+            const auto packet = demuxer_->peek(stream);
+            if (!packet || !*packet) return std::nullopt;
+            const bool is_key = ((*packet)->flags & AV_PKT_FLAG_KEY) != 0;
+            const auto begins = frame_of(stream, (*packet)->pts);
+            if (is_key && (!begins || *begins >= least)) return begins;
+            if (least == 0 || !demuxer_->next(stream)) return std::nullopt;
+        }
+    }
+
+    /// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
+    /// false where the index leads to no such frame.
+    Result<bool> begin_at(std::int64_t frame) {
+        const int depth = tracks_.front().pictures->stream();
+        const auto go_to = [&](std::int64_t to) { return demuxer_->seek(depth, timestamp_of(depth, to)); };
+        const bool is_whole = container_->has_whole_index();
+        // Of Matroska the first search reads the index.
+        if (!is_whole && !go_to(frame)) return false;
+        const std::int64_t target = indexed_access_point(frame);
+        if ((is_whole || target < frame) && !go_to(target)) return false;
+        std::optional<std::int64_t> there;
+        for (const int stream : streams()) {
+            const auto begins = key_packet(stream, is_whole ? target : 0);
+            if (!begins || (there && *there != *begins) || *begins > frame) return false;
+            there = begins;
+        }
+        // Pictures of an open group are shown before the one that it begins with.
+        if (is_whole && *there != target) return false;
+        number_ = *there;
+        for (Track& track : tracks_) {
+            track.pictures->restart(number_);
+            if (track.low) track.low->restart(number_);
+            track.until = number_;
+        }
+        return true;
+    }
+
     double tick_of(int stream) const { return av_q2d(demuxer_->container().streams[stream]->time_base); }
     double seconds_of(std::int64_t frame) const {
         return static_cast<double>(recorded_rate_.time_ns(frame)) / ns_per_second;
     }
-    std::optional<std::int64_t> frame_of(int stream, std::int64_t timestamp) const;
-    std::int64_t timestamp_of(int stream, std::int64_t frame) const;
-    Result<bool> read_plane(Track& track, RawFrame& frame);
-    Result<void> join_low(Track& track);
-    Result<void> check_time(const TrackThread& track, std::int64_t timestamp);
-    double longest_gap() const;
-    std::int64_t pictures_of_depth() const;
-    Error refuse_times() const;
-    Result<std::optional<RawFrame>> read();
+    // Frames are at their numbers' times, to whole milliseconds; frame 0 is at the origin.
+    std::optional<std::int64_t> frame_of(int stream, std::int64_t timestamp) const {
+        if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
+        const double seconds = static_cast<double>(timestamp) * tick_of(stream) - origin_seconds_;
+        if (!(std::fabs(seconds) < latest_seconds)) return std::nullopt;
+        return recorded_rate_.nearest(std::llround(seconds * ns_per_second));
+    }
+
+    std::int64_t timestamp_of(int stream, std::int64_t frame) const {
+        return std::llround((origin_seconds_ + seconds_of(frame)) / tick_of(stream));
+    }
+
+    /// False after the last.
+    Result<bool> read_plane(Track& track, RawFrame& frame) {
+        if (number_ >= track.until) {
+            TRY_ASSIGN(auto picture, track.pictures->next(*demuxer_));
+            if (!picture) return false;
+            TRY(check_time(*track.pictures, picture->timestamp));
+            track.newest = std::move(picture->plane);
+            track.until = number_ + picture->frames;
+            if (track.low) TRY(join_low(track));
+        }
+        if (!track.newest.view.empty()) add_plane(frame, track.pictures->role(), track.newest);
+        return true;
+    }
+
+    /// To the high bits of the newest picture the low ones.
+    Result<void> join_low(Track& track) {
+        TRY_ASSIGN(auto low, track.low->next(*demuxer_));
+        const std::string where = track.pictures->name() + ", frame " + std::to_string(number_);
+        if (!low) return input_error(where + ": its low bits are missing");
+        TRY(check_time(*track.low, low->timestamp));
+        const PlaneView &high = track.newest.view, &below = low->plane.view;
+        const auto is_grey = [](const PlaneView& plane) {
+            return plane.channels == 1 && plane.bytes_per_sample == 1;
+        };
+        if (!is_grey(high) || !is_grey(below) || high.width != below.width || high.height != below.height)
+            return input_error(where + ": its high and low bits are not two grey pictures of one size");
+        TRY_ASSIGN(track.newest,
+                   fit_plane(track.pictures->role(),
+                             plane_from(joined_bytes(high, below, track.low_bits), 8 + track.low_bits),
+                             scene_, where));
+        return {};
+    }
+
+    /// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
+    Result<void> check_time(const TrackThread& track, std::int64_t timestamp) {
+        const double seconds = static_cast<double>(timestamp) * tick_of(track.stream());
+        if (number_ == 0 && track.role() == PlaneRole::depth) origin_seconds_ = seconds;
+        const double expected = seconds_of(number_);
+        constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
+        if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding)
+            return {};
+        const auto& own = recorded_rate_.own_times;
+        if (own && number_ >= static_cast<std::int64_t>(own->size())) return refuse_times();
+        return input_error(track.name() + ", frame " + std::to_string(number_) +
+                           ": is missing, or not at its time: the picture found there is stamped " +
+                           std::to_string(seconds - origin_seconds_) + " s instead of " +
+                           std::to_string(expected) + " s");
+    }
+
+    double longest_gap() const {
+        const auto& times_ns = *recorded_rate_.own_times;
+        std::int64_t longest = 0;
+        for (std::size_t n = 1; n < times_ns.size(); ++n)
+            longest = std::max(longest, times_ns[n] - times_ns[n - 1]);
+        return static_cast<double>(longest) / ns_per_second;
+    }
+
+    /// By going through the whole file once more; as many as can be read.
+    std::int64_t pictures_of_depth() const {
+        const auto file = container_->open();
+        if (!file) return 0;
+        const int stream = tracks_.front().pictures->stream();
+        (*file)->select(stream);
+        std::int64_t count = 0;
+        for (auto packet = (*file)->next(stream); packet && *packet; packet = (*file)->next(stream)) ++count;
+        return count;
+    }
+
+    Error refuse_times() const {
+        return refuse("its " + std::string(container_->words().times) + " has the times of " +
+                      std::to_string(recorded_rate_.own_times->size()) + " frames, but depth has " +
+                      std::to_string(pictures_of_depth()) + " pictures: must be one time for each");
+    }
+
+    Result<std::optional<RawFrame>> read() {
+        if (whole_ && number_ >= whole_->frames) return std::optional<RawFrame>{};
+        RawFrame frame;
+        frame.number = number_;
+        frame.time_ns = scene_.rate.time_ns(number_);
+        for (Track& track : tracks_) {
+            // The first frame tells what a track holds, so that has all planes.
+            if (!with_colour_ && number_ > 0 && track.pictures->role() == PlaneRole::colour)
+                track.pictures->leave_out();
+            track.pictures->fill(*demuxer_);
+            if (track.low) track.low->fill(*demuxer_);
+        }
+        std::vector<std::string> present, ended;
+        for (Track& track : tracks_) {
+            TRY_ASSIGN(const auto there, read_plane(track, frame));
+            (there ? present : ended).push_back(track.pictures->info().role);
+        }
+        if (!ended.empty()) {
+            TRY(check_end(present, ended));
+            return std::optional<RawFrame>{};
+        }
+        ++number_;
+        return std::optional(std::move(frame));
+    }
+
     Result<void> check_end(const std::vector<std::string>& present,
-                           const std::vector<std::string>& ended) const;
+                           const std::vector<std::string>& ended) const {
+        const std::string where = "track " + ended.front() + ", frame " + std::to_string(number_);
+        if (!present.empty())
+            return refuse(where + ": is missing, though track " + present.front() + " has it");
+        if (number_ == 0 || number_ >= promised_) return {};
+        return refuse(where + ": is where the clip ends, but it promises " + std::to_string(promised_) +
+                      " frames: it is truncated or damaged");
+    }
 
     std::string file_;
     std::unique_ptr<ClipContainer> container_;
@@ -311,344 +615,6 @@ private:
     double origin_seconds_ = 0;      // timestamp of frame 0
     std::optional<RawFrame> first_;  // read to learn the tracks' formats, not yet given away
 };
-
-Result<void> ClipFileReader::open(const std::optional<SceneDescription>& replacement) {
-    TRY(open_file());
-    TRY_ASSIGN(recorded_rate_, container_->rate(*demuxer_));
-    TRY_ASSIGN(whole_, container_->whole_part(*demuxer_));
-    TRY(read_scene(replacement));
-    TRY(start());
-    return describe();
-}
-
-/// By the file's index, or where that leads nowhere by reading on from the first byte.
-Result<void> ClipFileReader::seek(std::int64_t frame) {
-    if (frame < 0) return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
-    first_.reset();
-    TRY_ASSIGN(index_leads_, begin_at(frame));
-    if (!index_leads_) {
-        TRY(open_file());
-        TRY(start());
-    }
-    while ((first_ ? 0 : number_) < frame) {
-        TRY_ASSIGN(const auto passed, next());
-        if (!passed)
-            return usage_error(file_ + ": has no frame " + std::to_string(frame) + ": its last is " +
-                               std::to_string(number_ - 1));
-    }
-    return {};
-}
-
-/// Of clips that other programs have encoded anew it is not known.
-std::int64_t ClipFileReader::access_point(std::int64_t frame) const {
-    if (!index_leads_) return 0;
-    if (container_->has_whole_index()) return indexed_access_point(frame);
-    const auto is_ours = [](const Track& track) { return track.pictures->has_additions(); };
-    if (std::ranges::all_of(tracks_, is_ours)) return frame - frame % clip_tags::access_interval;
-    const auto is_ffv1 = [](const Track& track) { return track.pictures->info().codec == "ffv1"; };
-    return std::ranges::all_of(tracks_, is_ffv1) ? frame : 0;
-}
-
-std::vector<int> ClipFileReader::streams() const {
-    std::vector<int> all;
-    for (const Track& track : tracks_) {
-        all.push_back(track.pictures->stream());
-        if (track.low) all.push_back(track.low->stream());
-    }
-    return all;
-}
-
-/// The last frame up to this one at which every track begins anew, as far as the index knows. Of some tracks
-/// every picture is on its own: those of the others decide.
-std::int64_t ClipFileReader::indexed_access_point(std::int64_t frame) const {
-    std::int64_t target = frame, before = frame + 1;
-    while (target < before) {  // where one begins anew another may not
-        before = target;
-        for (const int stream : streams()) {
-            if (container_->has_whole_index()) {
-                target = std::min(target, demuxer_->key_picture(stream, target));
-                continue;
-            }
-            const auto key = demuxer_->key_before(stream, timestamp_of(stream, target));
-            if (const auto begins = key ? frame_of(stream, *key) : std::nullopt)
-                target = std::min(target, *begins);
-        }
-    }
-    return target;
-}
-
-/// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
-/// false where the index leads to no such frame.
-Result<bool> ClipFileReader::begin_at(std::int64_t frame) {
-    const int depth = tracks_.front().pictures->stream();
-    const auto go_to = [&](std::int64_t to) { return demuxer_->seek(depth, timestamp_of(depth, to)); };
-    const bool is_whole = container_->has_whole_index();
-    // Of Matroska the first search reads the index.
-    if (!is_whole && !go_to(frame)) return false;
-    const std::int64_t target = indexed_access_point(frame);
-    if ((is_whole || target < frame) && !go_to(target)) return false;
-    std::optional<std::int64_t> there;
-    for (const int stream : streams()) {
-        const auto begins = key_packet(stream, is_whole ? target : 0);
-        if (!begins || (there && *there != *begins) || *begins > frame) return false;
-        there = begins;
-    }
-    // Pictures of an open group are shown before the one that it begins with.
-    if (is_whole && *there != target) return false;
-    number_ = *there;
-    for (Track& track : tracks_) {
-        track.pictures->restart(number_);
-        if (track.low) track.low->restart(number_);
-        track.until = number_;
-    }
-    return true;
-}
-
-/// The frame of the next packet, which decoding can begin with. FFmpeg leads the other tracks to where the
-/// first decodes a frame, which may be before they show it: what they have before `least` is passed over.
-std::optional<std::int64_t> ClipFileReader::key_packet(int stream, std::int64_t least) {
-    while (true) {
-        const auto packet = demuxer_->peek(stream);
-        if (!packet || !*packet) return std::nullopt;
-        const bool is_key = ((*packet)->flags & AV_PKT_FLAG_KEY) != 0;
-        const auto begins = frame_of(stream, (*packet)->pts);
-        if (is_key && (!begins || *begins >= least)) return begins;
-        if (least == 0 || !demuxer_->next(stream)) return std::nullopt;
-    }
-}
-
-Result<void> ClipFileReader::open_file() {
-    TRY_ASSIGN(auto demuxer, container_->open());
-    tracks_.clear();
-    demuxer_ = std::move(demuxer);
-    return {};
-}
-
-Result<void> ClipFileReader::read_scene(const std::optional<SceneDescription>& replacement) {
-    TRY_ASSIGN(auto described, replacement ? Result<SceneDescription>(*replacement)
-                                           : container_->scene(*demuxer_, recorded_rate_));
-    notes_.insert(notes_.end(), container_->notes().begin(), container_->notes().end());
-    if (!described.unstated.rate)
-        if (auto note = clip_tags::rate_note(described.scene.rate, recorded_rate_))
-            notes_.push_back(std::move(*note));
-    auto scene = settle(described, {.rate = recorded_rate_});
-    if (!scene) return refuse(scene.error().message);
-    scene_ = std::move(*scene);
-    unstated_ = described.unstated;
-    return read_poses();
-}
-
-/// They are at the times that the frames were recorded at.
-Result<void> ClipFileReader::read_poses() {
-    const auto text = container_->poses(*demuxer_);
-    if (!text) return {};
-    TRY_ASSIGN(const auto poses, parse_timed_poses(*text, file_ + ": poses.txt", scene_.metres_per_unit));
-    scene_.path = std::make_shared<const CameraPath>(path_of_timed_poses(poses, recorded_rate_));
-    return {};
-}
-
-/// Opens the tracks of a file just opened and reads frame 0.
-Result<void> ClipFileReader::start() {
-    number_ = 0;
-    first_.reset();
-    TRY(open_tracks());
-    TRY_ASSIGN(auto frame, read());
-    if (!frame) return refuse("has no frames");
-    first_ = std::move(*frame);
-    return {};
-}
-
-Result<void> ClipFileReader::open_tracks() {
-    TRY_ASSIGN(const auto found, container_->tracks(*demuxer_, scene_));
-    const auto halves = std::ranges::count_if(
-        found, [](const ClipContainer::Track& track) { return track.low_stream.has_value(); });
-    const std::size_t tracks = found.size() + static_cast<std::size_t>(halves);
-    for (const ClipContainer::Track& track : found) {
-        const PlaneRole role = track.role;
-        const auto open = [&](int stream, TrackThread::Fit fit) -> Result<std::unique_ptr<TrackThread>> {
-            TRY_ASSIGN(auto decoder,
-                       TrackDecoder::open(*demuxer_->container().streams[stream], role, file_, tracks));
-            demuxer_->select(stream);
-            return std::make_unique<TrackThread>(std::move(decoder), stream, std::move(fit));
-        };
-        const auto fit = [this, role](Plane plane, const std::string& where) {
-            return fit_plane(role, std::move(plane), scene_, where);
-        };
-        const auto leave = [](Plane plane, const std::string&) { return Result<Plane>(std::move(plane)); };
-        TRY_ASSIGN(auto pictures,
-                   open(track.stream, track.low_stream ? TrackThread::Fit(leave) : TrackThread::Fit(fit)));
-        Track& made = tracks_.emplace_back(Track{.pictures = std::move(pictures)});
-        made.low_bits = track.low_bits;
-        made.is_lossless = track.is_lossless;
-        if (!track.low_stream) continue;
-        TRY_ASSIGN(made.low, open(*track.low_stream, leave));
-    }
-    return {};
-}
-
-/// What can be told of the whole clip once frame 0 is there.
-Result<void> ClipFileReader::describe() {
-    if (whole_) {
-        promised_ = whole_->frames;
-        if (recorded_rate_.own_times && std::ssize(*recorded_rate_.own_times) < promised_)
-            return refuse_times();
-        if (whole_->is_cut)
-            notes_.push_back("the file is cut: its first " + std::to_string(promised_) +
-                             (promised_ == 1 ? " frame is" : " frames are") + " whole");
-        else if (whole_->is_uneven)
-            notes_.push_back("its tracks end at different frames: the first " + std::to_string(promised_) +
-                             (promised_ == 1 ? " has all" : " have all"));
-        return describe_tracks();
-    }
-    // A Matroska file gets its duration when it is completed, so one that ends sooner is not whole.
-    const std::optional<double> end_s = demuxer_->pictures_end();
-    if (!end_s) return refuse("was never completed: it has no duration");
-    constexpr double rounding = 0.002;
-    if (!recorded_rate_.own_times) {
-        promised_ = std::llround((*end_s - origin_seconds_) * recorded_rate_.per_second());
-        return describe_tracks();
-    }
-    promised_ = std::ssize(*recorded_rate_.own_times);
-    const double left = *end_s - origin_seconds_ - seconds_of(promised_ - 1);  // for the last of them
-    if (left < -rounding) return refuse_times();
-    if (left > longest_gap() + rounding && pictures_of_depth() > promised_) return refuse_times();
-    return describe_tracks();
-}
-
-Result<void> ClipFileReader::describe_tracks() {
-    for (const Track& track : tracks_) {
-        TrackInfo& info = infos_.emplace_back(track.pictures->info());
-        info.lossless = info.lossless || track.is_lossless;
-        if (track.low) info.pixel_format = std::to_string(8 + track.low_bits) + " bits in two tracks";
-    }
-    const auto notes = describe_planes(infos_, *first_, scene_);
-    notes_.insert(notes_.end(), notes.begin(), notes.end());
-    return {};
-}
-
-Result<std::optional<RawFrame>> ClipFileReader::next() {
-    if (first_) return std::exchange(first_, std::nullopt);
-    return read();
-}
-
-Result<std::optional<RawFrame>> ClipFileReader::read() {
-    if (whole_ && number_ >= whole_->frames) return std::optional<RawFrame>{};
-    RawFrame frame;
-    frame.number = number_;
-    frame.time_ns = scene_.rate.time_ns(number_);
-    for (Track& track : tracks_) {
-        // The first frame tells what a track holds, so that has all planes.
-        if (!with_colour_ && number_ > 0 && track.pictures->role() == PlaneRole::colour)
-            track.pictures->leave_out();
-        track.pictures->fill(*demuxer_);
-        if (track.low) track.low->fill(*demuxer_);
-    }
-    std::vector<std::string> present, ended;
-    for (Track& track : tracks_) {
-        TRY_ASSIGN(const auto there, read_plane(track, frame));
-        (there ? present : ended).push_back(track.pictures->info().role);
-    }
-    if (!ended.empty()) {
-        TRY(check_end(present, ended));
-        return std::optional<RawFrame>{};
-    }
-    ++number_;
-    return std::optional(std::move(frame));
-}
-
-/// False after the last.
-Result<bool> ClipFileReader::read_plane(Track& track, RawFrame& frame) {
-    if (number_ >= track.until) {
-        TRY_ASSIGN(auto picture, track.pictures->next(*demuxer_));
-        if (!picture) return false;
-        TRY(check_time(*track.pictures, picture->timestamp));
-        track.newest = std::move(picture->plane);
-        track.until = number_ + picture->frames;
-        if (track.low) TRY(join_low(track));
-    }
-    if (!track.newest.view.empty()) add_plane(frame, track.pictures->role(), track.newest);
-    return true;
-}
-
-/// To the high bits of the newest picture the low ones.
-Result<void> ClipFileReader::join_low(Track& track) {
-    TRY_ASSIGN(auto low, track.low->next(*demuxer_));
-    const std::string where = track.pictures->name() + ", frame " + std::to_string(number_);
-    if (!low) return input_error(where + ": its low bits are missing");
-    TRY(check_time(*track.low, low->timestamp));
-    const PlaneView &high = track.newest.view, &below = low->plane.view;
-    const auto is_grey = [](const PlaneView& plane) {
-        return plane.channels == 1 && plane.bytes_per_sample == 1;
-    };
-    if (!is_grey(high) || !is_grey(below) || high.width != below.width || high.height != below.height)
-        return input_error(where + ": its high and low bits are not two grey pictures of one size");
-    TRY_ASSIGN(
-        track.newest,
-        fit_plane(track.pictures->role(),
-                  plane_from(joined_bytes(high, below, track.low_bits), 8 + track.low_bits), scene_, where));
-    return {};
-}
-
-// Frames are at their numbers' times, to whole milliseconds; frame 0 is at the origin.
-std::optional<std::int64_t> ClipFileReader::frame_of(int stream, std::int64_t timestamp) const {
-    if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
-    const double seconds = static_cast<double>(timestamp) * tick_of(stream) - origin_seconds_;
-    if (!(std::fabs(seconds) < latest_seconds)) return std::nullopt;
-    return recorded_rate_.nearest(std::llround(seconds * ns_per_second));
-}
-
-std::int64_t ClipFileReader::timestamp_of(int stream, std::int64_t frame) const {
-    return std::llround((origin_seconds_ + seconds_of(frame)) / tick_of(stream));
-}
-
-double ClipFileReader::longest_gap() const {
-    const auto& times_ns = *recorded_rate_.own_times;
-    std::int64_t longest = 0;
-    for (std::size_t n = 1; n < times_ns.size(); ++n)
-        longest = std::max(longest, times_ns[n] - times_ns[n - 1]);
-    return static_cast<double>(longest) / ns_per_second;
-}
-
-/// By going through the whole file once more; as many as can be read.
-std::int64_t ClipFileReader::pictures_of_depth() const {
-    const auto file = container_->open();
-    if (!file) return 0;
-    const int stream = tracks_.front().pictures->stream();
-    (*file)->select(stream);
-    std::int64_t count = 0;
-    for (auto packet = (*file)->next(stream); packet && *packet; packet = (*file)->next(stream)) ++count;
-    return count;
-}
-
-Error ClipFileReader::refuse_times() const {
-    return refuse("its " + std::string(container_->words().times) + " has the times of " +
-                  std::to_string(recorded_rate_.own_times->size()) + " frames, but depth has " +
-                  std::to_string(pictures_of_depth()) + " pictures: must be one time for each");
-}
-
-/// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
-Result<void> ClipFileReader::check_time(const TrackThread& track, std::int64_t timestamp) {
-    const double seconds = static_cast<double>(timestamp) * tick_of(track.stream());
-    if (number_ == 0 && track.role() == PlaneRole::depth) origin_seconds_ = seconds;
-    const double expected = seconds_of(number_);
-    constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
-    if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding) return {};
-    const auto& own = recorded_rate_.own_times;
-    if (own && number_ >= static_cast<std::int64_t>(own->size())) return refuse_times();
-    return input_error(track.name() + ", frame " + std::to_string(number_) +
-                       ": is missing, or not at its time: the picture found there is stamped " +
-                       std::to_string(seconds - origin_seconds_) + " s instead of " +
-                       std::to_string(expected) + " s");
-}
-
-Result<void> ClipFileReader::check_end(const std::vector<std::string>& present,
-                                       const std::vector<std::string>& ended) const {
-    const std::string where = "track " + ended.front() + ", frame " + std::to_string(number_);
-    if (!present.empty()) return refuse(where + ": is missing, though track " + present.front() + " has it");
-    if (number_ == 0 || number_ >= promised_) return {};
-    return refuse(where + ": is where the clip ends, but it promises " + std::to_string(promised_) +
-                  " frames: it is truncated or damaged");
-}
 
 Result<std::unique_ptr<ClipReader>> open_clip_file(const SourceFile& file,
                                                    std::unique_ptr<ClipContainer> container,

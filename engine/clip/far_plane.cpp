@@ -54,52 +54,49 @@ constexpr double far_margin = 1.05;
 class FarPlaneEstimator {
 public:
     explicit FarPlaneEstimator(const DepthCoding& coding) : coding_(coding), pixels_(65536) {}
-    void add(const PlaneView& depth);
+    void add(const PlaneView& depth) {
+        for (int y = 0; y < depth.height && !stop_requested(); ++y)
+            for (int x = 0; x < depth.width; ++x) ++pixels_[static_cast<std::size_t>(depth.sample(x, y))];
+        ++frames_;
+    }
+
     /// Gives this scene that far plane; the note says what was found. An error where no depth was valid.
-    Result<std::string> settle(Scene& scene) const;
+    Result<std::string> settle(Scene& scene) const {
+        std::int64_t valid = 0;
+        const auto is_valid = [&](int code) { return coding_.is_valid(static_cast<std::uint16_t>(code)); };
+        for (int code = 0; code < 65536; ++code)
+            if (is_valid(code)) valid += pixels_[static_cast<std::size_t>(code)];
+        if (valid == 0) return input_error("no frame has a valid depth: give depth.far in the scene file");
+        std::int64_t beyond = 0;
+        int deepest = 65535;
+        for (;; --deepest) {
+            if (!is_valid(deepest)) continue;
+            const std::int64_t here = pixels_[static_cast<std::size_t>(deepest)];
+            if (beyond + here > valid / stray_of) break;
+            beyond += here;
+        }
+        const double depth = coding_.depth(static_cast<std::uint16_t>(deepest));
+        SceneDescription open(scene);
+        open.unstated.far = true;
+        TRY_ASSIGN(scene, touchable::settle(open, {.far = depth * far_margin}));
+        // Some of the strays are within the margin.
+        std::int64_t lost = 0;
+        for (int code = deepest + 1; code < 65536; ++code)
+            if (is_valid(code) && !scene.depth.is_valid(static_cast<std::uint16_t>(code)))
+                lost += pixels_[static_cast<std::size_t>(code)];
+        const std::string note = formatted(
+            "depth.far is %.6g, 5 %% beyond the depth that 1 pixel in %d exceeds at most (%d frame%s)",
+            scene.depth.far, static_cast<int>(stray_of), frames_, frames_ == 1 ? "" : "s");
+        if (lost == 0) return note;
+        return note + formatted("; %.2g %% of the pixels lie beyond it and count as holes",
+                                100 * static_cast<double>(lost) / static_cast<double>(valid));
+    }
 
 private:
     DepthCoding coding_;
     std::vector<std::int64_t> pixels_;  // by code, of valid ones
     int frames_ = 0;
 };
-
-void FarPlaneEstimator::add(const PlaneView& depth) {
-    for (int y = 0; y < depth.height && !stop_requested(); ++y)
-        for (int x = 0; x < depth.width; ++x) ++pixels_[static_cast<std::size_t>(depth.sample(x, y))];
-    ++frames_;
-}
-
-Result<std::string> FarPlaneEstimator::settle(Scene& scene) const {
-    std::int64_t valid = 0;
-    const auto is_valid = [&](int code) { return coding_.is_valid(static_cast<std::uint16_t>(code)); };
-    for (int code = 0; code < 65536; ++code)
-        if (is_valid(code)) valid += pixels_[static_cast<std::size_t>(code)];
-    if (valid == 0) return input_error("no frame has a valid depth: give depth.far in the scene file");
-    std::int64_t beyond = 0;
-    int deepest = 65535;
-    for (;; --deepest) {
-        if (!is_valid(deepest)) continue;
-        const std::int64_t here = pixels_[static_cast<std::size_t>(deepest)];
-        if (beyond + here > valid / stray_of) break;
-        beyond += here;
-    }
-    const double depth = coding_.depth(static_cast<std::uint16_t>(deepest));
-    SceneDescription open(scene);
-    open.unstated.far = true;
-    TRY_ASSIGN(scene, touchable::settle(open, {.far = depth * far_margin}));
-    // Some of the strays are within the margin.
-    std::int64_t lost = 0;
-    for (int code = deepest + 1; code < 65536; ++code)
-        if (is_valid(code) && !scene.depth.is_valid(static_cast<std::uint16_t>(code)))
-            lost += pixels_[static_cast<std::size_t>(code)];
-    const std::string note =
-        formatted("depth.far is %.6g, 5 %% beyond the depth that 1 pixel in %d exceeds at most (%d frame%s)",
-                  scene.depth.far, static_cast<int>(stray_of), frames_, frames_ == 1 ? "" : "s");
-    if (lost == 0) return note;
-    return note + formatted("; %.2g %% of the pixels lie beyond it and count as holes",
-                            100 * static_cast<double>(lost) / static_cast<double>(valid));
-}
 
 class ClipWithFarPlane final : public ReaderAround {
 public:
@@ -197,8 +194,8 @@ Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> c
     auto note = estimator.settle(scene);
     if (!note) return error_at(file.string(), note.error());
     TRY_ASSIGN(auto at_its_beginning, ahead.finish());
-    return std::unique_ptr<ClipReader>(
-        std::make_unique<ClipWithFarPlane>(std::move(at_its_beginning), std::move(scene), std::move(*note)));
+    return std::make_unique<ClipWithFarPlane>(std::move(at_its_beginning), std::move(scene),
+                                              std::move(*note));
 }
 
 }  // namespace touchable

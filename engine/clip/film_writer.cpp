@@ -42,18 +42,91 @@ class FilmSound {
 public:
     /// Adds its stream, before the muxer's header is written: AAC, or FLAC where `is_exact`. The muxer writes
     /// to `room`.
-    int open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact);
+    int open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact) {
+        const AVCodec* const codec = avcodec_find_encoder(is_exact ? AV_CODEC_ID_FLAC : AV_CODEC_ID_AAC);
+        if (!codec) return AVERROR_ENCODER_NOT_FOUND;
+        muxer_ = &muxer;
+        room_ = &room;
+        codec_.reset(avcodec_alloc_context3(codec));
+        frame_.reset(av_frame_alloc());
+        packet_.reset(av_packet_alloc());
+        if (!codec_ || !frame_ || !packet_) return AVERROR(ENOMEM);
+        codec_->sample_fmt = is_exact ? AV_SAMPLE_FMT_S16 : AV_SAMPLE_FMT_FLTP;
+        codec_->sample_rate = SoundTrack::rate;
+        codec_->ch_layout = AV_CHANNEL_LAYOUT_STEREO;
+        codec_->time_base = {1, SoundTrack::rate};
+        codec_->bit_rate = film_sound_bits_per_second;
+        codec_->flags |= AV_CODEC_FLAG_BITEXACT;
+        if (muxer.oformat->flags & AVFMT_GLOBALHEADER) codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+        if (const int status = avcodec_open2(codec_.get(), codec, nullptr); status < 0) return status;
+        stream_ = avformat_new_stream(&muxer, nullptr);
+        if (!stream_) return AVERROR(ENOMEM);
+        stream_->time_base = codec_->time_base;
+        return avcodec_parameters_from_context(stream_->codecpar, codec_.get());
+    }
+
     /// The sample that comes next.
     std::int64_t next() const { return next_; }
-    int add(std::span<const StereoSample> samples);
+    int add(std::span<const StereoSample> samples) {
+        const auto whole = static_cast<std::size_t>(codec_->frame_size);
+        while (!samples.empty()) {
+            const std::size_t count = std::min(samples.size(), whole - waiting_.size());
+            waiting_.insert(waiting_.end(), samples.begin(),
+                            samples.begin() + static_cast<std::ptrdiff_t>(count));
+            next_ += static_cast<std::int64_t>(count);
+            samples = samples.subspan(count);
+            if (waiting_.size() < whole) break;
+            if (const int status = encode_waiting(codec_->frame_size); status < 0) return status;
+        }
+        return 0;
+    }
+
     /// Silence.
-    int fill_until(std::int64_t sample);
+    int fill_until(std::int64_t sample) {
+        static constexpr StereoSample silence[1024]{};
+        int status = 0;
+        while (status >= 0 && next_ < sample)
+            status = add(std::span(silence).first(
+                static_cast<std::size_t>(std::min<std::int64_t>(sample - next_, std::size(silence)))));
+        return status;
+    }
+
     /// Before the muxer's trailer.
-    int finish();
+    int finish() {
+        if (!waiting_.empty())
+            if (const int status = encode_waiting(static_cast<int>(waiting_.size())); status < 0)
+                return status;
+        return encode(nullptr);
+    }
 
 private:
-    int encode(const AVFrame* frame);
-    int encode_waiting(int count);
+    /// Null: what the codec still holds.
+    int encode(const AVFrame* frame) {
+        int status = avcodec_send_frame(codec_.get(), frame);
+        while (status >= 0) {
+            status = avcodec_receive_packet(codec_.get(), packet_.get());
+            if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return 0;
+            if (status < 0) return status;
+            if (!room_->reserve_for(*packet_)) return AVERROR(ENOSPC);
+            packet_->stream_index = stream_->index;
+            av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
+            status = av_interleaved_write_frame(muxer_, packet_.get());
+        }
+        return status;
+    }
+
+    int encode_waiting(int count) {
+        av_frame_unref(frame_.get());
+        frame_->format = codec_->sample_fmt;
+        frame_->sample_rate = codec_->sample_rate;
+        frame_->ch_layout = codec_->ch_layout;
+        frame_->nb_samples = count;
+        frame_->pts = next_ - std::ssize(waiting_);
+        if (const int status = av_frame_get_buffer(frame_.get(), 0); status < 0) return status;
+        lay_sound(std::span(waiting_).first(static_cast<std::size_t>(count)), *frame_);
+        waiting_.erase(waiting_.begin(), waiting_.begin() + count);
+        return encode(frame_.get());
+    }
 
     AVFormatContext* muxer_ = nullptr;
     ReservedOutput* room_ = nullptr;
@@ -64,86 +137,6 @@ private:
     std::vector<StereoSample> waiting_;  // less than a frame of the codec's
     std::int64_t next_ = 0;
 };
-
-int FilmSound::open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact) {
-    const AVCodec* const codec = avcodec_find_encoder(is_exact ? AV_CODEC_ID_FLAC : AV_CODEC_ID_AAC);
-    if (!codec) return AVERROR_ENCODER_NOT_FOUND;
-    muxer_ = &muxer;
-    room_ = &room;
-    codec_.reset(avcodec_alloc_context3(codec));
-    frame_.reset(av_frame_alloc());
-    packet_.reset(av_packet_alloc());
-    if (!codec_ || !frame_ || !packet_) return AVERROR(ENOMEM);
-    codec_->sample_fmt = is_exact ? AV_SAMPLE_FMT_S16 : AV_SAMPLE_FMT_FLTP;
-    codec_->sample_rate = SoundTrack::rate;
-    codec_->ch_layout = AV_CHANNEL_LAYOUT_STEREO;
-    codec_->time_base = {1, SoundTrack::rate};
-    codec_->bit_rate = film_sound_bits_per_second;
-    codec_->flags |= AV_CODEC_FLAG_BITEXACT;
-    if (muxer.oformat->flags & AVFMT_GLOBALHEADER) codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-    if (const int status = avcodec_open2(codec_.get(), codec, nullptr); status < 0) return status;
-    stream_ = avformat_new_stream(&muxer, nullptr);
-    if (!stream_) return AVERROR(ENOMEM);
-    stream_->time_base = codec_->time_base;
-    return avcodec_parameters_from_context(stream_->codecpar, codec_.get());
-}
-
-/// Null: what the codec still holds.
-int FilmSound::encode(const AVFrame* frame) {
-    int status = avcodec_send_frame(codec_.get(), frame);
-    while (status >= 0) {
-        status = avcodec_receive_packet(codec_.get(), packet_.get());
-        if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return 0;
-        if (status < 0) return status;
-        if (!room_->reserve_for(*packet_)) return AVERROR(ENOSPC);
-        packet_->stream_index = stream_->index;
-        av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
-        status = av_interleaved_write_frame(muxer_, packet_.get());
-    }
-    return status;
-}
-
-int FilmSound::encode_waiting(int count) {
-    av_frame_unref(frame_.get());
-    frame_->format = codec_->sample_fmt;
-    frame_->sample_rate = codec_->sample_rate;
-    frame_->ch_layout = codec_->ch_layout;
-    frame_->nb_samples = count;
-    frame_->pts = next_ - std::ssize(waiting_);
-    if (const int status = av_frame_get_buffer(frame_.get(), 0); status < 0) return status;
-    lay_sound(std::span(waiting_).first(static_cast<std::size_t>(count)), *frame_);
-    waiting_.erase(waiting_.begin(), waiting_.begin() + count);
-    return encode(frame_.get());
-}
-
-int FilmSound::add(std::span<const StereoSample> samples) {
-    const auto whole = static_cast<std::size_t>(codec_->frame_size);
-    while (!samples.empty()) {
-        const std::size_t count = std::min(samples.size(), whole - waiting_.size());
-        waiting_.insert(waiting_.end(), samples.begin(),
-                        samples.begin() + static_cast<std::ptrdiff_t>(count));
-        next_ += static_cast<std::int64_t>(count);
-        samples = samples.subspan(count);
-        if (waiting_.size() < whole) break;
-        if (const int status = encode_waiting(codec_->frame_size); status < 0) return status;
-    }
-    return 0;
-}
-
-int FilmSound::fill_until(std::int64_t sample) {
-    static constexpr StereoSample silence[1024]{};
-    int status = 0;
-    while (status >= 0 && next_ < sample)
-        status = add(std::span(silence).first(
-            static_cast<std::size_t>(std::min<std::int64_t>(sample - next_, std::size(silence)))));
-    return status;
-}
-
-int FilmSound::finish() {
-    if (!waiting_.empty())
-        if (const int status = encode_waiting(static_cast<int>(waiting_.size())); status < 0) return status;
-    return encode(nullptr);
-}
 
 /// Where players can begin, in pictures.
 constexpr std::int64_t film_access_interval = 2 * FilmWriter::pictures_per_second;
@@ -158,7 +151,17 @@ int even_side(double side) {
 class FfmpegFilm final : public FilmWriter {
 public:
     FfmpegFilm(const std::filesystem::path& file, Existing existing) : output_(file, existing) {}
-    Result<void> open(const char* format);
+    Result<void> open(const char* format) {
+        TRY(output_.check());
+        AVFormatContext* muxer = nullptr;
+        int status = avformat_alloc_output_context2(&muxer, nullptr, format, nullptr);
+        if (status < 0) return refuse(ffmpeg_text(status));
+        muxer_.reset(muxer);
+        muxer_->flags |= AVFMT_FLAG_BITEXACT;
+        status = room_.open(output_.path(), *muxer_);
+        return status < 0 ? refuse(ffmpeg_text(status)) : Result<void>();
+    }
+
     Result<void> add(const PlaneView& picture, std::int64_t place) override {
         return keep(show(picture, place));
     }
@@ -166,20 +169,125 @@ public:
         if (!picture_) return refuse("its sound came before its first picture");
         return keep(sound(sample, samples));
     }
-    Result<void> finish(std::int64_t end) override;
+    Result<void> finish(std::int64_t end) override {
+        if (!picture_) return refuse("there was no picture");
+        if (so_far_) so_far_ = end_tracks(end);
+        const bool is_cut = room_.is_full() && next_ > 0;  // there is room for its end
+        if (!so_far_ && !is_cut) return so_far_;
+        int status = av_write_trailer(muxer_.get());
+        if (status >= 0) status = room_.close();
+        if (status < 0) return refuse(ffmpeg_text(status));
+        if (auto named = output_.commit(); !named || so_far_) return named;
+        return refuse("the disk is full; it is kept up to there");
+    }
 
 private:
     Error refuse(const std::string& what) const {
         return input_error(output_.target().string() + ": the film cannot be written: " + what);
     }
-    Result<void> check_status(int status) const;
-    Result<void> keep(Result<void> done);
-    Result<void> show(const PlaneView& picture, std::int64_t place);
-    Result<void> sound(std::int64_t sample, std::span<const StereoSample> samples);
-    Result<void> end_tracks(std::int64_t end);
-    Result<void> begin(int width, int height);
-    Result<void> repeat_until(std::int64_t end);
-    Result<void> fit(const PlaneView& picture);
+    Result<void> check_status(int status) const {
+        if (status >= 0 && muxer_->pb->error < 0) status = muxer_->pb->error;
+        if (status < 0 && room_.is_full()) return refuse("the disk is full");
+        return status >= 0 ? Result<void>() : refuse(ffmpeg_text(status));
+    }
+
+    Result<void> keep(Result<void> done) {
+        if (so_far_) so_far_ = std::move(done);
+        return so_far_;
+    }
+
+    Result<void> show(const PlaneView& picture, std::int64_t place) {
+        if (!so_far_) return so_far_;
+        TRY(picture_ ? repeat_until(place) : begin(even_side(picture.width), even_side(picture.height)));
+        return fit(picture);
+    }
+
+    Result<void> sound(std::int64_t sample, std::span<const StereoSample> samples) {
+        if (!so_far_) return so_far_;
+        const std::int64_t late = std::clamp<std::int64_t>(sound_.next() - sample, 0, std::ssize(samples));
+        samples = samples.subspan(static_cast<std::size_t>(late));
+        if (samples.empty()) return {};
+        const std::int64_t end = sample + late + std::ssize(samples);
+        TRY(repeat_until(end / samples_per_picture - most_pictures_apart));
+        TRY(check_status(sound_.fill_until(sample)));
+        return check_status(sound_.add(samples));
+    }
+
+    /// Both are as long as each other, and nothing waits.
+    Result<void> end_tracks(std::int64_t end) {
+        TRY(repeat_until(std::max(end, next_ + 1)));
+        TRY(check_status(sound_.fill_until(next_ * samples_per_picture)));
+        return check_status(sound_.finish());
+    }
+
+    Result<void> begin(int width, int height) {
+        TRY_ASSIGN(codec_, open_encoder(TrackCoding::h264_visual, AV_PIX_FMT_YUV420P, width, height,
+                                        {pictures_per_second, 1}));
+        picture_ = blank_picture(AV_PIX_FMT_YUV420P, width, height);
+        if (!picture_) return refuse("out of memory");
+        AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
+        if (!stream || avcodec_parameters_from_context(stream->codecpar, codec_.get()) < 0)
+            return refuse("out of memory");
+        stream->time_base = codec_->time_base;
+        stream->avg_frame_rate = codec_->framerate;
+        const bool is_exact = std::strcmp(muxer_->oformat->name, "matroska") == 0;
+        TRY(check_status(sound_.open(*muxer_, room_, is_exact)));
+        return check_status(avformat_write_header(muxer_.get(), nullptr));
+    }
+
+    /// The newest picture.
+    Result<void> repeat_until(std::int64_t end) {
+        for (; next_ < end; ++next_) {
+            const std::int64_t least_heard = (next_ - most_pictures_apart) * samples_per_picture;
+            TRY(check_status(sound_.fill_until(least_heard)));
+            picture_->pts = next_;
+            picture_->pict_type =
+                next_ % film_access_interval == 0 ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+            PacketPtr packet(av_packet_alloc());
+            if (!packet) return refuse("out of memory");
+            int status = avcodec_send_frame(codec_.get(), picture_.get());
+            if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
+            if (status < 0) return refuse(ffmpeg_text(status));
+            if (!room_.reserve_for(*packet)) return check_status(AVERROR(ENOSPC));
+            packet->stream_index = 0;
+            packet->duration = 1;
+            av_packet_rescale_ts(packet.get(), codec_->time_base, muxer_->streams[0]->time_base);
+            TRY(check_status(av_interleaved_write_frame(muxer_.get(), packet.get())));
+        }
+        return {};
+    }
+
+    /// Into the middle of the film's picture.
+    Result<void> fit(const PlaneView& picture) {
+        AVFrame& to = *picture_;
+        if (av_frame_make_writable(&to) < 0) return refuse("out of memory");
+        const double scale = std::min(static_cast<double>(to.width) / picture.width,
+                                      static_cast<double>(to.height) / picture.height);
+        const bool same = picture.width / 2 * 2 == to.width && picture.height / 2 * 2 == to.height;
+        const int width = same ? to.width : even_side(picture.width * scale);
+        const int height = same ? to.height : even_side(picture.height * scale);
+        if (from_width_ != picture.width || from_height_ != picture.height) {
+            const int taken_width = same ? width : picture.width,
+                      taken_height = same ? height : picture.height;
+            scaler_ = scaler_from_rgb(taken_width, taken_height, AV_PIX_FMT_YUV420P, width, height,
+                                      SWS_BILINEAR | SWS_ACCURATE_RND);
+            if (!scaler_) return refuse("pictures of this size cannot be fitted");
+            from_width_ = picture.width;
+            from_height_ = picture.height;
+            for (int plane = 0; plane < 3; ++plane)
+                std::memset(to.data[plane], plane == 0 ? 16 : 128,
+                            static_cast<std::size_t>(to.linesize[plane]) *
+                                static_cast<std::size_t>(plane == 0 ? to.height : to.height / 2));
+        }
+        const int x = (to.width - width) / 4 * 2, y = (to.height - height) / 4 * 2;
+        std::uint8_t* const rows[] = {to.data[0] + std::ptrdiff_t{y} * to.linesize[0] + x,
+                                      to.data[1] + std::ptrdiff_t{y / 2} * to.linesize[1] + x / 2,
+                                      to.data[2] + std::ptrdiff_t{y / 2} * to.linesize[2] + x / 2, nullptr};
+        const std::uint8_t* const from[] = {picture.data, nullptr, nullptr, nullptr};
+        const int strides[] = {static_cast<int>(picture.stride), 0, 0, 0};
+        sws_scale(scaler_.get(), from, strides, 0, same ? height : picture.height, rows, to.linesize);
+        return {};
+    }
 
     NewFile output_;
     ReservedOutput room_;
@@ -193,131 +301,6 @@ private:
     Result<void> so_far_;                   // the first fault, or none
 };
 
-Result<void> FfmpegFilm::check_status(int status) const {
-    if (status >= 0 && muxer_->pb->error < 0) status = muxer_->pb->error;
-    if (status < 0 && room_.is_full()) return refuse("the disk is full");
-    return status >= 0 ? Result<void>() : refuse(ffmpeg_text(status));
-}
-
-Result<void> FfmpegFilm::keep(Result<void> done) {
-    if (so_far_) so_far_ = std::move(done);
-    return so_far_;
-}
-
-Result<void> FfmpegFilm::open(const char* format) {
-    TRY(output_.check());
-    AVFormatContext* muxer = nullptr;
-    int status = avformat_alloc_output_context2(&muxer, nullptr, format, nullptr);
-    if (status < 0) return refuse(ffmpeg_text(status));
-    muxer_.reset(muxer);
-    muxer_->flags |= AVFMT_FLAG_BITEXACT;
-    status = room_.open(output_.path(), *muxer_);
-    return status < 0 ? refuse(ffmpeg_text(status)) : Result<void>();
-}
-
-Result<void> FfmpegFilm::begin(int width, int height) {
-    TRY_ASSIGN(codec_, open_encoder(TrackCoding::h264_visual, AV_PIX_FMT_YUV420P, width, height,
-                                    {pictures_per_second, 1}));
-    picture_ = blank_picture(AV_PIX_FMT_YUV420P, width, height);
-    if (!picture_) return refuse("out of memory");
-    AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
-    if (!stream || avcodec_parameters_from_context(stream->codecpar, codec_.get()) < 0)
-        return refuse("out of memory");
-    stream->time_base = codec_->time_base;
-    stream->avg_frame_rate = codec_->framerate;
-    const bool is_exact = std::strcmp(muxer_->oformat->name, "matroska") == 0;
-    TRY(check_status(sound_.open(*muxer_, room_, is_exact)));
-    return check_status(avformat_write_header(muxer_.get(), nullptr));
-}
-
-/// Into the middle of the film's picture.
-Result<void> FfmpegFilm::fit(const PlaneView& picture) {
-    AVFrame& to = *picture_;
-    if (av_frame_make_writable(&to) < 0) return refuse("out of memory");
-    const double scale = std::min(static_cast<double>(to.width) / picture.width,
-                                  static_cast<double>(to.height) / picture.height);
-    const bool same = picture.width / 2 * 2 == to.width && picture.height / 2 * 2 == to.height;
-    const int width = same ? to.width : even_side(picture.width * scale);
-    const int height = same ? to.height : even_side(picture.height * scale);
-    if (from_width_ != picture.width || from_height_ != picture.height) {
-        const int taken_width = same ? width : picture.width, taken_height = same ? height : picture.height;
-        scaler_ = scaler_from_rgb(taken_width, taken_height, AV_PIX_FMT_YUV420P, width, height,
-                                  SWS_BILINEAR | SWS_ACCURATE_RND);
-        if (!scaler_) return refuse("pictures of this size cannot be fitted");
-        from_width_ = picture.width;
-        from_height_ = picture.height;
-        for (int plane = 0; plane < 3; ++plane)
-            std::memset(to.data[plane], plane == 0 ? 16 : 128,
-                        static_cast<std::size_t>(to.linesize[plane]) *
-                            static_cast<std::size_t>(plane == 0 ? to.height : to.height / 2));
-    }
-    const int x = (to.width - width) / 4 * 2, y = (to.height - height) / 4 * 2;
-    std::uint8_t* const rows[] = {to.data[0] + std::ptrdiff_t{y} * to.linesize[0] + x,
-                                  to.data[1] + std::ptrdiff_t{y / 2} * to.linesize[1] + x / 2,
-                                  to.data[2] + std::ptrdiff_t{y / 2} * to.linesize[2] + x / 2, nullptr};
-    const std::uint8_t* const from[] = {picture.data, nullptr, nullptr, nullptr};
-    const int strides[] = {static_cast<int>(picture.stride), 0, 0, 0};
-    sws_scale(scaler_.get(), from, strides, 0, same ? height : picture.height, rows, to.linesize);
-    return {};
-}
-
-/// The newest picture.
-Result<void> FfmpegFilm::repeat_until(std::int64_t end) {
-    for (; next_ < end; ++next_) {
-        const std::int64_t least_heard = (next_ - most_pictures_apart) * samples_per_picture;
-        TRY(check_status(sound_.fill_until(least_heard)));
-        picture_->pts = next_;
-        picture_->pict_type = next_ % film_access_interval == 0 ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
-        PacketPtr packet(av_packet_alloc());
-        if (!packet) return refuse("out of memory");
-        int status = avcodec_send_frame(codec_.get(), picture_.get());
-        if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
-        if (status < 0) return refuse(ffmpeg_text(status));
-        if (!room_.reserve_for(*packet)) return check_status(AVERROR(ENOSPC));
-        packet->stream_index = 0;
-        packet->duration = 1;
-        av_packet_rescale_ts(packet.get(), codec_->time_base, muxer_->streams[0]->time_base);
-        TRY(check_status(av_interleaved_write_frame(muxer_.get(), packet.get())));
-    }
-    return {};
-}
-
-Result<void> FfmpegFilm::show(const PlaneView& picture, std::int64_t place) {
-    if (!so_far_) return so_far_;
-    TRY(picture_ ? repeat_until(place) : begin(even_side(picture.width), even_side(picture.height)));
-    return fit(picture);
-}
-
-Result<void> FfmpegFilm::sound(std::int64_t sample, std::span<const StereoSample> samples) {
-    if (!so_far_) return so_far_;
-    const std::int64_t late = std::clamp<std::int64_t>(sound_.next() - sample, 0, std::ssize(samples));
-    samples = samples.subspan(static_cast<std::size_t>(late));
-    if (samples.empty()) return {};
-    const std::int64_t end = sample + late + std::ssize(samples);
-    TRY(repeat_until(end / samples_per_picture - most_pictures_apart));
-    TRY(check_status(sound_.fill_until(sample)));
-    return check_status(sound_.add(samples));
-}
-
-/// Both are as long as each other, and nothing waits.
-Result<void> FfmpegFilm::end_tracks(std::int64_t end) {
-    TRY(repeat_until(std::max(end, next_ + 1)));
-    TRY(check_status(sound_.fill_until(next_ * samples_per_picture)));
-    return check_status(sound_.finish());
-}
-
-Result<void> FfmpegFilm::finish(std::int64_t end) {
-    if (!picture_) return refuse("there was no picture");
-    if (so_far_) so_far_ = end_tracks(end);
-    const bool is_cut = room_.is_full() && next_ > 0;  // there is room for its end
-    if (!so_far_ && !is_cut) return so_far_;
-    int status = av_write_trailer(muxer_.get());
-    if (status >= 0) status = room_.close();
-    if (status < 0) return refuse(ffmpeg_text(status));
-    if (auto named = output_.commit(); !named || so_far_) return named;
-    return refuse("the disk is full; it is kept up to there");
-}
-
 }  // namespace
 
 Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& file, Existing existing) {
@@ -328,7 +311,7 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
                            " is no name of a film; right would be one that ends in .mp4 or .mkv");
     auto film = std::make_unique<FfmpegFilm>(file, existing);
     TRY(film->open(is_mp4 ? "mp4" : "matroska"));
-    return std::unique_ptr<FilmWriter>(std::move(film));
+    return film;
 }
 
 }  // namespace touchable

@@ -17,104 +17,95 @@ class MatroskaContainer final : public ClipContainer {
 public:
     explicit MatroskaContainer(const SourceFile& source)
         : ClipContainer(source, {clip_tags::scene_file, clip_tags::times_file, clip_format_version}) {}
-    Result<std::unique_ptr<Demuxer>> open() override;
-    Result<FrameRate> rate(const Demuxer& file) override;
-    Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
-    Result<std::vector<Track>> tracks(const Demuxer& file, const Scene& scene) override;
+    Result<std::unique_ptr<Demuxer>> open() override {
+        auto file = Demuxer::open_matroska(source_, true);
+        if (file && (*file)->is_open_ended() && !(*file)->tag(clip_tags::stream_tag))
+            return never_completed(file_);
+        return file;
+    }
+
+    /// A stream does not know beforehand that its frames will not keep to its rate.
+    Result<FrameRate> rate(const Demuxer& file) override {
+        auto rate = tagged_rate(file, file.attachment(clip_tags::times_file));
+        if (!rate) return rate;
+        TRY_ASSIGN(const auto whole, whole_part(file));
+        if (!whole) return rate;
+        constexpr std::int64_t rounding_ns = 1'000'000;  // of two times
+        for (std::size_t n = 0; n < times_ns_.size(); ++n) {
+            if (std::abs(times_ns_[n] - rate->time_ns(static_cast<std::int64_t>(n))) <= rounding_ns) continue;
+            if (auto own = rate_of_own_times(times_ns_)) rate->own_times = std::move(own->own_times);
+            break;
+        }
+        return rate;
+    }
+
+    Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override {
+        if (const auto json = file.attachment(clip_tags::scene_file)) return described_by(*json, recorded);
+        return refuse("has no scene.json attached: describe it with a scene file",
+                      {{Setting::scene_file, "FILE"}});
+    }
+
+    Result<std::vector<Track>> tracks(const Demuxer& file, const Scene& /*scene*/) override {
+        const AVFormatContext& container = file.container();
+        std::vector<Track> tracks;
+        for (const PlaneRole role : all_roles) {
+            for (unsigned k = 0; k < container.nb_streams; ++k) {
+                const AVStream& stream = *container.streams[k];
+                const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::role_tag, nullptr, 0);
+                if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO || !tag) continue;
+                const std::string number = "track " + std::to_string(k + 1);
+                const auto tagged = role_named(tag->value);
+                if (!tagged)
+                    return refuse(number + " has the role " + in_quotes(tag->value) +
+                                  ": must be depth, colour, haptic or height");
+                if (*tagged != role) continue;
+                if (!tracks.empty() && tracks.back().role == role)
+                    return refuse(number + " is a second track of role " + tag->value + ": must be one");
+                tracks.push_back({role, static_cast<int>(k)});
+            }
+            if (tracks.empty()) return refuse("has no track of role depth (tag T3D_ROLE)");
+        }
+        return tracks;
+    }
+
     std::optional<std::string> poses(const Demuxer& file) override {
         return file.attachment(clip_tags::poses_file);
     }
-    Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
+    Result<std::optional<WholePart>> whole_part(const Demuxer& file) override {
+        if ((file.is_open_ended() || file.is_cut()) && !whole_) TRY(count_pictures(file));
+        return whole_;
+    }
 
 private:
-    Result<void> count_pictures(const Demuxer& file);
+    /// By going through all of the stream once, without decoding.
+    Result<void> count_pictures(const Demuxer& file) {
+        TRY_ASSIGN(auto reading, Demuxer::open_matroska(source_, true));
+        TRY_ASSIGN(const auto tracks, this->tracks(file, {}));
+        for (const Track& track : tracks) reading->select(track.stream);
+        const double tick_ns = av_q2d(file.container().streams[tracks.front().stream]->time_base) * 1e9;
+        WholePart whole{.is_cut = file.is_cut()};
+        std::int64_t first = 0;
+        for (bool is_over = false; !is_over; whole.frames += is_over ? 0 : 1) {
+            std::size_t there = 0;
+            for (const Track& track : tracks) {
+                TRY_ASSIGN(const auto packet, reading->next(track.stream));
+                there += packet ? 1 : 0;
+                if (!packet || track.role != PlaneRole::depth) continue;
+                if (whole.frames == 0) first = packet->pts;
+                const auto ticks = static_cast<double>(packet->pts - first);
+                times_ns_.push_back(std::llround(std::clamp(ticks * tick_ns, 0.0, 4e18)));
+            }
+            is_over = there < tracks.size();
+            whole.is_uneven = is_over && there > 0;
+        }
+        times_ns_.resize(static_cast<std::size_t>(whole.frames));
+        whole_ = whole;
+        return {};
+    }
 
     std::optional<WholePart> whole_;      // of a stream or a file that is cut, once counted
     std::vector<std::int64_t> times_ns_;  // of its pictures of depth, from 0 up
 };
-
-Result<std::unique_ptr<Demuxer>> MatroskaContainer::open() {
-    auto file = Demuxer::open_matroska(source_, true);
-    if (file && (*file)->is_open_ended() && !(*file)->tag(clip_tags::stream_tag))
-        return never_completed(file_);
-    return file;
-}
-
-/// By going through all of the stream once, without decoding.
-Result<void> MatroskaContainer::count_pictures(const Demuxer& file) {
-    TRY_ASSIGN(auto reading, Demuxer::open_matroska(source_, true));
-    TRY_ASSIGN(const auto tracks, this->tracks(file, {}));
-    for (const Track& track : tracks) reading->select(track.stream);
-    const double tick_ns = av_q2d(file.container().streams[tracks.front().stream]->time_base) * 1e9;
-    WholePart whole{.is_cut = file.is_cut()};
-    std::int64_t first = 0;
-    for (bool is_over = false; !is_over; whole.frames += is_over ? 0 : 1) {
-        std::size_t there = 0;
-        for (const Track& track : tracks) {
-            TRY_ASSIGN(const auto packet, reading->next(track.stream));
-            there += packet ? 1 : 0;
-            if (!packet || track.role != PlaneRole::depth) continue;
-            if (whole.frames == 0) first = packet->pts;
-            const auto ticks = static_cast<double>(packet->pts - first);
-            times_ns_.push_back(std::llround(std::clamp(ticks * tick_ns, 0.0, 4e18)));
-        }
-        is_over = there < tracks.size();
-        whole.is_uneven = is_over && there > 0;
-    }
-    times_ns_.resize(static_cast<std::size_t>(whole.frames));
-    whole_ = whole;
-    return {};
-}
-
-Result<std::optional<ClipContainer::WholePart>> MatroskaContainer::whole_part(const Demuxer& file) {
-    if ((file.is_open_ended() || file.is_cut()) && !whole_) TRY(count_pictures(file));
-    return whole_;
-}
-
-/// A stream does not know beforehand that its frames will not keep to its rate.
-Result<FrameRate> MatroskaContainer::rate(const Demuxer& file) {
-    auto rate = tagged_rate(file, file.attachment(clip_tags::times_file));
-    if (!rate) return rate;
-    TRY_ASSIGN(const auto whole, whole_part(file));
-    if (!whole) return rate;
-    constexpr std::int64_t rounding_ns = 1'000'000;  // of two times
-    for (std::size_t n = 0; n < times_ns_.size(); ++n) {
-        if (std::abs(times_ns_[n] - rate->time_ns(static_cast<std::int64_t>(n))) <= rounding_ns) continue;
-        if (auto own = rate_of_own_times(times_ns_)) rate->own_times = std::move(own->own_times);
-        break;
-    }
-    return rate;
-}
-
-Result<SceneDescription> MatroskaContainer::scene(const Demuxer& file, const FrameRate& recorded) {
-    if (const auto json = file.attachment(clip_tags::scene_file)) return described_by(*json, recorded);
-    return refuse("has no scene.json attached: describe it with a scene file",
-                  {{Setting::scene_file, "FILE"}});
-}
-
-Result<std::vector<ClipContainer::Track>> MatroskaContainer::tracks(const Demuxer& file,
-                                                                    const Scene& /*scene*/) {
-    const AVFormatContext& container = file.container();
-    std::vector<Track> tracks;
-    for (const PlaneRole role : all_roles) {
-        for (unsigned k = 0; k < container.nb_streams; ++k) {
-            const AVStream& stream = *container.streams[k];
-            const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::role_tag, nullptr, 0);
-            if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO || !tag) continue;
-            const std::string number = "track " + std::to_string(k + 1);
-            const auto tagged = role_named(tag->value);
-            if (!tagged)
-                return refuse(number + " has the role " + in_quotes(tag->value) +
-                              ": must be depth, colour, haptic or height");
-            if (*tagged != role) continue;
-            if (!tracks.empty() && tracks.back().role == role)
-                return refuse(number + " is a second track of role " + tag->value + ": must be one");
-            tracks.push_back({role, static_cast<int>(k)});
-        }
-        if (tracks.empty()) return refuse("has no track of role depth (tag T3D_ROLE)");
-    }
-    return tracks;
-}
 
 }  // namespace
 

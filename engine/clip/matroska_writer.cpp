@@ -41,26 +41,73 @@ class TrackWriter {
 public:
     /// `first`: a plane as all will be. An error of kind usage where no coding has pictures of its size.
     static Result<TrackWriter> open(PlaneRole role, const PlaneView& first, const Scene& scene,
-                                    const ClipStorage& storage);
+                                    const ClipStorage& storage) {
+        TrackWriter track;
+        track.role_ = role;
+        const auto open = [&](const CodingOffer& offer) -> Result<void> {
+            TRY_ASSIGN(auto encoder, TrackEncoder::open(role, offer.coding, first, scene));
+            track.codings_.push_back({offer, std::move(encoder)});
+            return {};
+        };
+        for (const CodingOffer& offer : offers_for(role, first, storage))
+            if (auto opened = open(offer); !opened && opened.error().kind != ErrorKind::usage)
+                return opened.error();
+        // What is too large for H.264 is not for FFV1.
+        if (track.codings_.empty()) TRY(open({TrackCoding::ffv1}));
+        if (storage.gives_colour && track.coding() == TrackCoding::h264_visual) {
+            TRY_ASSIGN(track.reader_, ReadAlong::open(track.encoder(), role));
+        }
+        return track;
+    }
 
     PlaneRole role() const { return role_; }
     /// The plane of the next frame.
-    Result<void> add(const PlaneView& plane);
+    Result<void> add(const PlaneView& plane) {
+        const bool access = frames_ % clip_tags::access_interval == 0;
+        if (frames_ == clip_tags::access_interval) decide();
+        const bool same = stays(plane);
+        for (Coding& coding : codings_) {
+            if (same && !access) {
+                ++coding.pictures.back().frames;
+                continue;
+            }
+            TRY_ASSIGN(auto packet, coding.encoder->encode(plane, access));
+            if (reader_) TRY(reader_->add(*packet));
+            coding.bytes += packet->size;
+            coding.pictures.push_back({std::move(packet), frames_});
+        }
+        ++frames_;
+        return {};
+    }
+
     /// That plane as readers will be given it, where the coding changes values and ClipStorage::gives_colour
     /// asked for it; empty otherwise.
     PlaneView as_read() const { return reader_ ? reader_->picture() : PlaneView{}; }
     /// No frame comes any more.
-    void end();
+    void end() {
+        ended_ = true;
+        decide();
+    }
 
     /// Whether it is known by now how the track is coded.
     bool decided() const { return codings_.size() == 1; }
     TrackCoding coding() const { return codings_.front().offer.coding; }
     const TrackEncoder& encoder() const { return *codings_.front().encoder; }
     /// The oldest picture, once decided; null where there is none.
-    const StoredPicture* oldest() const;
+    const StoredPicture* oldest() const {
+        const auto& pictures = codings_.front().pictures;
+        return pictures.empty() ? nullptr : &pictures.front();
+    }
+
     /// Whether it is known how long that stays.
-    bool oldest_is_complete() const;
-    StoredPicture take_oldest();
+    bool oldest_is_complete() const { return ended_ || codings_.front().pictures.size() > 1; }
+
+    StoredPicture take_oldest() {
+        auto& pictures = codings_.front().pictures;
+        StoredPicture picture = std::move(pictures.front());
+        pictures.pop_front();
+        return picture;
+    }
 
 private:
     struct Coding {
@@ -70,8 +117,29 @@ private:
         std::int64_t bytes = 0;
     };
     TrackWriter() = default;
-    bool stays(const PlaneView& plane);
-    void decide();
+    /// Whether it is the picture before once more; keeps it otherwise.
+    bool stays(const PlaneView& plane) {
+        const auto row_bytes =
+            static_cast<std::size_t>(plane.width * plane.channels * plane.bytes_per_sample);
+        bool same = !newest_.empty();
+        newest_.resize(row_bytes * static_cast<std::size_t>(plane.height));
+        for (int y = 0; y < plane.height; ++y) {
+            std::uint8_t* kept = newest_.data() + row_bytes * static_cast<std::size_t>(y);
+            if (same && std::memcmp(kept, plane.row(y), row_bytes) == 0) continue;
+            same = false;
+            std::memcpy(kept, plane.row(y), row_bytes);
+        }
+        return same;
+    }
+
+    /// The first of those that are equally small.
+    void decide() {
+        const auto least = std::ranges::min_element(codings_, [](const Coding& a, const Coding& b) {
+            return a.bytes * a.offer.weight < b.bytes * b.offer.weight;
+        });
+        if (least != codings_.begin()) std::swap(*codings_.begin(), *least);
+        codings_.erase(codings_.begin() + 1, codings_.end());
+    }
 
     PlaneRole role_ = PlaneRole::depth;
     std::vector<Coding> codings_;       // those that are still to choose from
@@ -81,88 +149,6 @@ private:
     std::unique_ptr<ReadAlong> reader_;  // null: not asked for
 };
 
-Result<TrackWriter> TrackWriter::open(PlaneRole role, const PlaneView& first, const Scene& scene,
-                                      const ClipStorage& storage) {
-    TrackWriter track;
-    track.role_ = role;
-    const auto open = [&](const CodingOffer& offer) -> Result<void> {
-        TRY_ASSIGN(auto encoder, TrackEncoder::open(role, offer.coding, first, scene));
-        track.codings_.push_back({offer, std::move(encoder)});
-        return {};
-    };
-    for (const CodingOffer& offer : offers_for(role, first, storage))
-        if (auto opened = open(offer); !opened && opened.error().kind != ErrorKind::usage)
-            return opened.error();
-    // What is too large for H.264 is not for FFV1.
-    if (track.codings_.empty()) TRY(open({TrackCoding::ffv1}));
-    if (storage.gives_colour && track.coding() == TrackCoding::h264_visual) {
-        TRY_ASSIGN(track.reader_, ReadAlong::open(track.encoder(), role));
-    }
-    return track;
-}
-
-/// Whether it is the picture before once more; keeps it otherwise.
-bool TrackWriter::stays(const PlaneView& plane) {
-    const auto row_bytes = static_cast<std::size_t>(plane.width * plane.channels * plane.bytes_per_sample);
-    bool same = !newest_.empty();
-    newest_.resize(row_bytes * static_cast<std::size_t>(plane.height));
-    for (int y = 0; y < plane.height; ++y) {
-        std::uint8_t* kept = newest_.data() + row_bytes * static_cast<std::size_t>(y);
-        if (same && std::memcmp(kept, plane.row(y), row_bytes) == 0) continue;
-        same = false;
-        std::memcpy(kept, plane.row(y), row_bytes);
-    }
-    return same;
-}
-
-Result<void> TrackWriter::add(const PlaneView& plane) {
-    const bool access = frames_ % clip_tags::access_interval == 0;
-    if (frames_ == clip_tags::access_interval) decide();
-    const bool same = stays(plane);
-    for (Coding& coding : codings_) {
-        if (same && !access) {
-            ++coding.pictures.back().frames;
-            continue;
-        }
-        TRY_ASSIGN(auto packet, coding.encoder->encode(plane, access));
-        if (reader_) TRY(reader_->add(*packet));
-        coding.bytes += packet->size;
-        coding.pictures.push_back({std::move(packet), frames_});
-    }
-    ++frames_;
-    return {};
-}
-
-void TrackWriter::end() {
-    ended_ = true;
-    decide();
-}
-
-/// The first of those that are equally small.
-void TrackWriter::decide() {
-    const auto least = std::ranges::min_element(codings_, [](const Coding& a, const Coding& b) {
-        return a.bytes * a.offer.weight < b.bytes * b.offer.weight;
-    });
-    if (least != codings_.begin()) std::swap(*codings_.begin(), *least);
-    codings_.erase(codings_.begin() + 1, codings_.end());
-}
-
-const StoredPicture* TrackWriter::oldest() const {
-    const auto& pictures = codings_.front().pictures;
-    return pictures.empty() ? nullptr : &pictures.front();
-}
-
-bool TrackWriter::oldest_is_complete() const {
-    return ended_ || codings_.front().pictures.size() > 1;
-}
-
-StoredPicture TrackWriter::take_oldest() {
-    auto& pictures = codings_.front().pictures;
-    StoredPicture picture = std::move(pictures.front());
-    pictures.pop_front();
-    return picture;
-}
-
 /// Tracks of a touchable clip in Matroska as they are stored there, for a clip of the same frames: nothing is
 /// decoded or encoded, and what its coding once made of colour stays as it is.
 class TrackCopy {
@@ -170,16 +156,53 @@ public:
     /// Null where they cannot be copied: the file is no Matroska, or has not all of these roles, or other
     /// programs wrote it.
     static Result<std::unique_ptr<TrackCopy>> open(const std::filesystem::path& file,
-                                                   std::vector<PlaneRole> roles);
+                                                   std::vector<PlaneRole> roles) {
+        const SourceFile source(file);
+        const auto container = matroska_container(source);
+        auto demuxer = container->open();
+        if (!demuxer && demuxer.error().kind == ErrorKind::interrupted) return demuxer.error();
+        if (!demuxer || !container->rate(**demuxer)) return std::unique_ptr<TrackCopy>();
+        const auto tracks = container->tracks(**demuxer, Scene{});
+        if (!tracks) return std::unique_ptr<TrackCopy>();
+        std::unique_ptr<TrackCopy> copy(new TrackCopy);
+        copy->file_ = file.string();
+        for (const PlaneRole role : roles) {
+            const auto found = std::ranges::find(*tracks, role, &ClipContainer::Track::role);
+            if (found == tracks->end()) return std::unique_ptr<TrackCopy>();
+            (*demuxer)->select(found->stream);
+            copy->streams_.push_back(found->stream);
+        }
+        copy->demuxer_ = std::move(*demuxer);
+        copy->roles_ = std::move(roles);
+        copy->frames_.resize(copy->roles_.size());
+        // Without its additions it is not known how long a picture stays.
+        for (const int stream : copy->streams_) {
+            TRY_ASSIGN(const auto packet, copy->demuxer_->peek(stream));
+            if (!packet || !block_addition_of(*packet)) return std::unique_ptr<TrackCopy>();
+        }
+        return copy;
+    }
 
     std::size_t count() const { return streams_.size(); }
     bool has(PlaneRole role) const { return std::ranges::find(roles_, role) != roles_.end(); }
     PlaneRole role(std::size_t track) const { return roles_[track]; }
-    const AVStream& stream(std::size_t track) const;
+    const AVStream& stream(std::size_t track) const {
+        return *demuxer_->container().streams[streams_[track]];
+    }
+
     /// Frames that its pictures were taken for so far.
     std::int64_t frames(std::size_t track) const { return frames_[track]; }
     /// A track's next picture, with its BlockAddition; `packet` is null after the last.
-    Result<StoredPicture> next(std::size_t track);
+    Result<StoredPicture> next(std::size_t track) {
+        TRY_ASSIGN(auto packet, demuxer_->next(streams_[track]));
+        if (!packet) return StoredPicture{};
+        const auto addition = block_addition_of(*packet);
+        if (!addition || !addition->sound)
+            return input_error(file_ + ", " + std::string(role_name(roles_[track])) + ", frame " +
+                               std::to_string(frames_[track]) + ": is damaged: its checksum is another");
+        const std::int64_t frame = std::exchange(frames_[track], frames_[track] + addition->frames);
+        return StoredPicture{std::move(packet), frame, addition->frames};
+    }
 
 private:
     TrackCopy() = default;
@@ -190,49 +213,6 @@ private:
     std::vector<int> streams_;
     std::vector<std::int64_t> frames_;  // that each track's pictures were shown for so far
 };
-
-Result<std::unique_ptr<TrackCopy>> TrackCopy::open(const std::filesystem::path& file,
-                                                   std::vector<PlaneRole> roles) {
-    const SourceFile source(file);
-    const auto container = matroska_container(source);
-    auto demuxer = container->open();
-    if (!demuxer && demuxer.error().kind == ErrorKind::interrupted) return demuxer.error();
-    if (!demuxer || !container->rate(**demuxer)) return std::unique_ptr<TrackCopy>();
-    const auto tracks = container->tracks(**demuxer, Scene{});
-    if (!tracks) return std::unique_ptr<TrackCopy>();
-    std::unique_ptr<TrackCopy> copy(new TrackCopy);
-    copy->file_ = file.string();
-    for (const PlaneRole role : roles) {
-        const auto found = std::ranges::find(*tracks, role, &ClipContainer::Track::role);
-        if (found == tracks->end()) return std::unique_ptr<TrackCopy>();
-        (*demuxer)->select(found->stream);
-        copy->streams_.push_back(found->stream);
-    }
-    copy->demuxer_ = std::move(*demuxer);
-    copy->roles_ = std::move(roles);
-    copy->frames_.resize(copy->roles_.size());
-    // Without its additions it is not known how long a picture stays.
-    for (const int stream : copy->streams_) {
-        TRY_ASSIGN(const auto packet, copy->demuxer_->peek(stream));
-        if (!packet || !block_addition_of(*packet)) return std::unique_ptr<TrackCopy>();
-    }
-    return copy;
-}
-
-const AVStream& TrackCopy::stream(std::size_t track) const {
-    return *demuxer_->container().streams[streams_[track]];
-}
-
-Result<StoredPicture> TrackCopy::next(std::size_t track) {
-    TRY_ASSIGN(auto packet, demuxer_->next(streams_[track]));
-    if (!packet) return StoredPicture{};
-    const auto addition = block_addition_of(*packet);
-    if (!addition || !addition->sound)
-        return input_error(file_ + ", " + std::string(role_name(roles_[track])) + ", frame " +
-                           std::to_string(frames_[track]) + ": is damaged: its checksum is another");
-    const std::int64_t frame = std::exchange(frames_[track], frames_[track] + addition->frames);
-    return StoredPicture{std::move(packet), frame, addition->frames};
-}
 
 class MatroskaWriter final : public MuxedClipWriter {
 public:
@@ -246,142 +226,131 @@ public:
     }
 
 private:
-    Result<void> add(const RawFrame& frame) override;
-    Result<void> add_rest() override;
-    Result<void> open_tracks(const RawFrame& first);
-    Result<void> begin_file();
-    Result<void> add_copied_track(const AVStream& from, PlaneRole role);
-    Result<void> copy_until(std::int64_t frame);
-    Result<void> write_complete();
-    Result<void> write_stored(std::size_t track);
-    Result<void> write_picture_of(std::size_t stream, const StoredPicture& picture);
-    Result<void> attach_scene();
+    Result<void> add(const RawFrame& frame) override {
+        if (tracks_.empty()) TRY(open_tracks(frame));
+        for (TrackWriter& track : tracks_) TRY(track.add(plane_of(frame, track.role())));
+        return write_complete();
+    }
+
+    Result<void> add_rest() override {
+        for (TrackWriter& track : tracks_) track.end();
+        TRY(write_complete());
+        TRY(copy_until(check_.frames()));
+        for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
+            if (copy_->frames(k) < check_.frames())
+                return input_error(storage_.copied->file.string() + ": its " +
+                                   std::string(role_name(copy_->role(k))) + " ends at frame " +
+                                   std::to_string(copy_->frames(k)) + ", before the others");
+        return {};
+    }
+
+    Result<void> open_tracks(const RawFrame& first) {
+        if (storage_.copied) {
+            TRY_ASSIGN(copy_, TrackCopy::open(storage_.copied->file, storage_.copied->roles));
+        }
+        for (const PlaneRole role : all_roles) {
+            const PlaneView& plane = plane_of(first, role);
+            if (plane.empty() || (copy_ && copy_->has(role))) continue;
+            TRY_ASSIGN(auto track, TrackWriter::open(role, plane, scene_, storage_));
+            tracks_.push_back(std::move(track));
+        }
+        return {};
+    }
+
+    Result<void> begin_file() {
+        for (const TrackWriter& track : tracks_)
+            TRY(add_plane_stream(*muxer_, track.encoder(), track.role(), track.coding(), check_, scene_));
+        for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
+            TRY(add_copied_track(copy_->stream(k), copy_->role(k)));
+        TRY(add_sound_stream());
+        TRY(attach_scene());
+        add_clip_tags(*muxer_, scene_.rate, clip_format_version);
+        begun_ = true;
+        return write_header();
+    }
+
+    Result<void> add_copied_track(const AVStream& from, PlaneRole role) {
+        AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
+        if (!stream || avcodec_parameters_copy(stream->codecpar, from.codecpar) < 0)
+            return refuse("out of memory");
+        stream->time_base = {1, 1000};
+        stream->avg_frame_rate = from.avg_frame_rate;
+        for (const char* tag : {clip_tags::role_tag, "title", clip_tags::lossless_tag, clip_tags::bits_tag})
+            if (const AVDictionaryEntry* const entry = av_dict_get(from.metadata, tag, nullptr, 0))
+                av_dict_set(&stream->metadata, tag, entry->value, 0);
+        stream->disposition = is_shown_by_players(role, check_) ? AV_DISPOSITION_DEFAULT : 0;
+        return {};
+    }
+
+    /// Copied pictures that are shown before this frame, in their order.
+    Result<void> copy_until(std::int64_t frame) {
+        if (!copy_) return {};
+        for (std::size_t k = ahead_.size(); k < copy_->count(); ++k) {
+            TRY_ASSIGN(auto first, copy_->next(k));
+            ahead_.push_back(std::move(first));
+        }
+        while (true) {
+            std::size_t next = ahead_.size();
+            for (std::size_t k = 0; k < ahead_.size(); ++k)
+                if (ahead_[k].packet && ahead_[k].frame < frame &&
+                    (next == ahead_.size() || ahead_[k].frame < ahead_[next].frame))
+                    next = k;
+            if (next == ahead_.size()) return {};
+            TRY(write_picture_of(tracks_.size() + next, ahead_[next]));
+            TRY_ASSIGN(auto after, copy_->next(next));
+            ahead_[next] = std::move(after);
+        }
+    }
+
+    /// Pictures in the order of their frames, and of a frame in the order of the tracks; up to one of which
+    /// it is not known yet how long it stays.
+    Result<void> write_complete() {
+        const auto decided = [](const TrackWriter& track) { return track.decided(); };
+        if (!std::ranges::all_of(tracks_, decided)) return {};
+        if (!begun_) TRY(begin_file());
+        while (true) {
+            std::size_t next = tracks_.size();
+            for (std::size_t k = 0; k < tracks_.size(); ++k) {
+                const StoredPicture* picture = tracks_[k].oldest();
+                if (picture && (next == tracks_.size() || picture->frame < tracks_[next].oldest()->frame))
+                    next = k;
+            }
+            if (next == tracks_.size() || !tracks_[next].oldest_is_complete()) return {};
+            TRY(write_stored(next));
+        }
+    }
+
+    Result<void> write_stored(std::size_t track) {
+        const StoredPicture picture = tracks_[track].take_oldest();
+        TRY(copy_until(picture.frame));
+        const AVCodecID codec = muxer_->streams[track]->codecpar->codec_id;
+        TRY(add_block_addition(*picture.packet, codec, picture.frames));
+        return write_picture_of(track, picture);
+    }
+
+    /// A picture that has its addition.
+    Result<void> write_picture_of(std::size_t stream, const StoredPicture& picture) {
+        AVPacket* packet = picture.packet.get();
+        packet->pts = packet->dts = time_ms(picture.frame);
+        TRY(write_sound(packet->pts));
+        packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);
+        return write_picture(*packet, stream, {1, 1000});
+    }
+
+    Result<void> attach_scene() {
+        TRY(attach_text(*muxer_, clip_tags::scene_file, "application/json", scene_to_json(to_be_said())));
+        if (scene_.path)
+            TRY(attach_text(*muxer_, clip_tags::poses_file, "text/plain",
+                            timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit)));
+        if (!scene_.rate.own_times) return {};
+        return attach_text(*muxer_, clip_tags::times_file, "text/plain", frame_times_text(scene_.rate));
+    }
 
     std::vector<TrackWriter> tracks_;   // track k is stream k
     std::unique_ptr<TrackCopy> copy_;   // its tracks are the streams after those; null: none
     std::vector<StoredPicture> ahead_;  // of each of them the picture that is written next
     bool begun_ = false;                // the file, once it is known how all tracks are coded
 };
-
-Result<void> MatroskaWriter::attach_scene() {
-    TRY(attach_text(*muxer_, clip_tags::scene_file, "application/json", scene_to_json(to_be_said())));
-    if (scene_.path)
-        TRY(attach_text(*muxer_, clip_tags::poses_file, "text/plain",
-                        timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit)));
-    if (!scene_.rate.own_times) return {};
-    return attach_text(*muxer_, clip_tags::times_file, "text/plain", frame_times_text(scene_.rate));
-}
-
-Result<void> MatroskaWriter::open_tracks(const RawFrame& first) {
-    if (storage_.copied) {
-        TRY_ASSIGN(copy_, TrackCopy::open(storage_.copied->file, storage_.copied->roles));
-    }
-    for (const PlaneRole role : all_roles) {
-        const PlaneView& plane = plane_of(first, role);
-        if (plane.empty() || (copy_ && copy_->has(role))) continue;
-        TRY_ASSIGN(auto track, TrackWriter::open(role, plane, scene_, storage_));
-        tracks_.push_back(std::move(track));
-    }
-    return {};
-}
-
-Result<void> MatroskaWriter::add_copied_track(const AVStream& from, PlaneRole role) {
-    AVStream* stream = avformat_new_stream(muxer_.get(), nullptr);
-    if (!stream || avcodec_parameters_copy(stream->codecpar, from.codecpar) < 0)
-        return refuse("out of memory");
-    stream->time_base = {1, 1000};
-    stream->avg_frame_rate = from.avg_frame_rate;
-    for (const char* tag : {clip_tags::role_tag, "title", clip_tags::lossless_tag, clip_tags::bits_tag})
-        if (const AVDictionaryEntry* const entry = av_dict_get(from.metadata, tag, nullptr, 0))
-            av_dict_set(&stream->metadata, tag, entry->value, 0);
-    stream->disposition = is_shown_by_players(role, check_) ? AV_DISPOSITION_DEFAULT : 0;
-    return {};
-}
-
-Result<void> MatroskaWriter::begin_file() {
-    for (const TrackWriter& track : tracks_)
-        TRY(add_plane_stream(*muxer_, track.encoder(), track.role(), track.coding(), check_, scene_));
-    for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
-        TRY(add_copied_track(copy_->stream(k), copy_->role(k)));
-    TRY(add_sound_stream());
-    TRY(attach_scene());
-    add_clip_tags(*muxer_, scene_.rate, clip_format_version);
-    begun_ = true;
-    return write_header();
-}
-
-Result<void> MatroskaWriter::write_stored(std::size_t track) {
-    const StoredPicture picture = tracks_[track].take_oldest();
-    TRY(copy_until(picture.frame));
-    const AVCodecID codec = muxer_->streams[track]->codecpar->codec_id;
-    TRY(add_block_addition(*picture.packet, codec, picture.frames));
-    return write_picture_of(track, picture);
-}
-
-/// A picture that has its addition.
-Result<void> MatroskaWriter::write_picture_of(std::size_t stream, const StoredPicture& picture) {
-    AVPacket* packet = picture.packet.get();
-    packet->pts = packet->dts = time_ms(picture.frame);
-    TRY(write_sound(packet->pts));
-    packet->duration = time_ms(picture.frame + picture.frames) - time_ms(picture.frame);
-    return write_picture(*packet, stream, {1, 1000});
-}
-
-/// Copied pictures that are shown before this frame, in their order.
-Result<void> MatroskaWriter::copy_until(std::int64_t frame) {
-    if (!copy_) return {};
-    for (std::size_t k = ahead_.size(); k < copy_->count(); ++k) {
-        TRY_ASSIGN(auto first, copy_->next(k));
-        ahead_.push_back(std::move(first));
-    }
-    while (true) {
-        std::size_t next = ahead_.size();
-        for (std::size_t k = 0; k < ahead_.size(); ++k)
-            if (ahead_[k].packet && ahead_[k].frame < frame &&
-                (next == ahead_.size() || ahead_[k].frame < ahead_[next].frame))
-                next = k;
-        if (next == ahead_.size()) return {};
-        TRY(write_picture_of(tracks_.size() + next, ahead_[next]));
-        TRY_ASSIGN(auto after, copy_->next(next));
-        ahead_[next] = std::move(after);
-    }
-}
-
-/// Pictures in the order of their frames, and of a frame in the order of the tracks; up to one of which it is
-/// not known yet how long it stays.
-Result<void> MatroskaWriter::write_complete() {
-    const auto decided = [](const TrackWriter& track) { return track.decided(); };
-    if (!std::ranges::all_of(tracks_, decided)) return {};
-    if (!begun_) TRY(begin_file());
-    while (true) {
-        std::size_t next = tracks_.size();
-        for (std::size_t k = 0; k < tracks_.size(); ++k) {
-            const StoredPicture* picture = tracks_[k].oldest();
-            if (picture && (next == tracks_.size() || picture->frame < tracks_[next].oldest()->frame))
-                next = k;
-        }
-        if (next == tracks_.size() || !tracks_[next].oldest_is_complete()) return {};
-        TRY(write_stored(next));
-    }
-}
-
-Result<void> MatroskaWriter::add(const RawFrame& frame) {
-    if (tracks_.empty()) TRY(open_tracks(frame));
-    for (TrackWriter& track : tracks_) TRY(track.add(plane_of(frame, track.role())));
-    return write_complete();
-}
-
-Result<void> MatroskaWriter::add_rest() {
-    for (TrackWriter& track : tracks_) track.end();
-    TRY(write_complete());
-    TRY(copy_until(check_.frames()));
-    for (std::size_t k = 0; copy_ && k < copy_->count(); ++k)
-        if (copy_->frames(k) < check_.frames())
-            return input_error(storage_.copied->file.string() + ": its " +
-                               std::string(role_name(copy_->role(k))) + " ends at frame " +
-                               std::to_string(copy_->frames(k)) + ", before the others");
-    return {};
-}
 
 }  // namespace
 

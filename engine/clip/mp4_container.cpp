@@ -89,23 +89,192 @@ class Mp4Container final : public ClipContainer {
 public:
     Mp4Container(const SourceFile& source, const std::optional<PlaneTracks>& told)
         : ClipContainer(source, mp4_words), told_(told) {}
-    Result<std::unique_ptr<Demuxer>> open() override;
-    Result<FrameRate> rate(const Demuxer& file) override;
-    Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override;
-    Result<std::vector<Track>> tracks(const Demuxer& file, const Scene& scene) override;
+    Result<std::unique_ptr<Demuxer>> open() override {
+        TRY_ASSIGN(auto file, bytes_of_file(source_));
+        if (!is_looked_at_) TRY(look_at(*file));
+        auto opened = Demuxer::open_quicktime(
+            fragments_ ? mpeg4::plain_file(*fragments_, std::move(file)) : std::move(file), file_);
+        // FFmpeg refuses files of MP4Box with words that say nothing of the scene.
+        if (!opened && !scene_.fault.empty()) return refuse_scene();
+        return opened;
+    }
+
+    /// Of a file that another program wrote: that of its pictures of depth.
+    Result<FrameRate> rate(const Demuxer& file) override {
+        if (file.tag(clip_tags::version_tag))
+            return shortened(tagged_rate(file, file.tag(mp4_times_tag)), file);
+        TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
+        if (!depth) return refuse_scene();
+        const AVRational said = file.container().streams[*depth]->avg_frame_rate;
+        const FrameRate rate{said.num, said.den};
+        if (said.num <= 0 || said.den <= 0 || clip_tags::is_too_fast(rate))
+            return refuse("its depth says no frame rate of at most " +
+                          std::to_string(clip_tags::fastest_rate) + "/1");
+        return rate;
+    }
+
+    Result<SceneDescription> scene(const Demuxer& file, const FrameRate& recorded) override {
+        notes_.clear();
+        if (!scene_.fault.empty()) return refuse_scene();
+        const auto& scene = scene_.scene;
+        if (const auto json = file.tag(mp4_scene_tag)) {
+            auto described = described_by(*json, recorded);
+            if (!described || !scene) return described;
+            const auto is_other = mpeg4::take_nodes(scene->nodes, described->scene);
+            if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
+            if (!*is_other) return described;
+            notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
+                                std::string(mp4_scene_tag) + ": the scene stands");
+            if (auto valid = validate(*described); !valid)
+                return refuse("its MPEG-4 scene: " + valid.error().message);
+            return described;
+        }
+        if (!scene) return refuse_scene();
+        TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
+        const AVCodecParameters& stored = *file.container().streams[depth.value_or(0)]->codecpar;
+        constexpr int bits = 8;
+        auto described = mpeg4::described_by(scene->nodes, stored.width, stored.height, bits);
+        if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
+        described->scene.name = source_.path().stem().string();
+        for (const PlaneRole role : {PlaneRole::depth, PlaneRole::height})
+            if (const auto low = low_stream_of(file, role); low && *low)
+                notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " +
+                                 std::string(role_name(role)) + low_track_suffix + ", are left out: no tag " +
+                                 mp4_scene_tag + " says what they are");
+        return described;
+    }
+
+    Result<std::vector<Track>> tracks(const Demuxer& file, const Scene& scene) override {
+        std::vector<Track> tracks;
+        std::map<int, std::string> used;  // streams
+        for (const PlaneRole role : all_roles) {
+            TRY_ASSIGN(const auto stream, stream_of(file, role));
+            if (!stream && role == PlaneRole::depth) return refuse("has no track of depth");
+            if (!stream) continue;
+            Track track{role, *stream};
+            TRY_ASSIGN(track.low_bits, low_bits(file, role, scene));
+            if (track.low_bits > 0) {
+                TRY_ASSIGN(track.low_stream, low_stream_of(file, role));
+            }
+            const auto is_lossless = [&](int number) {
+                return is_coded_without_loss(*file.container().streams[number]->codecpar);
+            };
+            track.is_lossless =
+                is_lossless(track.stream) && (!track.low_stream || is_lossless(*track.low_stream));
+            const std::string name(role_name(role));
+            const std::pair<std::optional<int>, std::string> parts[] = {
+                {track.stream, name}, {track.low_stream, "low bits of " + name}};
+            for (const auto& [part, what] : parts) {
+                if (!part) continue;
+                const auto [other, is_first] = used.emplace(*part, what);
+                if (!is_first)
+                    return refuse("its " + what + " is the same track as its " + other->second +
+                                  ": must be one of its own");
+            }
+            tracks.push_back(track);
+        }
+        return tracks;
+    }
+
     std::optional<std::string> poses(const Demuxer& file) override { return file.tag(mp4_poses_tag); }
     bool has_whole_index() const override { return true; }
-    Result<std::optional<WholePart>> whole_part(const Demuxer& file) override;
+    Result<std::optional<WholePart>> whole_part(const Demuxer& file) override {
+        if (!fragments_) return std::optional<WholePart>();
+        TRY_ASSIGN(const auto all, streams(file));
+        std::vector<std::int64_t> counts;
+        for (const int stream : all) counts.push_back(file.pictures(stream));
+        if (counts.empty()) return std::optional(WholePart{0, fragments_->is_cut});
+        const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
+        return std::optional(WholePart{*fewest, fragments_->is_cut, *fewest != *most});
+    }
 
 private:
-    Result<void> look_at(ByteSource& file);
-    Result<std::vector<int>> streams(const Demuxer& file) const;
-    Result<FrameRate> shortened(Result<FrameRate> rate, const Demuxer& file);
-    Error refuse_scene() const;
-    Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const;
-    Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const;
-    static std::optional<int> stream_named(const Demuxer& file, const std::string& name);
-    Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const;
+    Result<void> look_at(ByteSource& file) {
+        const auto movie = mpeg4::movie_head_of(file);
+        if (!movie) return error_at(file_, movie.error());
+        if (!told_) scene_ = scene_in(*movie, file);
+        auto fragments = mpeg4::gather_fragments(file);
+        if (!fragments) return error_at(file_, fragments.error());
+        fragments_ = std::move(*fragments);
+        is_looked_at_ = true;
+        return {};
+    }
+
+    /// Of every plane, with those of the low bits.
+    Result<std::vector<int>> streams(const Demuxer& file) const {
+        std::vector<int> all;
+        for (const PlaneRole role : all_roles) {
+            TRY_ASSIGN(const auto stream, stream_of(file, role));
+            TRY_ASSIGN(const auto low, low_stream_of(file, role));
+            for (const auto& each : {stream, low})
+                if (each) all.push_back(*each);
+        }
+        return all;
+    }
+
+    /// What was cut off had times too.
+    Result<FrameRate> shortened(Result<FrameRate> rate, const Demuxer& file) {
+        TRY_ASSIGN(const auto whole, whole_part(file));
+        if (!rate || !rate->own_times || !whole) return rate;
+        const auto frames = static_cast<std::size_t>(whole->frames);
+        if (frames >= rate->own_times->size()) return rate;
+        std::vector<std::int64_t> times = *rate->own_times;
+        times.resize(frames);
+        constexpr std::size_t fewest = 2;  // as a list of times has
+        if (frames < fewest)
+            rate->own_times = nullptr;
+        else
+            rate->own_times = std::make_shared<const std::vector<std::int64_t>>(std::move(times));
+        return rate;
+    }
+
+    Error refuse_scene() const {
+        const std::string why =
+            scene_.fault.empty() ? "has neither an MPEG-4 scene nor a tag T3D_SCENE" : scene_.fault;
+        return refuse(why + ": describe it with a scene file", {{Setting::scene_file, "FILE"}});
+    }
+
+    /// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces
+    /// that.
+    Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
+        const auto json = file.tag(mp4_scene_tag);
+        if (role != PlaneRole::depth && role != PlaneRole::height) return 0;
+        TRY_ASSIGN(const auto tagged, json ? parse_scene(*json, file_ + ": " + words_.scene)
+                                           : Result<SceneDescription>(SceneDescription(scene)));
+        const Scene& stored = tagged.scene;
+        return std::max(
+            0, (role == PlaneRole::depth ? stored.depth_bits : height_bits(stored.height_coding)) - 8);
+    }
+
+    Result<std::optional<int>> stream_of(const Demuxer& file, PlaneRole role) const {
+        const std::string name(role_name(role));
+        if (told_) {
+            const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
+            return numbers.empty() ? std::optional<int>() : placed(stream_numbered(file, numbers[0], name));
+        }
+        if (scene_.scene) return placed(stream_of_plane(*scene_.scene, file, role));
+        const auto named = stream_named(file, name);
+        return named || role != PlaneRole::colour ? named : stream_named(file, "color");
+    }
+
+    static std::optional<int> stream_named(const Demuxer& file, const std::string& name) {
+        const AVFormatContext& container = file.container();
+        for (unsigned k = 0; k < container.nb_streams; ++k) {
+            const AVStream& stream = *container.streams[k];
+            const AVDictionaryEntry* handler = av_dict_get(stream.metadata, "handler_name", nullptr, 0);
+            if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && handler && handler->value == name)
+                return static_cast<int>(k);
+        }
+        return std::nullopt;
+    }
+
+    Result<std::optional<int>> low_stream_of(const Demuxer& file, PlaneRole role) const {
+        const std::string name = std::string(role_name(role)) + low_track_suffix;
+        if (!told_) return stream_named(file, name);
+        const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
+        return numbers.size() < 2 ? std::optional<int>() : placed(stream_numbered(file, numbers[1], name));
+    }
+
     Result<std::optional<int>> placed(Result<std::optional<int>> stream) const {
         return stream ? std::move(stream) : refuse(stream.error().message);
     }
@@ -115,187 +284,6 @@ private:
     std::optional<mpeg4::GatheredMovie> fragments_;
     FoundScene scene_;
 };
-
-Result<std::unique_ptr<Demuxer>> Mp4Container::open() {
-    TRY_ASSIGN(auto file, bytes_of_file(source_));
-    if (!is_looked_at_) TRY(look_at(*file));
-    auto opened = Demuxer::open_quicktime(
-        fragments_ ? mpeg4::plain_file(*fragments_, std::move(file)) : std::move(file), file_);
-    // FFmpeg refuses files of MP4Box with words that say nothing of the scene.
-    if (!opened && !scene_.fault.empty()) return refuse_scene();
-    return opened;
-}
-
-Result<void> Mp4Container::look_at(ByteSource& file) {
-    const auto movie = mpeg4::movie_head_of(file);
-    if (!movie) return error_at(file_, movie.error());
-    if (!told_) scene_ = scene_in(*movie, file);
-    auto fragments = mpeg4::gather_fragments(file);
-    if (!fragments) return error_at(file_, fragments.error());
-    fragments_ = std::move(*fragments);
-    is_looked_at_ = true;
-    return {};
-}
-
-/// Of every plane, with those of the low bits.
-Result<std::vector<int>> Mp4Container::streams(const Demuxer& file) const {
-    std::vector<int> all;
-    for (const PlaneRole role : all_roles) {
-        TRY_ASSIGN(const auto stream, stream_of(file, role));
-        TRY_ASSIGN(const auto low, low_stream_of(file, role));
-        for (const auto& each : {stream, low})
-            if (each) all.push_back(*each);
-    }
-    return all;
-}
-
-Result<std::optional<ClipContainer::WholePart>> Mp4Container::whole_part(const Demuxer& file) {
-    if (!fragments_) return std::optional<WholePart>();
-    TRY_ASSIGN(const auto all, streams(file));
-    std::vector<std::int64_t> counts;
-    for (const int stream : all) counts.push_back(file.pictures(stream));
-    if (counts.empty()) return std::optional(WholePart{0, fragments_->is_cut});
-    const auto [fewest, most] = std::minmax_element(counts.begin(), counts.end());
-    return std::optional(WholePart{*fewest, fragments_->is_cut, *fewest != *most});
-}
-
-/// What was cut off had times too.
-Result<FrameRate> Mp4Container::shortened(Result<FrameRate> rate, const Demuxer& file) {
-    TRY_ASSIGN(const auto whole, whole_part(file));
-    if (!rate || !rate->own_times || !whole) return rate;
-    const auto frames = static_cast<std::size_t>(whole->frames);
-    if (frames >= rate->own_times->size()) return rate;
-    std::vector<std::int64_t> times = *rate->own_times;
-    times.resize(frames);
-    constexpr std::size_t fewest = 2;  // as a list of times has
-    if (frames < fewest)
-        rate->own_times = nullptr;
-    else
-        rate->own_times = std::make_shared<const std::vector<std::int64_t>>(std::move(times));
-    return rate;
-}
-
-/// Of a file that another program wrote: that of its pictures of depth.
-Result<FrameRate> Mp4Container::rate(const Demuxer& file) {
-    if (file.tag(clip_tags::version_tag)) return shortened(tagged_rate(file, file.tag(mp4_times_tag)), file);
-    TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
-    if (!depth) return refuse_scene();
-    const AVRational said = file.container().streams[*depth]->avg_frame_rate;
-    const FrameRate rate{said.num, said.den};
-    if (said.num <= 0 || said.den <= 0 || clip_tags::is_too_fast(rate))
-        return refuse("its depth says no frame rate of at most " + std::to_string(clip_tags::fastest_rate) +
-                      "/1");
-    return rate;
-}
-
-Error Mp4Container::refuse_scene() const {
-    const std::string why =
-        scene_.fault.empty() ? "has neither an MPEG-4 scene nor a tag T3D_SCENE" : scene_.fault;
-    return refuse(why + ": describe it with a scene file", {{Setting::scene_file, "FILE"}});
-}
-
-Result<SceneDescription> Mp4Container::scene(const Demuxer& file, const FrameRate& recorded) {
-    notes_.clear();
-    if (!scene_.fault.empty()) return refuse_scene();
-    const auto& scene = scene_.scene;
-    if (const auto json = file.tag(mp4_scene_tag)) {
-        auto described = described_by(*json, recorded);
-        if (!described || !scene) return described;
-        const auto is_other = mpeg4::take_nodes(scene->nodes, described->scene);
-        if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
-        if (!*is_other) return described;
-        notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
-                            std::string(mp4_scene_tag) + ": the scene stands");
-        if (auto valid = validate(*described); !valid)
-            return refuse("its MPEG-4 scene: " + valid.error().message);
-        return described;
-    }
-    if (!scene) return refuse_scene();
-    TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
-    const AVCodecParameters& stored = *file.container().streams[depth.value_or(0)]->codecpar;
-    constexpr int bits = 8;
-    auto described = mpeg4::described_by(scene->nodes, stored.width, stored.height, bits);
-    if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
-    described->scene.name = source_.path().stem().string();
-    for (const PlaneRole role : {PlaneRole::depth, PlaneRole::height})
-        if (const auto low = low_stream_of(file, role); low && *low)
-            notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " +
-                             std::string(role_name(role)) + low_track_suffix + ", are left out: no tag " +
-                             mp4_scene_tag + " says what they are");
-    return described;
-}
-
-std::optional<int> Mp4Container::stream_named(const Demuxer& file, const std::string& name) {
-    const AVFormatContext& container = file.container();
-    for (unsigned k = 0; k < container.nb_streams; ++k) {
-        const AVStream& stream = *container.streams[k];
-        const AVDictionaryEntry* handler = av_dict_get(stream.metadata, "handler_name", nullptr, 0);
-        if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && handler && handler->value == name)
-            return static_cast<int>(k);
-    }
-    return std::nullopt;
-}
-
-Result<std::optional<int>> Mp4Container::stream_of(const Demuxer& file, PlaneRole role) const {
-    const std::string name(role_name(role));
-    if (told_) {
-        const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
-        return numbers.empty() ? std::optional<int>() : placed(stream_numbered(file, numbers[0], name));
-    }
-    if (scene_.scene) return placed(stream_of_plane(*scene_.scene, file, role));
-    const auto named = stream_named(file, name);
-    return named || role != PlaneRole::colour ? named : stream_named(file, "color");
-}
-
-Result<std::optional<int>> Mp4Container::low_stream_of(const Demuxer& file, PlaneRole role) const {
-    const std::string name = std::string(role_name(role)) + low_track_suffix;
-    if (!told_) return stream_named(file, name);
-    const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
-    return numbers.size() < 2 ? std::optional<int>() : placed(stream_numbered(file, numbers[1], name));
-}
-
-/// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces that.
-Result<int> Mp4Container::low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
-    const auto json = file.tag(mp4_scene_tag);
-    if (role != PlaneRole::depth && role != PlaneRole::height) return 0;
-    TRY_ASSIGN(const auto tagged, json ? parse_scene(*json, file_ + ": " + words_.scene)
-                                       : Result<SceneDescription>(SceneDescription(scene)));
-    const Scene& stored = tagged.scene;
-    return std::max(0,
-                    (role == PlaneRole::depth ? stored.depth_bits : height_bits(stored.height_coding)) - 8);
-}
-
-Result<std::vector<ClipContainer::Track>> Mp4Container::tracks(const Demuxer& file, const Scene& scene) {
-    std::vector<Track> tracks;
-    std::map<int, std::string> used;  // streams
-    for (const PlaneRole role : all_roles) {
-        TRY_ASSIGN(const auto stream, stream_of(file, role));
-        if (!stream && role == PlaneRole::depth) return refuse("has no track of depth");
-        if (!stream) continue;
-        Track track{role, *stream};
-        TRY_ASSIGN(track.low_bits, low_bits(file, role, scene));
-        if (track.low_bits > 0) {
-            TRY_ASSIGN(track.low_stream, low_stream_of(file, role));
-        }
-        const auto is_lossless = [&](int number) {
-            return is_coded_without_loss(*file.container().streams[number]->codecpar);
-        };
-        track.is_lossless =
-            is_lossless(track.stream) && (!track.low_stream || is_lossless(*track.low_stream));
-        const std::string name(role_name(role));
-        const std::pair<std::optional<int>, std::string> parts[] = {
-            {track.stream, name}, {track.low_stream, "low bits of " + name}};
-        for (const auto& [part, what] : parts) {
-            if (!part) continue;
-            const auto [other, is_first] = used.emplace(*part, what);
-            if (!is_first)
-                return refuse("its " + what + " is the same track as its " + other->second +
-                              ": must be one of its own");
-        }
-        tracks.push_back(track);
-    }
-    return tracks;
-}
 
 }  // namespace
 

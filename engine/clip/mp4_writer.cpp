@@ -46,17 +46,161 @@ public:
     PlaneView stored_colour() const override { return reader_ ? reader_->picture() : PlaneView{}; }
 
 private:
-    Result<void> add(const RawFrame& frame) override;
+    Result<void> add(const RawFrame& frame) override {
+        if (tracks_.empty()) TRY(open_tracks(frame));
+        TRY(write_sound(time_ms(frame.number)));
+        choose_access_point();
+        for (std::size_t k = 0; k < tracks_.size(); ++k)
+            TRY(encode(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])));
+        return {};
+    }
+
     Result<void> amend() override { return storage_.fragmented ? Result<void>() : add_scene(); }
-    Result<void> open_tracks(const RawFrame& first);
-    Result<void> open_track(Mp4Track track, const PlaneView& first);
-    Result<void> begin_file();
-    Result<void> begin_fragments();
-    Result<void> tag_scene();
-    void choose_access_point();
-    Result<void> encode(std::size_t track, const PlaneView& plane);
-    Result<void> add_scene();
-    Result<void> make_scene_stream();
+    /// Those with the low bits come last: the scene does not know them.
+    Result<void> open_tracks(const RawFrame& first) {
+        for (const PlanePart part : {PlanePart::high, PlanePart::low}) {
+            for (const PlaneRole role : track_order) {
+                const PlaneView& plane = plane_of(first, role);
+                const bool is_wide = plane.bytes_per_sample == 2;
+                if (plane.empty() || (part == PlanePart::low && !is_wide)) continue;
+                const int bits = role == PlaneRole::depth ? scene_.depth_bits
+                                                          : std::max(8, height_bits(scene_.height_coding));
+                Mp4Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits - 8 : 0};
+                TRY(open_track(std::move(track), plane));
+            }
+        }
+        if (!storage_.fragmented) TRY(make_scene_stream());
+        return begin_file();
+    }
+
+    Result<void> open_track(Mp4Track track, const PlaneView& first) {
+        const bool is_seen = track.role == PlaneRole::colour && !storage_.exact_colour;
+        const TrackCoding coding = is_seen                             ? TrackCoding::h264_visual
+                                   : storage_.archive == Archive::fast ? TrackCoding::h264_quick
+                                                                       : TrackCoding::h264_thrifty;
+        TRY_ASSIGN(track.encoder, TrackEncoder::open(track.role, coding, part_of(first, track), scene_));
+        AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
+        if (!stream) return refuse("out of memory");
+        TRY(track.encoder->describe(*stream->codecpar));
+        stream->id = static_cast<int>(tracks_.size()) + 1;
+        stream->time_base = time_base();
+        stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
+        av_dict_set(&stream->metadata, "handler_name", track.name().c_str(), 0);
+        stream->disposition = tracks_.empty() ? AV_DISPOSITION_DEFAULT : 0;
+        if (is_seen && storage_.gives_colour) {
+            TRY_ASSIGN(reader_, ReadAlong::open(*track.encoder, track.role));
+        }
+        tracks_.push_back(std::move(track));
+        return {};
+    }
+
+    Result<void> begin_file() {
+        TRY(add_sound_stream());
+        TRY(tag_scene());
+        if (storage_.fragmented) return begin_fragments();
+        AVDictionary* options = nullptr;
+        av_dict_set(&options, "movflags", "use_metadata_tags", 0);
+        return write_header(options);
+    }
+
+    /// The movie box comes first then, and FFmpeg cannot mark its tracks: they are marked on their way into
+    /// the file. What comes later knows places only from each fragment's own beginning.
+    Result<void> begin_fragments() {
+        AVIOContext* const file = muxer_->pb;
+        if (avio_open_dyn_buf(&muxer_->pb) < 0) {
+            muxer_->pb = file;
+            return refuse("out of memory");
+        }
+        AVDictionary* options = nullptr;
+        av_dict_set(&options, "movflags", "frag_keyframe+empty_moov+default_base_moof+use_metadata_tags", 0);
+        const auto begun = write_header(options);
+        std::uint8_t* memory = nullptr;
+        const int size = avio_close_dyn_buf(std::exchange(muxer_->pb, file), &memory);
+        const mpeg4::Bytes written(memory, memory + (memory ? size : 0));
+        av_free(memory);
+        if (!begun) return begun;
+        TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(written));
+        mpeg4::Bytes head;
+        for (const mpeg4::Box& box : boxes) {
+            const mpeg4::Bytes as_is(box.content.begin(), box.content.end());
+            TRY_ASSIGN(const auto content,
+                       box.type == "moov" ? mpeg4::with_auxiliary_tracks(as_is, 1) : Result(as_is));
+            mpeg4::put_box(head, box.type, content);
+        }
+        avio_write(file, head.data(), static_cast<int>(head.size()));
+        return check_status(0);
+    }
+
+    Result<void> tag_scene() {
+        add_clip_tags(*muxer_, scene_.rate, storage_.fragmented ? clip_format_version : mp4_format_version);
+        AVDictionary*& tags = muxer_->metadata;
+        av_dict_set(&tags, mp4_scene_tag, scene_to_json(to_be_said()).c_str(), 0);
+        if (scene_.rate.own_times)
+            av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
+        if (scene_.path)
+            av_dict_set(&tags, mp4_poses_tag,
+                        timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit).c_str(), 0);
+        const int wanted = 3 + (scene_.rate.own_times ? 1 : 0) + (scene_.path ? 1 : 0);
+        return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
+    }
+
+    /// Each fragment begins with one.
+    void choose_access_point() {
+        const std::int64_t frame = check_.frames() - 1;
+        const auto lasts = scene_.rate.time_ns(frame + 1) - scene_.rate.time_ns(access_point_);
+        if (frame - access_point_ >= clip_tags::access_interval ||
+            (storage_.fragmented && lasts > fragment_ns))
+            access_point_ = frame;
+    }
+
+    Result<void> encode(std::size_t track, const PlaneView& plane) {
+        const std::int64_t frame = check_.frames() - 1;
+        TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, frame == access_point_));
+        if (reader_ && tracks_[track].role == PlaneRole::colour) TRY(reader_->add(*packet));
+        packet->pts = packet->dts = tick_of(frame);
+        packet->duration = tick_of(frame + 1) - tick_of(frame);
+        return write_picture(*packet, track, time_base());
+    }
+
+    /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, which is the last.
+    Result<void> add_scene() {
+        avio_flush(muxer_->pb);
+        const auto refuse_for = [&](const Error& why) { return error_at(output_.target().string(), why); };
+        const auto file = bytes_of_file(SourceFile(output_.path()));
+        if (!file) return refuse_for(file.error());
+        const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
+        const auto box = mpeg4::first_box(**file, "moov", 0, end);
+        if (!box) return refuse_for(box.error());
+        if (!*box || (*box)->end != end)
+            return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
+        const auto movie = mpeg4::bytes_at(**file, (*box)->content, end - (*box)->content);
+        if (!movie) return refuse_for(movie.error());
+        TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(*movie, scene_stream_, 1, (*box)->at));
+        if (avio_seek(muxer_->pb, static_cast<std::int64_t>((*box)->at), SEEK_SET) < 0)
+            return refuse("cannot be written: no way back in it");
+        avio_write(muxer_->pb, made.data(), static_cast<int>(made.size()));
+        avio_flush(muxer_->pb);
+        return check_status(0);
+    }
+
+    /// Each plane's texture is a track.
+    Result<void> make_scene_stream() {
+        const auto has = [&](PlaneRole role) { return check_.bytes_per_sample(role) > 0; };
+        const mpeg4::ClipNodes nodes = mpeg4::nodes_from(
+            scene_, {has(PlaneRole::colour), has(PlaneRole::haptic), has(PlaneRole::height)});
+        mpeg4::SceneStream& stream = scene_stream_;
+        for (std::size_t k = 0; k < tracks_.size(); ++k)
+            if (tracks_[k].part != PlanePart::low)
+                stream.objects[objects[static_cast<std::size_t>(tracks_[k].role)]] =
+                    static_cast<std::uint32_t>(k + 1);
+        const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
+        stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);
+        auto bytes = mpeg4::encode_scene(tree, stream.config);
+        if (!bytes) return refuse("MPEG-4 has no such scene: " + bytes.error().message);
+        stream.scene = std::move(*bytes);
+        return {};
+    }
+
     /// Exact where frames come evenly: a rate of 30000/1001 has ticks of 1/30000 s.
     AVRational time_base() const {
         if (scene_.rate.own_times) return {1, 1'000'000};
@@ -71,158 +215,6 @@ private:
     mpeg4::SceneStream scene_stream_;
     std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: not asked for
 };
-
-Result<void> Mp4Writer::open_track(Mp4Track track, const PlaneView& first) {
-    const bool is_seen = track.role == PlaneRole::colour && !storage_.exact_colour;
-    const TrackCoding coding = is_seen                             ? TrackCoding::h264_visual
-                               : storage_.archive == Archive::fast ? TrackCoding::h264_quick
-                                                                   : TrackCoding::h264_thrifty;
-    TRY_ASSIGN(track.encoder, TrackEncoder::open(track.role, coding, part_of(first, track), scene_));
-    AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
-    if (!stream) return refuse("out of memory");
-    TRY(track.encoder->describe(*stream->codecpar));
-    stream->id = static_cast<int>(tracks_.size()) + 1;
-    stream->time_base = time_base();
-    stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
-    av_dict_set(&stream->metadata, "handler_name", track.name().c_str(), 0);
-    stream->disposition = tracks_.empty() ? AV_DISPOSITION_DEFAULT : 0;
-    if (is_seen && storage_.gives_colour) {
-        TRY_ASSIGN(reader_, ReadAlong::open(*track.encoder, track.role));
-    }
-    tracks_.push_back(std::move(track));
-    return {};
-}
-
-/// Those with the low bits come last: the scene does not know them.
-Result<void> Mp4Writer::open_tracks(const RawFrame& first) {
-    for (const PlanePart part : {PlanePart::high, PlanePart::low}) {
-        for (const PlaneRole role : track_order) {
-            const PlaneView& plane = plane_of(first, role);
-            const bool is_wide = plane.bytes_per_sample == 2;
-            if (plane.empty() || (part == PlanePart::low && !is_wide)) continue;
-            const int bits =
-                role == PlaneRole::depth ? scene_.depth_bits : std::max(8, height_bits(scene_.height_coding));
-            Mp4Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits - 8 : 0};
-            TRY(open_track(std::move(track), plane));
-        }
-    }
-    if (!storage_.fragmented) TRY(make_scene_stream());
-    return begin_file();
-}
-
-Result<void> Mp4Writer::begin_file() {
-    TRY(add_sound_stream());
-    TRY(tag_scene());
-    if (storage_.fragmented) return begin_fragments();
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "movflags", "use_metadata_tags", 0);
-    return write_header(options);
-}
-
-/// The movie box comes first then, and FFmpeg cannot mark its tracks: they are marked on their way into the
-/// file. What comes later knows places only from each fragment's own beginning.
-Result<void> Mp4Writer::begin_fragments() {
-    AVIOContext* const file = muxer_->pb;
-    if (avio_open_dyn_buf(&muxer_->pb) < 0) {
-        muxer_->pb = file;
-        return refuse("out of memory");
-    }
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "movflags", "frag_keyframe+empty_moov+default_base_moof+use_metadata_tags", 0);
-    const auto begun = write_header(options);
-    std::uint8_t* memory = nullptr;
-    const int size = avio_close_dyn_buf(std::exchange(muxer_->pb, file), &memory);
-    const mpeg4::Bytes written(memory, memory + (memory ? size : 0));
-    av_free(memory);
-    if (!begun) return begun;
-    TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(written));
-    mpeg4::Bytes head;
-    for (const mpeg4::Box& box : boxes) {
-        const mpeg4::Bytes as_is(box.content.begin(), box.content.end());
-        TRY_ASSIGN(const auto content,
-                   box.type == "moov" ? mpeg4::with_auxiliary_tracks(as_is, 1) : Result(as_is));
-        mpeg4::put_box(head, box.type, content);
-    }
-    avio_write(file, head.data(), static_cast<int>(head.size()));
-    return check_status(0);
-}
-
-Result<void> Mp4Writer::tag_scene() {
-    add_clip_tags(*muxer_, scene_.rate, storage_.fragmented ? clip_format_version : mp4_format_version);
-    AVDictionary*& tags = muxer_->metadata;
-    av_dict_set(&tags, mp4_scene_tag, scene_to_json(to_be_said()).c_str(), 0);
-    if (scene_.rate.own_times) av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
-    if (scene_.path)
-        av_dict_set(&tags, mp4_poses_tag,
-                    timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit).c_str(), 0);
-    const int wanted = 3 + (scene_.rate.own_times ? 1 : 0) + (scene_.path ? 1 : 0);
-    return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
-}
-
-/// Each fragment begins with one.
-void Mp4Writer::choose_access_point() {
-    const std::int64_t frame = check_.frames() - 1;
-    const auto lasts = scene_.rate.time_ns(frame + 1) - scene_.rate.time_ns(access_point_);
-    if (frame - access_point_ >= clip_tags::access_interval || (storage_.fragmented && lasts > fragment_ns))
-        access_point_ = frame;
-}
-
-Result<void> Mp4Writer::encode(std::size_t track, const PlaneView& plane) {
-    const std::int64_t frame = check_.frames() - 1;
-    TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, frame == access_point_));
-    if (reader_ && tracks_[track].role == PlaneRole::colour) TRY(reader_->add(*packet));
-    packet->pts = packet->dts = tick_of(frame);
-    packet->duration = tick_of(frame + 1) - tick_of(frame);
-    return write_picture(*packet, track, time_base());
-}
-
-Result<void> Mp4Writer::add(const RawFrame& frame) {
-    if (tracks_.empty()) TRY(open_tracks(frame));
-    TRY(write_sound(time_ms(frame.number)));
-    choose_access_point();
-    for (std::size_t k = 0; k < tracks_.size(); ++k)
-        TRY(encode(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])));
-    return {};
-}
-
-/// Each plane's texture is a track.
-Result<void> Mp4Writer::make_scene_stream() {
-    const auto has = [&](PlaneRole role) { return check_.bytes_per_sample(role) > 0; };
-    const mpeg4::ClipNodes nodes =
-        mpeg4::nodes_from(scene_, {has(PlaneRole::colour), has(PlaneRole::haptic), has(PlaneRole::height)});
-    mpeg4::SceneStream& stream = scene_stream_;
-    for (std::size_t k = 0; k < tracks_.size(); ++k)
-        if (tracks_[k].part != PlanePart::low)
-            stream.objects[objects[static_cast<std::size_t>(tracks_[k].role)]] =
-                static_cast<std::uint32_t>(k + 1);
-    const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
-    stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);
-    auto bytes = mpeg4::encode_scene(tree, stream.config);
-    if (!bytes) return refuse("MPEG-4 has no such scene: " + bytes.error().message);
-    stream.scene = std::move(*bytes);
-    return {};
-}
-
-/// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, which is the last.
-Result<void> Mp4Writer::add_scene() {
-    avio_flush(muxer_->pb);
-    const auto refuse_for = [&](const Error& why) { return error_at(output_.target().string(), why); };
-    const auto file = bytes_of_file(SourceFile(output_.path()));
-    if (!file) return refuse_for(file.error());
-    const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
-    const auto box = mpeg4::first_box(**file, "moov", 0, end);
-    if (!box) return refuse_for(box.error());
-    if (!*box || (*box)->end != end)
-        return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
-    const auto movie = mpeg4::bytes_at(**file, (*box)->content, end - (*box)->content);
-    if (!movie) return refuse_for(movie.error());
-    TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(*movie, scene_stream_, 1, (*box)->at));
-    if (avio_seek(muxer_->pb, static_cast<std::int64_t>((*box)->at), SEEK_SET) < 0)
-        return refuse("cannot be written: no way back in it");
-    avio_write(muxer_->pb, made.data(), static_cast<int>(made.size()));
-    avio_flush(muxer_->pb);
-    return check_status(0);
-}
 
 }  // namespace
 

@@ -49,8 +49,31 @@ class RankZstdPackets final : public PacketDecoder {
 public:
     RankZstdPackets(RankZstdDecoder::Version version, int width, int height)
         : width_(width), height_(height), decoder_(version) {}
-    int send(const AVPacket* packet) override;
-    int receive(AVFrame& picture) override;
+    int send(const AVPacket* packet) override {
+        if (decoded_) return AVERROR(EAGAIN);
+        ended_ = packet == nullptr;
+        if (!packet) return 0;
+        const std::size_t samples = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+        const std::span<const std::uint8_t> bytes(packet->data, static_cast<std::size_t>(packet->size));
+        if (!decoder_.promises(bytes, samples)) return AVERROR_INVALIDDATA;
+        if (!pool_) pool_.reset(av_buffer_pool_init(2 * samples, nullptr));
+        FramePtr frame = pool_ ? blank() : nullptr;
+        if (!frame) return AVERROR(ENOMEM);
+        if (!decoder_.decode(bytes, width_, height_, reinterpret_cast<std::uint16_t*>(frame->data[0]),
+                             width_))
+            return AVERROR_INVALIDDATA;
+        frame->best_effort_timestamp = frame->pts = packet->pts;
+        decoded_ = std::move(frame);
+        return 0;
+    }
+
+    int receive(AVFrame& picture) override {
+        if (!decoded_) return ended_ ? AVERROR_EOF : AVERROR(EAGAIN);
+        av_frame_move_ref(&picture, decoded_.get());
+        decoded_.reset();
+        return 0;
+    }
+
     void flush() override {
         decoded_.reset();
         ended_ = false;
@@ -58,7 +81,19 @@ public:
     bool is_one_packet_each() const override { return true; }
 
 private:
-    FramePtr blank() const;
+    /// A picture of any content.
+    FramePtr blank() const {
+        FramePtr frame(av_frame_alloc());
+        if (!frame) return nullptr;
+        frame->buf[0] = av_buffer_pool_get(pool_.get());
+        if (!frame->buf[0]) return nullptr;
+        frame->format = AV_PIX_FMT_GRAY16;
+        frame->width = width_;
+        frame->height = height_;
+        frame->data[0] = frame->buf[0]->data;
+        frame->linesize[0] = 2 * width_;
+        return frame;
+    }
 
     const int width_, height_;
     std::unique_ptr<AVBufferPool, PoolDeleter> pool_;
@@ -66,44 +101,6 @@ private:
     FramePtr decoded_;  // not given yet
     bool ended_ = false;
 };
-
-/// A picture of any content.
-FramePtr RankZstdPackets::blank() const {
-    FramePtr frame(av_frame_alloc());
-    if (!frame) return nullptr;
-    frame->buf[0] = av_buffer_pool_get(pool_.get());
-    if (!frame->buf[0]) return nullptr;
-    frame->format = AV_PIX_FMT_GRAY16;
-    frame->width = width_;
-    frame->height = height_;
-    frame->data[0] = frame->buf[0]->data;
-    frame->linesize[0] = 2 * width_;
-    return frame;
-}
-
-int RankZstdPackets::send(const AVPacket* packet) {
-    if (decoded_) return AVERROR(EAGAIN);
-    ended_ = packet == nullptr;
-    if (!packet) return 0;
-    const std::size_t samples = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-    const std::span<const std::uint8_t> bytes(packet->data, static_cast<std::size_t>(packet->size));
-    if (!decoder_.promises(bytes, samples)) return AVERROR_INVALIDDATA;
-    if (!pool_) pool_.reset(av_buffer_pool_init(2 * samples, nullptr));
-    FramePtr frame = pool_ ? blank() : nullptr;
-    if (!frame) return AVERROR(ENOMEM);
-    if (!decoder_.decode(bytes, width_, height_, reinterpret_cast<std::uint16_t*>(frame->data[0]), width_))
-        return AVERROR_INVALIDDATA;
-    frame->best_effort_timestamp = frame->pts = packet->pts;
-    decoded_ = std::move(frame);
-    return 0;
-}
-
-int RankZstdPackets::receive(AVFrame& picture) {
-    if (!decoded_) return ended_ ? AVERROR_EOF : AVERROR(EAGAIN);
-    av_frame_move_ref(&picture, decoded_.get());
-    decoded_.reset();
-    return 0;
-}
 
 Error damaged_header(const std::string& where, const std::string& what) {
     return input_error(where + ": its header is damaged: " + what);
@@ -145,8 +142,8 @@ Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& strea
             std::int64_t{stored.width} * stored.height > most_pixels)
             return damaged_header(where, "it says " + std::to_string(stored.width) + "x" +
                                              std::to_string(stored.height) + " pixels");
-        return std::unique_ptr<PacketDecoder>(std::make_unique<RankZstdPackets>(
-            RankZstdDecoder::Version{*version}, stored.width, stored.height));
+        return std::make_unique<RankZstdPackets>(RankZstdDecoder::Version{*version}, stored.width,
+                                                 stored.height);
     }
     const AVCodec* decoder = avcodec_find_decoder(stored.codec_id);
     if (!decoder)
@@ -162,7 +159,7 @@ Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& strea
     codec->max_pixels = most_pixels;
     if (status >= 0) status = avcodec_open2(codec.get(), decoder, nullptr);
     if (status < 0) return damaged_header(where, ffmpeg_text(status));
-    return std::unique_ptr<PacketDecoder>(std::make_unique<FfmpegDecoder>(std::move(codec)));
+    return std::make_unique<FfmpegDecoder>(std::move(codec));
 }
 
 Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, const std::string& file,

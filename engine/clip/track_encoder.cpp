@@ -91,10 +91,48 @@ bool attach_messages(std::span<const std::string> messages, AVFrame& picture) {
 class FfmpegEncoder final : public TrackEncoder {
 public:
     explicit FfmpegEncoder(PlaneRole role) : role_(role) {}
-    Result<void> open(TrackCoding coding, const PlaneView& first, const Scene& scene);
-    Result<void> describe(AVCodecParameters& stored) const override;
+    Result<void> open(TrackCoding coding, const PlaneView& first, const Scene& scene) {
+        const CodedForm form = form_of(role_, coding, first, scene);
+        auto codec = open_encoder(coding, form.format, form.width, form.height, scene.rate);
+        if (!codec && codec.error().kind == ErrorKind::usage && form.split)  // in terms of the scene
+            return unstorable_size(first.width, first.height, "H.264 takes sides of 16384 at most");
+        if (!codec) return codec.error();
+        codec_ = std::move(*codec);
+        picture_ = blank_picture(form.format, form.width, form.height);
+        if (!picture_) return track_error(role_, "out of memory");
+        picture_->pts = -1;
+        if (!is_visual(coding)) return {};
+        scaler_ = scaler_from_rgb(form.width, form.height, form.format, form.width, form.height,
+                                  SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT);
+        if (!scaler_) return track_error(role_, "no way from RGB to its pixels");
+        return {};
+    }
+
+    Result<void> describe(AVCodecParameters& stored) const override {
+        if (avcodec_parameters_from_context(&stored, codec_.get()) < 0)
+            return track_error(role_, "out of memory");
+        return {};
+    }
+
     Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own,
-                             std::span<const std::string> messages) override;
+                             std::span<const std::string> messages) override {
+        PacketPtr packet(av_packet_alloc());
+        if (!packet || av_frame_make_writable(picture_.get()) < 0) return track_error(role_, "out of memory");
+        if (scaler_) {
+            const std::uint8_t* rows[] = {plane.data, nullptr, nullptr, nullptr};
+            const int strides[] = {static_cast<int>(plane.stride), 0, 0, 0};
+            sws_scale(scaler_.get(), rows, strides, 0, plane.height, picture_->data, picture_->linesize);
+        } else {
+            copy_samples(plane, *picture_);
+        }
+        ++picture_->pts;
+        picture_->pict_type = on_its_own ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+        if (!attach_messages(messages, *picture_)) return track_error(role_, "out of memory");
+        int status = avcodec_send_frame(codec_.get(), picture_.get());
+        if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
+        if (status < 0) return track_error(role_, ffmpeg_text(status));
+        return packet;
+    }
 
 private:
     PlaneRole role_;
@@ -103,56 +141,30 @@ private:
     ScalerPtr scaler_;  // of is_visual
 };
 
-Result<void> FfmpegEncoder::open(TrackCoding coding, const PlaneView& first, const Scene& scene) {
-    const CodedForm form = form_of(role_, coding, first, scene);
-    auto codec = open_encoder(coding, form.format, form.width, form.height, scene.rate);
-    if (!codec && codec.error().kind == ErrorKind::usage && form.split)  // in terms of the scene
-        return unstorable_size(first.width, first.height, "H.264 takes sides of 16384 at most");
-    if (!codec) return codec.error();
-    codec_ = std::move(*codec);
-    picture_ = blank_picture(form.format, form.width, form.height);
-    if (!picture_) return track_error(role_, "out of memory");
-    picture_->pts = -1;
-    if (!is_visual(coding)) return {};
-    scaler_ = scaler_from_rgb(form.width, form.height, form.format, form.width, form.height,
-                              SWS_BICUBIC | SWS_ACCURATE_RND | SWS_BITEXACT);
-    if (!scaler_) return track_error(role_, "no way from RGB to its pixels");
-    return {};
-}
-
-Result<void> FfmpegEncoder::describe(AVCodecParameters& stored) const {
-    if (avcodec_parameters_from_context(&stored, codec_.get()) < 0)
-        return track_error(role_, "out of memory");
-    return {};
-}
-
-Result<PacketPtr> FfmpegEncoder::encode(const PlaneView& plane, bool on_its_own,
-                                        std::span<const std::string> messages) {
-    PacketPtr packet(av_packet_alloc());
-    if (!packet || av_frame_make_writable(picture_.get()) < 0) return track_error(role_, "out of memory");
-    if (scaler_) {
-        const std::uint8_t* rows[] = {plane.data, nullptr, nullptr, nullptr};
-        const int strides[] = {static_cast<int>(plane.stride), 0, 0, 0};
-        sws_scale(scaler_.get(), rows, strides, 0, plane.height, picture_->data, picture_->linesize);
-    } else {
-        copy_samples(plane, *picture_);
-    }
-    ++picture_->pts;
-    picture_->pict_type = on_its_own ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
-    if (!attach_messages(messages, *picture_)) return track_error(role_, "out of memory");
-    int status = avcodec_send_frame(codec_.get(), picture_.get());
-    if (status >= 0) status = avcodec_receive_packet(codec_.get(), packet.get());
-    if (status < 0) return track_error(role_, ffmpeg_text(status));
-    return packet;
-}
-
 class RankZstdTrack final : public TrackEncoder {
 public:
     RankZstdTrack(PlaneRole role, const PlaneView& first)
         : role_(role), width_(first.width), height_(first.height) {}
-    Result<void> describe(AVCodecParameters& stored) const override;
+    Result<void> describe(AVCodecParameters& stored) const override {
+        stored.codec_type = AVMEDIA_TYPE_VIDEO;
+        stored.codec_id = AV_CODEC_ID_NONE;
+        stored.codec_tag = rank_zstd_tag;
+        stored.width = width_;
+        stored.height = height_;
+        return {};
+    }
+
     Result<PacketPtr> encode(const PlaneView& plane, bool on_its_own,
-                             std::span<const std::string> messages) override;
+                             std::span<const std::string> messages) override {
+        if (!messages.empty()) return track_error(role_, "its codec has no room for messages");
+        const auto bytes = encoder_.encode(plane, on_its_own);
+        PacketPtr packet(av_packet_alloc());
+        if (bytes.empty() || !packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0)
+            return track_error(role_, "out of memory");
+        std::memcpy(packet->data, bytes.data(), bytes.size());
+        packet->flags |= AV_PKT_FLAG_KEY;
+        return packet;
+    }
 
 private:
     const PlaneRole role_;
@@ -160,36 +172,14 @@ private:
     RankZstdEncoder encoder_;
 };
 
-Result<void> RankZstdTrack::describe(AVCodecParameters& stored) const {
-    stored.codec_type = AVMEDIA_TYPE_VIDEO;
-    stored.codec_id = AV_CODEC_ID_NONE;
-    stored.codec_tag = rank_zstd_tag;
-    stored.width = width_;
-    stored.height = height_;
-    return {};
-}
-
-Result<PacketPtr> RankZstdTrack::encode(const PlaneView& plane, bool on_its_own,
-                                        std::span<const std::string> messages) {
-    if (!messages.empty()) return track_error(role_, "its codec has no room for messages");
-    const auto bytes = encoder_.encode(plane, on_its_own);
-    PacketPtr packet(av_packet_alloc());
-    if (bytes.empty() || !packet || av_new_packet(packet.get(), static_cast<int>(bytes.size())) < 0)
-        return track_error(role_, "out of memory");
-    std::memcpy(packet->data, bytes.data(), bytes.size());
-    packet->flags |= AV_PKT_FLAG_KEY;
-    return packet;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCoding coding,
                                                          const PlaneView& first, const Scene& scene) {
-    if (coding == TrackCoding::rank_zstd)
-        return std::unique_ptr<TrackEncoder>(std::make_unique<RankZstdTrack>(role, first));
+    if (coding == TrackCoding::rank_zstd) return std::make_unique<RankZstdTrack>(role, first);
     auto encoder = std::make_unique<FfmpegEncoder>(role);
     TRY(encoder->open(coding, first, scene));
-    return std::unique_ptr<TrackEncoder>(std::move(encoder));
+    return encoder;
 }
 
 PlaneView part_of(const PlaneView& plane, PlanePart part, int low_bits, std::vector<std::uint8_t>& memory) {

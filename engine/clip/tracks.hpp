@@ -417,7 +417,7 @@ public:
         if (auto storable = check_storable(path, described); !storable) return storable.error();
         auto writer = std::make_unique<Writer>(path, described, storage, existing);
         if (auto opened = writer->open(sound); !opened) return opened.error();
-        return std::unique_ptr<ClipWriter>(std::move(writer));
+        return writer;
     }
 
     Result<void> write(const RawFrame& frame) final { return keep(write_frame(frame)); }

@@ -405,8 +405,7 @@ MadeScene make_map_globe(Scene scene, const GlobeSphere& sphere, const SceneOpti
     TRY_ASSIGN(auto ground, map_ground(*options.maps, nearest / (scene.camera.fx * sphere.radius), rows));
     if (ground->largest_height > 0)
         scene.height_coding = {ground->largest_height * sphere.radius, HeightUnits::world, 255};
-    return std::unique_ptr<AnalyticScene>(
-        std::make_unique<MapGlobe>(std::move(scene), sphere, options, std::move(ground)));
+    return std::make_unique<MapGlobe>(std::move(scene), sphere, options, std::move(ground));
 }
 
 }  // namespace
@@ -421,12 +420,11 @@ MadeScene make_globe(std::string_view name, const SceneOptions& options) {
                          " is too tall: a globe of 80 % of its height would reach before the near plane");
     scene.device_metres_per_unit = globe_device_radius / sphere.radius;
     scene.default_properties = {1000, 0, 0};
-    if (!options.properties)
-        return std::unique_ptr<AnalyticScene>(std::make_unique<Globe>(std::move(scene), sphere));
+    if (!options.properties) return std::make_unique<Globe>(std::move(scene), sphere);
     scene.haptic = globe_ranges;
     if (options.maps) return make_map_globe(std::move(scene), sphere, options);
     scene.height_coding = {1, HeightUnits::levels, 255};
-    return std::unique_ptr<AnalyticScene>(std::make_unique<PlanetGlobe>(std::move(scene), sphere, options));
+    return std::make_unique<PlanetGlobe>(std::move(scene), sphere, options);
 }
 
 }  // namespace touchable

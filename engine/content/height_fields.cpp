@@ -179,7 +179,7 @@ MadeScene make_height_field(std::string_view name, const SceneOptions& options) 
     const Relief relief = name == "rough" ? Relief::rough : name == "moving" ? Relief::moving : Relief::bumps;
     const double reach = relief == Relief::moving ? 40 : 20;
     Scene scene = tabletop_scene(name, options, tabletop_distance - reach, tabletop_distance + reach);
-    return std::unique_ptr<AnalyticScene>(std::make_unique<HeightFieldScene>(std::move(scene), relief));
+    return std::make_unique<HeightFieldScene>(std::move(scene), relief);
 }
 
 GlobeStroke::GlobeStroke(CameraPreset preset, int width, int height)

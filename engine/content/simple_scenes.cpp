@@ -153,7 +153,7 @@ MadeScene make_plane(std::string_view name, const SceneOptions& options) {
                               std::to_string(options.height) +
                               " is too tall for this tilt: the plane would leave depths 750 to 1350");
         }
-    return std::unique_ptr<AnalyticScene>(std::move(plane));
+    return plane;
 }
 
 enum class NoiseKind { noise, cliffs, grain };
@@ -188,14 +188,11 @@ private:
 
 MadeScene make_primitive(std::string_view name, const SceneOptions& options) {
     if (name == "plane") return make_plane(name, options);
-    if (name == "spheres")
-        return std::unique_ptr<AnalyticScene>(
-            std::make_unique<SpheresScene>(tabletop_scene(name, options, 900, 1100)));
+    if (name == "spheres") return std::make_unique<SpheresScene>(tabletop_scene(name, options, 900, 1100));
     if (options.width < 2 * StepScene::bands)
         return refuse_scene(name, "width " + std::to_string(options.width) +
                                       " is too small; 11 bands need at least 22 pixels");
-    return std::unique_ptr<AnalyticScene>(
-        std::make_unique<StepScene>(tabletop_scene(name, options, 980, 1020)));
+    return std::make_unique<StepScene>(tabletop_scene(name, options, 980, 1020));
 }
 
 MadeScene make_noise(std::string_view name, const SceneOptions& options) {
@@ -206,7 +203,7 @@ MadeScene make_noise(std::string_view name, const SceneOptions& options) {
     const NoiseKind kind = name == "noise"    ? NoiseKind::noise
                            : name == "cliffs" ? NoiseKind::cliffs
                                               : NoiseKind::grain;
-    return std::unique_ptr<AnalyticScene>(std::make_unique<NoiseScene>(std::move(scene), kind, options.seed));
+    return std::make_unique<NoiseScene>(std::move(scene), kind, options.seed);
 }
 
 }  // namespace touchable

@@ -263,233 +263,6 @@ bool is_picture_handler(BytesView trak) {
     return handler == 0x76696465 || handler == 0x61757876;  // vide, auxv
 }
 
-class Gatherer {
-public:
-    explicit Gatherer(ByteSource& file)
-        : file_(file), most_samples_(std::min<std::uint64_t>(most_samples, file.size())) {}
-    Result<bool> read_movie(const Box::Place& moov);
-    /// False where some of its samples are not there.
-    Result<bool> add_fragment(const Box::Place& moof);
-    Bytes head();
-    Result<void> align();
-
-private:
-    Result<bool> read_runs(BytesView traf, const Box::Place& moof, std::uint64_t& data_end,
-                           std::vector<FragmentRun>& runs);
-    Result<bool> read_run(BytesView trun, const SampleDefaults& defaults, std::uint64_t base,
-                          std::uint64_t& at, FragmentRun& to);
-    Result<void> append(FragmentRun& run);
-    Bytes movie(std::uint64_t later) const;
-    Bytes trak_of(const PictureTrack& track, std::uint64_t later) const;
-    PictureTrack* track_of(std::uint64_t id);
-    /// In the movie's time scale.
-    std::uint64_t movie_time(const PictureTrack& track) const;
-
-    ByteSource& file_;
-    Bytes moov_;
-    std::uint32_t timescale_ = 0;
-    std::vector<PictureTrack> tracks_;
-    const std::uint64_t most_samples_;  // of a byte or more each
-    std::uint64_t samples_ = 0;
-};
-
-PictureTrack* Gatherer::track_of(std::uint64_t id) {
-    const auto found = std::ranges::find(tracks_, id, &PictureTrack::id);
-    return found == tracks_.end() ? nullptr : &*found;
-}
-
-/// False where it speaks of no fragments.
-Result<bool> Gatherer::read_movie(const Box::Place& moov) {
-    TRY_ASSIGN(const auto place, first_box(file_, "mvex", moov.content, moov.end));
-    if (!place) return false;
-    if (moov.end - moov.content > most_box_bytes) return input_error("its movie box has more than 64 MiB");
-    TRY_ASSIGN(moov_, bytes_at(file_, moov.content, moov.end - moov.content));
-    TRY_ASSIGN(const auto parts, boxes_in(moov_));
-    const BytesView header = content_at(moov_, {"mvhd"});
-    if (header.size() < 32) return input_error("its movie box has no header (mvhd)");
-    timescale_ = number_behind_times(header);
-    for (const Box& part : parts) {
-        if (part.type != "trak") continue;
-        const BytesView head = content_at(part.content, {"tkhd"}),
-                        media = content_at(part.content, {"mdia", "mdhd"});
-        if (head.size() < 24 || media.size() < 24) continue;
-        PictureTrack& track = tracks_.emplace_back();
-        track.trak = part.content;
-        track.id = number_behind_times(head);
-        track.timescale = number_behind_times(media);
-        track.has_pictures = is_picture_handler(part.content) && track.timescale > 0;
-        if (!track.has_pictures) continue;
-        TRY_ASSIGN(track.all,
-                   samples_in(content_at(part.content, {"mdia", "minf", "stbl"}), most_samples_ - samples_));
-        samples_ += track.all.samples.size();
-        for (const Sample& sample : track.all.samples) track.end += sample.duration;
-    }
-    TRY_ASSIGN(const auto defaults, boxes_in(content_at(moov_, {"mvex"})));
-    for (const Box& each : defaults) {
-        PictureTrack* const track = each.type == "trex" ? track_of(number_at(each.content, 4, 4)) : nullptr;
-        const auto number = [&each](std::size_t at) {
-            return static_cast<std::uint32_t>(number_at(each.content, at, 4));
-        };
-        if (track) track->defaults = {number(8), number(12), number(16), number(20)};
-    }
-    return true;
-}
-
-/// From `at` on, or from where it says, counted from `base`; `at` is the end then. False where its samples
-/// are not all there.
-Result<bool> Gatherer::read_run(BytesView trun, const SampleDefaults& defaults, std::uint64_t base,
-                                std::uint64_t& at, FragmentRun& to) {
-    const std::uint64_t flags = number_at(trun, 1, 3), count = number_at(trun, 4, 4);
-    std::size_t next = 8;
-    const auto take = [&](std::uint64_t flag, std::uint32_t otherwise) {
-        if ((flags & flag) == 0) return otherwise;
-        next += 4;
-        return static_cast<std::uint32_t>(number_at(trun, next - 4, 4));
-    };
-    if (flags & 1) at = base + static_cast<std::uint64_t>(static_cast<std::int32_t>(take(1, 0)));
-    const std::uint32_t first_flags = take(4, 0);
-    std::size_t entry_bytes = 0;
-    for (const std::uint64_t flag : {0x100, 0x200, 0x400, 0x800}) entry_bytes += flags & flag ? 4 : 0;
-    samples_ += count;
-    if (next > trun.size() || count * entry_bytes > trun.size() - next || samples_ > most_samples_)
-        return input_error("a run (trun) claims " + std::to_string(count) + " samples in " +
-                           std::to_string(trun.size()) + " bytes");
-    to.chunk = {at, static_cast<std::uint32_t>(count), defaults.description};
-    constexpr std::uint32_t needs_another = 0x10000;
-    std::uint64_t bytes = 0;
-    for (std::uint64_t k = 0; k < count; ++k) {
-        Sample sample;
-        sample.duration = take(0x100, defaults.duration);
-        sample.bytes = take(0x200, defaults.bytes);
-        const std::uint32_t own_flags = take(0x400, k == 0 && (flags & 4) ? first_flags : defaults.flags);
-        sample.is_key = (own_flags & needs_another) == 0;
-        sample.shown_later = static_cast<std::int32_t>(take(0x800, 0));
-        bytes += sample.bytes;
-        if (to.track) to.samples.push_back(sample);
-    }
-    if (at > file_.size() || bytes > file_.size() - at) return false;
-    at += bytes;
-    return true;
-}
-
-/// Of a track in a fragment. `data_end`: of the track before, where this one's samples begin if it does not
-/// say otherwise.
-Result<bool> Gatherer::read_runs(BytesView traf, const Box::Place& moof, std::uint64_t& data_end,
-                                 std::vector<FragmentRun>& runs) {
-    TRY_ASSIGN(const auto parts, boxes_in(traf));
-    const Box* const head = box_named(parts, "tfhd");
-    if (!head || head->content.size() < 8) return input_error("a fragment of a track has no header (tfhd)");
-    PictureTrack* const track = track_of(number_at(head->content, 4, 4));
-    if (!track)
-        return input_error("a fragment is of track " + std::to_string(number_at(head->content, 4, 4)) +
-                           ", which is none");
-    const std::uint64_t flags = number_at(head->content, 1, 3);
-    std::size_t next = 8;
-    const auto take = [&](std::uint64_t flag, int bytes, std::uint64_t otherwise) {
-        if ((flags & flag) == 0) return otherwise;
-        next += static_cast<std::size_t>(bytes);
-        return number_at(head->content, next - static_cast<std::size_t>(bytes), bytes);
-    };
-    const std::uint64_t base = take(1, 8, flags & 0x20000 ? moof.at : data_end);
-    SampleDefaults defaults = track->defaults;
-    for (const auto& [flag, member] : {std::pair{0x2U, &SampleDefaults::description},
-                                       {0x8U, &SampleDefaults::duration},
-                                       {0x10U, &SampleDefaults::bytes},
-                                       {0x20U, &SampleDefaults::flags}})
-        defaults.*member = static_cast<std::uint32_t>(take(flag, 4, defaults.*member));
-    std::optional<std::uint64_t> time;
-    if (const Box* const decoded = box_named(parts, "tfdt"); decoded && decoded->content.size() >= 8)
-        time = number_at(decoded->content, 4, decoded->content[0] == 1 ? 8 : 4);
-    data_end = base;
-    for (const Box& part : parts) {
-        if (part.type != "trun") continue;
-        FragmentRun run{.track = track->has_pictures ? track : nullptr,
-                        .time = std::exchange(time, std::nullopt)};
-        const auto whole = read_run(part.content, defaults, base, data_end, run);
-        if (!whole || !*whole) return whole;
-        if (run.track) runs.push_back(std::move(run));
-    }
-    return true;
-}
-
-/// A stretch without samples is the last one's before it.
-Result<void> Gatherer::append(FragmentRun& run) {
-    PictureTrack& track = *run.track;
-    const std::uint64_t time = run.time.value_or(track.end);
-    auto& samples = track.all.samples;
-    if (samples.empty()) {
-        track.begin = time;
-    } else {
-        const std::uint64_t longest = std::numeric_limits<std::uint32_t>::max();
-        const std::uint64_t last = track.end - samples.back().duration;
-        if (time < last || time - last > longest)
-            return input_error("track " + std::to_string(track.id) + " goes on at " + std::to_string(time) +
-                               " of its ticks, but its last sample is at " + std::to_string(last));
-        samples.back().duration = static_cast<std::uint32_t>(time - last);
-    }
-    track.end = time;
-    for (const Sample& sample : run.samples) track.end += sample.duration;
-    if (run.samples.empty()) return {};
-    samples.insert(samples.end(), run.samples.begin(), run.samples.end());
-    track.all.chunks.push_back(run.chunk);
-    return {};
-}
-
-Result<bool> Gatherer::add_fragment(const Box::Place& moof) {
-    if (moof.end - moof.content > most_box_bytes) return input_error("has more than 64 MiB");
-    TRY_ASSIGN(const auto bytes, bytes_at(file_, moof.content, moof.end - moof.content));
-    TRY_ASSIGN(const auto parts, boxes_in(bytes));
-    std::uint64_t data_end = moof.at;
-    std::vector<FragmentRun> runs;
-    for (const Box& part : parts) {
-        if (part.type != "traf") continue;
-        const auto whole = read_runs(part.content, moof, data_end, runs);
-        if (!whole || !*whole) return whole;
-    }
-    for (FragmentRun& run : runs) TRY(append(run));
-    return true;
-}
-
-/// Plain files begin at time 0: what all tracks begin later is left out, what one begins later than another
-/// is how much later its pictures are shown.
-Result<void> Gatherer::align() {
-    // Fractions of seconds, as whole numbers: a tick may be a whole frame.
-    constexpr std::uint64_t latest = std::uint64_t{1} << 61;
-    struct Moment {
-        std::uint64_t seconds, ticks, timescale;  // ticks: beyond the seconds
-        bool operator<(const Moment& other) const {
-            return seconds != other.seconds ? seconds < other.seconds
-                                            : ticks * other.timescale < other.ticks * timescale;
-        }
-        std::uint64_t in(std::uint64_t scale) const { return seconds * scale + ticks * scale / timescale; }
-    };
-    const auto begin_of = [](const PictureTrack& track) {
-        return Moment{track.begin / track.timescale, track.begin % track.timescale, track.timescale};
-    };
-    std::optional<Moment> common;
-    for (const PictureTrack& track : tracks_)
-        if (track.has_pictures && !track.all.samples.empty() && (!common || begin_of(track) < *common))
-            common = begin_of(track);
-    for (PictureTrack& track : tracks_) {
-        if (!track.has_pictures || track.all.samples.empty()) continue;
-        const bool is_too_late = track.begin > latest || common->seconds > latest / track.timescale;
-        const std::uint64_t ticks = is_too_late ? latest : track.begin - common->in(track.timescale);
-        constexpr std::uint64_t most = 1 << 30;
-        if (ticks > most)
-            return input_error("track " + std::to_string(track.id) + " begins too late after the others");
-        for (Sample& sample : track.all.samples)
-            sample.shown_later = static_cast<std::int32_t>(static_cast<std::uint32_t>(sample.shown_later) +
-                                                           static_cast<std::uint32_t>(ticks));
-    }
-    return {};
-}
-
-std::uint64_t Gatherer::movie_time(const PictureTrack& track) const {
-    const double ticks = static_cast<double>(track.end - track.begin) * timescale_ / track.timescale;
-    constexpr double most = 1e18;
-    return static_cast<std::uint64_t>(std::ceil(std::min(ticks, most)));
-}
-
 /// A number of a box with a version, of four bytes or, from version 1 on, of eight.
 void put_versioned(Bytes& box, std::size_t at, std::size_t at_when_long, std::uint64_t number) {
     const bool is_long = !box.empty() && box[0] == 1;
@@ -513,48 +286,266 @@ Bytes with_duration(BytesView edits, std::uint64_t duration) {
     return made;
 }
 
-/// Its own boxes, but for the tables of samples.
-Bytes Gatherer::trak_of(const PictureTrack& track, std::uint64_t later) const {
-    constexpr std::string_view edits[] = {"edts", "elst"}, tables[] = {"mdia", "minf", "stbl"};
-    Bytes samples = box_of("stsd", content_at(track.trak, {"mdia", "minf", "stbl", "stsd"}));
-    put_bytes(samples, tables_of(track.all, later));
-    const Bytes played = with_duration(content_at(track.trak, {"edts", "elst"}), movie_time(track));
-    return with_content(with_content(track.trak, edits, played), tables, samples);
-}
+class Gatherer {
+public:
+    explicit Gatherer(ByteSource& file)
+        : file_(file), most_samples_(std::min<std::uint64_t>(most_samples, file.size())) {}
+    /// False where it speaks of no fragments.
+    Result<bool> read_movie(const Box::Place& moov) {
+        TRY_ASSIGN(const auto place, first_box(file_, "mvex", moov.content, moov.end));
+        if (!place) return false;
+        if (moov.end - moov.content > most_box_bytes)
+            return input_error("its movie box has more than 64 MiB");
+        TRY_ASSIGN(moov_, bytes_at(file_, moov.content, moov.end - moov.content));
+        TRY_ASSIGN(const auto parts, boxes_in(moov_));
+        const BytesView header = content_at(moov_, {"mvhd"});
+        if (header.size() < 32) return input_error("its movie box has no header (mvhd)");
+        timescale_ = number_behind_times(header);
+        for (const Box& part : parts) {
+            if (part.type != "trak") continue;
+            const BytesView head = content_at(part.content, {"tkhd"}),
+                            media = content_at(part.content, {"mdia", "mdhd"});
+            if (head.size() < 24 || media.size() < 24) continue;
+            PictureTrack& track = tracks_.emplace_back();
+            track.trak = part.content;
+            track.id = number_behind_times(head);
+            track.timescale = number_behind_times(media);
+            track.has_pictures = is_picture_handler(part.content) && track.timescale > 0;
+            if (!track.has_pictures) continue;
+            TRY_ASSIGN(track.all, samples_in(content_at(part.content, {"mdia", "minf", "stbl"}),
+                                             most_samples_ - samples_));
+            samples_ += track.all.samples.size();
+            for (const Sample& sample : track.all.samples) track.end += sample.duration;
+        }
+        TRY_ASSIGN(const auto defaults, boxes_in(content_at(moov_, {"mvex"})));
+        for (const Box& each : defaults) {
+            PictureTrack* const track =
+                each.type == "trex" ? track_of(number_at(each.content, 4, 4)) : nullptr;
+            const auto number = [&each](std::size_t at) {
+                return static_cast<std::uint32_t>(number_at(each.content, at, 4));
+            };
+            if (track) track->defaults = {number(8), number(12), number(16), number(20)};
+        }
+        return true;
+    }
 
-/// Of its tracks only those of pictures.
-Bytes Gatherer::movie(std::uint64_t later) const {
-    std::uint64_t duration = 0;
-    for (const PictureTrack& track : tracks_)
-        if (track.has_pictures) duration = std::max(duration, movie_time(track));
-    const BytesView written = content_at(moov_, {"mvhd"});
-    Bytes header(written.begin(), written.end());
-    put_versioned(header, 16, 24, duration);
-    Bytes made = box_of("mvhd", header);
-    for (const PictureTrack& track : tracks_)
-        if (track.has_pictures) put_box(made, "trak", trak_of(track, later));
-    const auto parts = boxes_in(moov_);
-    for (const Box& part : parts ? *parts : std::vector<Box>())
-        if (part.type != "mvhd" && part.type != "mvex" && part.type != "trak")
-            put_box(made, part.type, part.content);
-    return made;
-}
+    /// False where some of its samples are not there.
+    Result<bool> add_fragment(const Box::Place& moof) {
+        if (moof.end - moof.content > most_box_bytes) return input_error("has more than 64 MiB");
+        TRY_ASSIGN(const auto bytes, bytes_at(file_, moof.content, moof.end - moof.content));
+        TRY_ASSIGN(const auto parts, boxes_in(bytes));
+        std::uint64_t data_end = moof.at;
+        std::vector<FragmentRun> runs;
+        for (const Box& part : parts) {
+            if (part.type != "traf") continue;
+            const auto whole = read_runs(part.content, moof, data_end, runs);
+            if (!whole || !*whole) return whole;
+        }
+        for (FragmentRun& run : runs) TRY(append(run));
+        return true;
+    }
 
-Bytes Gatherer::head() {
-    Bytes type;
-    for (const char letter : std::string("isom\0\0\2\0isomiso2mp41", 20))
-        type.push_back(static_cast<std::uint8_t>(letter));
-    constexpr std::size_t samples_head = 16;
-    const auto made = [&](std::uint64_t later) {
-        Bytes head = box_of("ftyp", type);
-        put_box(head, "moov", movie(later));
-        put_number(head, 1, 4);
-        for (const char letter : {'m', 'd', 'a', 't'}) head.push_back(static_cast<std::uint8_t>(letter));
-        put_number(head, samples_head + file_.size(), 8);
-        return head;
-    };
-    return made(made(0).size());
-}
+    Bytes head() {
+        Bytes type;
+        for (const char letter : std::string("isom\0\0\2\0isomiso2mp41", 20))
+            type.push_back(static_cast<std::uint8_t>(letter));
+        constexpr std::size_t samples_head = 16;
+        const auto made = [&](std::uint64_t later) {
+            Bytes head = box_of("ftyp", type);
+            put_box(head, "moov", movie(later));
+            put_number(head, 1, 4);
+            for (const char letter : {'m', 'd', 'a', 't'}) head.push_back(static_cast<std::uint8_t>(letter));
+            put_number(head, samples_head + file_.size(), 8);
+            return head;
+        };
+        return made(made(0).size());
+    }
+
+    /// Plain files begin at time 0: what all tracks begin later is left out, what one begins later than
+    /// another is how much later its pictures are shown.
+    Result<void> align() {
+        // Fractions of seconds, as whole numbers: a tick may be a whole frame.
+        constexpr std::uint64_t latest = std::uint64_t{1} << 61;
+        struct Moment {
+            std::uint64_t seconds, ticks, timescale;  // ticks: beyond the seconds
+            bool operator<(const Moment& other) const {
+                return seconds != other.seconds ? seconds < other.seconds
+                                                : ticks * other.timescale < other.ticks * timescale;
+            }
+            std::uint64_t in(std::uint64_t scale) const {
+                return seconds * scale + ticks * scale / timescale;
+            }
+        };
+        const auto begin_of = [](const PictureTrack& track) {
+            return Moment{track.begin / track.timescale, track.begin % track.timescale, track.timescale};
+        };
+        std::optional<Moment> common;
+        for (const PictureTrack& track : tracks_)
+            if (track.has_pictures && !track.all.samples.empty() && (!common || begin_of(track) < *common))
+                common = begin_of(track);
+        for (PictureTrack& track : tracks_) {
+            if (!track.has_pictures || track.all.samples.empty()) continue;
+            const bool is_too_late = track.begin > latest || common->seconds > latest / track.timescale;
+            const std::uint64_t ticks = is_too_late ? latest : track.begin - common->in(track.timescale);
+            constexpr std::uint64_t most = 1 << 30;
+            if (ticks > most)
+                return input_error("track " + std::to_string(track.id) + " begins too late after the others");
+            for (Sample& sample : track.all.samples)
+                sample.shown_later = static_cast<std::int32_t>(
+                    static_cast<std::uint32_t>(sample.shown_later) + static_cast<std::uint32_t>(ticks));
+        }
+        return {};
+    }
+
+private:
+    /// Of a track in a fragment. `data_end`: of the track before, where this one's samples begin if it does
+    /// not say otherwise.
+    Result<bool> read_runs(BytesView traf, const Box::Place& moof, std::uint64_t& data_end,
+                           std::vector<FragmentRun>& runs) {
+        TRY_ASSIGN(const auto parts, boxes_in(traf));
+        const Box* const head = box_named(parts, "tfhd");
+        if (!head || head->content.size() < 8)
+            return input_error("a fragment of a track has no header (tfhd)");
+        PictureTrack* const track = track_of(number_at(head->content, 4, 4));
+        if (!track)
+            return input_error("a fragment is of track " + std::to_string(number_at(head->content, 4, 4)) +
+                               ", which is none");
+        const std::uint64_t flags = number_at(head->content, 1, 3);
+        std::size_t next = 8;
+        const auto take = [&](std::uint64_t flag, int bytes, std::uint64_t otherwise) {
+            if ((flags & flag) == 0) return otherwise;
+            next += static_cast<std::size_t>(bytes);
+            return number_at(head->content, next - static_cast<std::size_t>(bytes), bytes);
+        };
+        const std::uint64_t base = take(1, 8, flags & 0x20000 ? moof.at : data_end);
+        SampleDefaults defaults = track->defaults;
+        for (const auto& [flag, member] : {std::pair{0x2U, &SampleDefaults::description},
+                                           {0x8U, &SampleDefaults::duration},
+                                           {0x10U, &SampleDefaults::bytes},
+                                           {0x20U, &SampleDefaults::flags}})
+            defaults.*member = static_cast<std::uint32_t>(take(flag, 4, defaults.*member));
+        std::optional<std::uint64_t> time;
+        if (const Box* const decoded = box_named(parts, "tfdt"); decoded && decoded->content.size() >= 8)
+            time = number_at(decoded->content, 4, decoded->content[0] == 1 ? 8 : 4);
+        data_end = base;
+        for (const Box& part : parts) {
+            if (part.type != "trun") continue;
+            FragmentRun run{.track = track->has_pictures ? track : nullptr,
+                            .time = std::exchange(time, std::nullopt)};
+            const auto whole = read_run(part.content, defaults, base, data_end, run);
+            if (!whole || !*whole) return whole;
+            if (run.track) runs.push_back(std::move(run));
+        }
+        return true;
+    }
+
+    /// From `at` on, or from where it says, counted from `base`; `at` is the end then. False where its
+    /// samples are not all there.
+    Result<bool> read_run(BytesView trun, const SampleDefaults& defaults, std::uint64_t base,
+                          std::uint64_t& at, FragmentRun& to) {
+        const std::uint64_t flags = number_at(trun, 1, 3), count = number_at(trun, 4, 4);
+        std::size_t next = 8;
+        const auto take = [&](std::uint64_t flag, std::uint32_t otherwise) {
+            if ((flags & flag) == 0) return otherwise;
+            next += 4;
+            return static_cast<std::uint32_t>(number_at(trun, next - 4, 4));
+        };
+        if (flags & 1) at = base + static_cast<std::uint64_t>(static_cast<std::int32_t>(take(1, 0)));
+        const std::uint32_t first_flags = take(4, 0);
+        std::size_t entry_bytes = 0;
+        for (const std::uint64_t flag : {0x100, 0x200, 0x400, 0x800}) entry_bytes += flags & flag ? 4 : 0;
+        samples_ += count;
+        if (next > trun.size() || count * entry_bytes > trun.size() - next || samples_ > most_samples_)
+            return input_error("a run (trun) claims " + std::to_string(count) + " samples in " +
+                               std::to_string(trun.size()) + " bytes");
+        to.chunk = {at, static_cast<std::uint32_t>(count), defaults.description};
+        constexpr std::uint32_t needs_another = 0x10000;
+        std::uint64_t bytes = 0;
+        for (std::uint64_t k = 0; k < count; ++k) {
+            Sample sample;
+            sample.duration = take(0x100, defaults.duration);
+            sample.bytes = take(0x200, defaults.bytes);
+            const std::uint32_t own_flags = take(0x400, k == 0 && (flags & 4) ? first_flags : defaults.flags);
+            sample.is_key = (own_flags & needs_another) == 0;
+            sample.shown_later = static_cast<std::int32_t>(take(0x800, 0));
+            bytes += sample.bytes;
+            if (to.track) to.samples.push_back(sample);
+        }
+        if (at > file_.size() || bytes > file_.size() - at) return false;
+        at += bytes;
+        return true;
+    }
+
+    /// A stretch without samples is the last one's before it.
+    Result<void> append(FragmentRun& run) {
+        PictureTrack& track = *run.track;
+        const std::uint64_t time = run.time.value_or(track.end);
+        auto& samples = track.all.samples;
+        if (samples.empty()) {
+            track.begin = time;
+        } else {
+            const std::uint64_t longest = std::numeric_limits<std::uint32_t>::max();
+            const std::uint64_t last = track.end - samples.back().duration;
+            if (time < last || time - last > longest)
+                return input_error("track " + std::to_string(track.id) + " goes on at " +
+                                   std::to_string(time) + " of its ticks, but its last sample is at " +
+                                   std::to_string(last));
+            samples.back().duration = static_cast<std::uint32_t>(time - last);
+        }
+        track.end = time;
+        for (const Sample& sample : run.samples) track.end += sample.duration;
+        if (run.samples.empty()) return {};
+        samples.insert(samples.end(), run.samples.begin(), run.samples.end());
+        track.all.chunks.push_back(run.chunk);
+        return {};
+    }
+
+    /// Of its tracks only those of pictures.
+    Bytes movie(std::uint64_t later) const {
+        std::uint64_t duration = 0;
+        for (const PictureTrack& track : tracks_)
+            if (track.has_pictures) duration = std::max(duration, movie_time(track));
+        const BytesView written = content_at(moov_, {"mvhd"});
+        Bytes header(written.begin(), written.end());
+        put_versioned(header, 16, 24, duration);
+        Bytes made = box_of("mvhd", header);
+        for (const PictureTrack& track : tracks_)
+            if (track.has_pictures) put_box(made, "trak", trak_of(track, later));
+        const auto parts = boxes_in(moov_);
+        for (const Box& part : parts ? *parts : std::vector<Box>())
+            if (part.type != "mvhd" && part.type != "mvex" && part.type != "trak")
+                put_box(made, part.type, part.content);
+        return made;
+    }
+
+    /// Its own boxes, but for the tables of samples.
+    Bytes trak_of(const PictureTrack& track, std::uint64_t later) const {
+        constexpr std::string_view edits[] = {"edts", "elst"}, tables[] = {"mdia", "minf", "stbl"};
+        Bytes samples = box_of("stsd", content_at(track.trak, {"mdia", "minf", "stbl", "stsd"}));
+        put_bytes(samples, tables_of(track.all, later));
+        const Bytes played = with_duration(content_at(track.trak, {"edts", "elst"}), movie_time(track));
+        return with_content(with_content(track.trak, edits, played), tables, samples);
+    }
+
+    PictureTrack* track_of(std::uint64_t id) {
+        const auto found = std::ranges::find(tracks_, id, &PictureTrack::id);
+        return found == tracks_.end() ? nullptr : &*found;
+    }
+
+    /// In the movie's time scale.
+    std::uint64_t movie_time(const PictureTrack& track) const {
+        const double ticks = static_cast<double>(track.end - track.begin) * timescale_ / track.timescale;
+        constexpr double most = 1e18;
+        return static_cast<std::uint64_t>(std::ceil(std::min(ticks, most)));
+    }
+
+    ByteSource& file_;
+    Bytes moov_;
+    std::uint32_t timescale_ = 0;
+    std::vector<PictureTrack> tracks_;
+    const std::uint64_t most_samples_;  // of a byte or more each
+    std::uint64_t samples_ = 0;
+};
 
 class PlainFile final : public ByteSource {
 public:

@@ -29,53 +29,51 @@ constexpr std::size_t most_tracks = 16;
 class TrackSearch {
 public:
     explicit TrackSearch(ByteSource& bytes) : bytes_(bytes) {}
-    Result<void> boxes(std::uint64_t at, std::uint64_t end);
+    Result<void> boxes(std::uint64_t place, std::uint64_t end) {
+        while (place + 8 <= end) {
+            TRY_ASSIGN(const auto head, head_at<16>(bytes_, place, end));
+            const std::uint64_t stated = AV_RB32(head.data()), before = stated == 1 ? 16 : 8;
+            const std::uint64_t size = stated == 0   ? end - place
+                                       : stated == 1 ? AV_RB64(head.data() + 8)
+                                                     : stated;
+            if (size < before || size > end - place) return {};
+            const std::string_view type(reinterpret_cast<const char*>(head.data()) + 4, 4);
+            TRY(box(type, place + before, place + size));
+            place += size;
+        }
+        return {};
+    }
+
     DisparityTracks take() { return std::move(found_); }
 
 private:
-    Result<void> box(std::string_view type, std::uint64_t content, std::uint64_t end);
+    Result<void> box(std::string_view type, std::uint64_t content, std::uint64_t end) {
+        for (const char* each : {"moov", "trak", "mdia", "minf", "stbl"})
+            if (type == each && depth_ < deepest) {
+                ++depth_;
+                auto searched = boxes(content, end);
+                --depth_;
+                return searched;
+            }
+        if (type == "tkhd" && content < end) {
+            TRY_ASSIGN(const auto head, head_at<24>(bytes_, content, end));
+            track_ = static_cast<int>(AV_RB32(head.data() + (head[0] == 1 ? 20 : 12)));  // behind its times
+        }
+        constexpr std::uint64_t entry = 8;  // behind version and count
+        if (type == "stsd" && content + entry + 8 <= end) {
+            TRY_ASSIGN(const auto head, head_at<16>(bytes_, content, end));
+            const std::string_view name(reinterpret_cast<const char*>(head.data()) + entry + 4, 4);
+            if (name != disparity || found_.ids.size() == most_tracks) return {};
+            found_.ids.push_back(track_);
+            found_.names_at.push_back(content + entry + 4);
+        }
+        return {};
+    }
+
     ByteSource& bytes_;
     DisparityTracks found_;
     int track_ = 0, depth_ = 0;
 };
-
-Result<void> TrackSearch::boxes(std::uint64_t place, std::uint64_t end) {
-    while (place + 8 <= end) {
-        TRY_ASSIGN(const auto head, head_at<16>(bytes_, place, end));
-        const std::uint64_t stated = AV_RB32(head.data()), before = stated == 1 ? 16 : 8;
-        const std::uint64_t size = stated == 0   ? end - place
-                                   : stated == 1 ? AV_RB64(head.data() + 8)
-                                                 : stated;
-        if (size < before || size > end - place) return {};
-        const std::string_view type(reinterpret_cast<const char*>(head.data()) + 4, 4);
-        TRY(box(type, place + before, place + size));
-        place += size;
-    }
-    return {};
-}
-
-Result<void> TrackSearch::box(std::string_view type, std::uint64_t content, std::uint64_t end) {
-    for (const char* each : {"moov", "trak", "mdia", "minf", "stbl"})
-        if (type == each && depth_ < deepest) {
-            ++depth_;
-            auto searched = boxes(content, end);
-            --depth_;
-            return searched;
-        }
-    if (type == "tkhd" && content < end) {
-        TRY_ASSIGN(const auto head, head_at<24>(bytes_, content, end));
-        track_ = static_cast<int>(AV_RB32(head.data() + (head[0] == 1 ? 20 : 12)));  // behind its times
-    }
-    constexpr std::uint64_t entry = 8;  // behind version and count
-    if (type == "stsd" && content + entry + 8 <= end) {
-        TRY_ASSIGN(const auto head, head_at<16>(bytes_, content, end));
-        const std::string_view name(reinterpret_cast<const char*>(head.data()) + entry + 4, 4);
-        if (name != disparity || found_.ids.size() == most_tracks) return {};
-        found_.ids.push_back(track_);
-        found_.names_at.push_back(content + entry + 4);
-    }
-    return {};
-}
 
 /// The same bytes with `hvc1` in place of each of these names.
 class ShownAsHevc final : public ByteSource {

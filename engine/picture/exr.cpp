@@ -25,8 +25,20 @@ struct ExrChannel : ExrChannelName {
 struct ExrWindow {
     int x = 0, y = 0, width = 0, height = 0;
     /// Nothing of one that is empty or too large.
-    static std::optional<ExrWindow> of(const exr_attr_box2i_t& box);
-    bool holds(const ExrWindow& other) const;
+    static std::optional<ExrWindow> of(const exr_attr_box2i_t& box) {
+        const auto width = std::int64_t{box.max.x} - box.min.x + 1,
+                   height = std::int64_t{box.max.y} - box.min.y + 1;
+        if (width < 1 || height < 1 || width > largest_picture_side || height > largest_picture_side)
+            return std::nullopt;
+        return ExrWindow{box.min.x, box.min.y, static_cast<int>(width), static_cast<int>(height)};
+    }
+
+    bool holds(const ExrWindow& other) const {
+        return other.x >= x && other.y >= y &&
+               std::int64_t{other.x} + other.width <= std::int64_t{x} + width &&
+               std::int64_t{other.y} + other.height <= std::int64_t{y} + height;
+    }
+
     bool operator==(const ExrWindow&) const = default;
 };
 
@@ -46,37 +58,6 @@ using PutExrChunk = std::function<Result<void>(const ExrChunk&)>;
 struct ExrBytes {
     std::string_view bytes;
     std::string wrong;
-};
-
-/// An OpenEXR file in memory.
-class ExrFile {
-public:
-    ExrFile(std::string_view bytes, const std::string& where) : bytes_{bytes, {}}, where_(where) {}
-    ~ExrFile() {
-        if (context_) exr_finish(&context_);
-    }
-    ExrFile(const ExrFile&) = delete;
-    ExrFile& operator=(const ExrFile&) = delete;
-
-    /// First: its channels, at most 1024, of all parts that are not deep.
-    Result<void> open();
-    const std::vector<ExrChannel>& channels() const { return channels_; }
-    /// Refuses parts that cannot be read.
-    Result<ExrPart> part(int number) const;
-    /// Unpacks these channels, all of one part, and each once.
-    Result<void> read(const ExrPart& part, const std::vector<const ExrChannel*>& channels,
-                      const PutExrChunk& put) const;
-
-    Error refused(const std::string& why) const { return input_error(where_ + ": " + why); }
-
-private:
-    Result<void> list_channels(int part);
-    Error damaged() const;
-
-    ExrBytes bytes_;
-    std::string where_;
-    exr_context_t context_ = nullptr;
-    std::vector<ExrChannel> channels_;
 };
 
 // Of all parts together. OpenEXR takes as long as the square of either says.
@@ -250,6 +231,121 @@ struct ExrGrid {
         return exr_read_tile_chunk_info(context, part, x / static_cast<int>(across),
                                         y / static_cast<int>(down), 0, 0, &chunk) == EXR_ERR_SUCCESS;
     }
+};
+
+/// An OpenEXR file in memory.
+class ExrFile {
+public:
+    ExrFile(std::string_view bytes, const std::string& where) : bytes_{bytes, {}}, where_(where) {}
+    ~ExrFile() {
+        if (context_) exr_finish(&context_);
+    }
+    ExrFile(const ExrFile&) = delete;
+    ExrFile& operator=(const ExrFile&) = delete;
+
+    /// First: its channels, at most 1024, of all parts that are not deep.
+    Result<void> open() {
+        if (const std::string refusal = ExrHeaders(bytes_.bytes).refusal(); !refusal.empty())
+            return refused(refusal);
+        exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
+        how.error_handler_fn = keep_first_exr_error;
+        how.alloc_fn = take_memory;
+        how.free_fn = std::free;
+        how.user_data = &bytes_;
+        how.read_fn = read_exr;
+        how.size_fn = size_of_exr;
+        how.max_image_width = how.max_image_height = how.max_tile_width = how.max_tile_height =
+            largest_picture_side;
+        if (exr_start_read(&context_, "picture", &how) != EXR_ERR_SUCCESS) return damaged();
+        int parts = 0;
+        if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
+        for (int part = 0; part < parts; ++part) TRY(list_channels(part));
+        return {};
+    }
+
+    const std::vector<ExrChannel>& channels() const { return channels_; }
+    /// Refuses parts that cannot be read.
+    Result<ExrPart> part(int number) const {
+        exr_attr_box2i_t data_box, display_box;
+        if (exr_get_data_window(context_, number, &data_box) != EXR_ERR_SUCCESS ||
+            exr_get_display_window(context_, number, &display_box) != EXR_ERR_SUCCESS)
+            return damaged();
+        const auto data = ExrWindow::of(data_box), display = ExrWindow::of(display_box);
+        if (!data || !display) return refused("has a window that is empty or larger than 16384x16384 pixels");
+        if (!display->holds(*data))
+            return refused("has a data window beyond its display window: must be inside");
+        // Of depth, colour and material indices, which may all be made of it at once.
+        const auto needed = static_cast<std::uint64_t>(display->width) *
+                            static_cast<std::uint64_t>(display->height) * (4 + 3 + 4);
+        TRY(check_expansion(needed, bytes_.bytes.size(), where_));
+        exr_compression_t packing;
+        if (exr_get_compression(context_, number, &packing) != EXR_ERR_SUCCESS) return damaged();
+        if (packing == EXR_COMPRESSION_DWAA || packing == EXR_COMPRESSION_DWAB)
+            return refused("is compressed by DWA: must be by ZIP, PIZ or another that loses nothing");
+        return ExrPart{*data, *display};
+    }
+
+    /// Unpacks these channels, all of one part, and each once.
+    Result<void> read(const ExrPart& part, const std::vector<const ExrChannel*>& channels,
+                      const PutExrChunk& put) const {
+        const ExrWindow& data = part.data;
+        const int number = channels.front()->part;
+        ExrGrid grid;
+        if (!grid.read(context_, number, data)) return damaged();
+        ExrChunks chunks(context_, channels);
+        const int across = static_cast<int>(grid.across), down = static_cast<int>(grid.down);
+        for (int y = 0; y < data.height; y += down)
+            for (int x = 0; x < data.width; x += across) {
+                if (stop_requested()) return interrupted_error();
+                exr_chunk_info_t chunk;
+                const int width = std::min(across, data.width - x), height = std::min(down, data.height - y);
+                if (!grid.find(context_, number, data, x, y, chunk) || chunk.width != width ||
+                    chunk.height != height || !chunks.unpack(chunk))
+                    return damaged();
+                const ExrChunk unpacked{data.x - part.display.x + x, data.y - part.display.y + y, width,
+                                        height, chunks.numbers()};
+                TRY(put(unpacked));
+            }
+        return {};
+    }
+
+    Error refused(const std::string& why) const { return input_error(where_ + ": " + why); }
+
+private:
+    /// Of a part that is not deep.
+    Result<void> list_channels(int part) {
+        exr_storage_t storage;
+        const exr_attr_chlist_t* list = nullptr;
+        if (exr_get_storage(context_, part, &storage) != EXR_ERR_SUCCESS ||
+            exr_get_channels(context_, part, &list) != EXR_ERR_SUCCESS)
+            return damaged();
+        if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return {};
+        int parts = 1;
+        const char* name = nullptr;  // which every one of several has
+        if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
+        if (parts > 1 && exr_get_name(context_, part, &name) != EXR_ERR_SUCCESS) return damaged();
+        for (int k = 0; k < list->num_channels; ++k) {
+            const exr_attr_chlist_entry_t& entry = list->entries[k];
+            const NumberFormat format{
+                entry.pixel_type == EXR_PIXEL_UINT ? NumberFormat::Kind::unsigned_integer
+                                                   : NumberFormat::Kind::floating,
+                entry.pixel_type == EXR_PIXEL_HALF ? 2 : 4, std::endian::native == std::endian::big};
+            channels_.push_back({{part, exr_name_in_part(name ? name : "", entry.name.str)},
+                                 entry.name.str,
+                                 format,
+                                 entry.x_sampling == 1 && entry.y_sampling == 1});
+        }
+        return {};
+    }
+
+    Error damaged() const {
+        return input_error(where_ + ": is damaged" + (bytes_.wrong.empty() ? "" : ": " + bytes_.wrong));
+    }
+
+    ExrBytes bytes_;
+    std::string where_;
+    exr_context_t context_ = nullptr;
+    std::vector<ExrChannel> channels_;
 };
 
 std::vector<ExrChannelName> names_of(const ExrFile& file) {
@@ -461,110 +557,6 @@ Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& w
         beside.materials_name = name(*layers.materials);
     }
     return picture;
-}
-
-std::optional<ExrWindow> ExrWindow::of(const exr_attr_box2i_t& box) {
-    const auto width = std::int64_t{box.max.x} - box.min.x + 1,
-               height = std::int64_t{box.max.y} - box.min.y + 1;
-    if (width < 1 || height < 1 || width > largest_picture_side || height > largest_picture_side)
-        return std::nullopt;
-    return ExrWindow{box.min.x, box.min.y, static_cast<int>(width), static_cast<int>(height)};
-}
-
-bool ExrWindow::holds(const ExrWindow& other) const {
-    return other.x >= x && other.y >= y && std::int64_t{other.x} + other.width <= std::int64_t{x} + width &&
-           std::int64_t{other.y} + other.height <= std::int64_t{y} + height;
-}
-
-Error ExrFile::damaged() const {
-    return input_error(where_ + ": is damaged" + (bytes_.wrong.empty() ? "" : ": " + bytes_.wrong));
-}
-
-Result<void> ExrFile::open() {
-    if (const std::string refusal = ExrHeaders(bytes_.bytes).refusal(); !refusal.empty())
-        return refused(refusal);
-    exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    how.error_handler_fn = keep_first_exr_error;
-    how.alloc_fn = take_memory;
-    how.free_fn = std::free;
-    how.user_data = &bytes_;
-    how.read_fn = read_exr;
-    how.size_fn = size_of_exr;
-    how.max_image_width = how.max_image_height = how.max_tile_width = how.max_tile_height =
-        largest_picture_side;
-    if (exr_start_read(&context_, "picture", &how) != EXR_ERR_SUCCESS) return damaged();
-    int parts = 0;
-    if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
-    for (int part = 0; part < parts; ++part) TRY(list_channels(part));
-    return {};
-}
-
-/// Of a part that is not deep.
-Result<void> ExrFile::list_channels(int part) {
-    exr_storage_t storage;
-    const exr_attr_chlist_t* list = nullptr;
-    if (exr_get_storage(context_, part, &storage) != EXR_ERR_SUCCESS ||
-        exr_get_channels(context_, part, &list) != EXR_ERR_SUCCESS)
-        return damaged();
-    if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return {};
-    int parts = 1;
-    const char* name = nullptr;  // which every one of several has
-    if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
-    if (parts > 1 && exr_get_name(context_, part, &name) != EXR_ERR_SUCCESS) return damaged();
-    for (int k = 0; k < list->num_channels; ++k) {
-        const exr_attr_chlist_entry_t& entry = list->entries[k];
-        const NumberFormat format{entry.pixel_type == EXR_PIXEL_UINT ? NumberFormat::Kind::unsigned_integer
-                                                                     : NumberFormat::Kind::floating,
-                                  entry.pixel_type == EXR_PIXEL_HALF ? 2 : 4,
-                                  std::endian::native == std::endian::big};
-        channels_.push_back({{part, exr_name_in_part(name ? name : "", entry.name.str)},
-                             entry.name.str,
-                             format,
-                             entry.x_sampling == 1 && entry.y_sampling == 1});
-    }
-    return {};
-}
-
-Result<ExrPart> ExrFile::part(int number) const {
-    exr_attr_box2i_t data_box, display_box;
-    if (exr_get_data_window(context_, number, &data_box) != EXR_ERR_SUCCESS ||
-        exr_get_display_window(context_, number, &display_box) != EXR_ERR_SUCCESS)
-        return damaged();
-    const auto data = ExrWindow::of(data_box), display = ExrWindow::of(display_box);
-    if (!data || !display) return refused("has a window that is empty or larger than 16384x16384 pixels");
-    if (!display->holds(*data)) return refused("has a data window beyond its display window: must be inside");
-    // Of depth, colour and material indices, which may all be made of it at once.
-    const auto needed = static_cast<std::uint64_t>(display->width) *
-                        static_cast<std::uint64_t>(display->height) * (4 + 3 + 4);
-    TRY(check_expansion(needed, bytes_.bytes.size(), where_));
-    exr_compression_t packing;
-    if (exr_get_compression(context_, number, &packing) != EXR_ERR_SUCCESS) return damaged();
-    if (packing == EXR_COMPRESSION_DWAA || packing == EXR_COMPRESSION_DWAB)
-        return refused("is compressed by DWA: must be by ZIP, PIZ or another that loses nothing");
-    return ExrPart{*data, *display};
-}
-
-Result<void> ExrFile::read(const ExrPart& part, const std::vector<const ExrChannel*>& channels,
-                           const PutExrChunk& put) const {
-    const ExrWindow& data = part.data;
-    const int number = channels.front()->part;
-    ExrGrid grid;
-    if (!grid.read(context_, number, data)) return damaged();
-    ExrChunks chunks(context_, channels);
-    const int across = static_cast<int>(grid.across), down = static_cast<int>(grid.down);
-    for (int y = 0; y < data.height; y += down)
-        for (int x = 0; x < data.width; x += across) {
-            if (stop_requested()) return interrupted_error();
-            exr_chunk_info_t chunk;
-            const int width = std::min(across, data.width - x), height = std::min(down, data.height - y);
-            if (!grid.find(context_, number, data, x, y, chunk) || chunk.width != width ||
-                chunk.height != height || !chunks.unpack(chunk))
-                return damaged();
-            const ExrChunk unpacked{data.x - part.display.x + x, data.y - part.display.y + y, width, height,
-                                    chunks.numbers()};
-            TRY(put(unpacked));
-        }
-    return {};
 }
 
 }  // namespace

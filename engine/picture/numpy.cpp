@@ -414,16 +414,64 @@ std::size_t pixels_of(const StoredImage& picture) {
 class NpyStack final : public ImageStack {
 public:
     /// Of the bytes of a .npy file; messages begin with `where`.
-    static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where);
+    static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where) {
+        TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
+        TRY_ASSIGN(const auto pictures, npy_pictures(header, where));
+        NpyStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
+        TRY(stack.check());
+        TRY(stack.find_floats());
+        return stack;
+    }
 
     std::int64_t count() const override { return pictures_.count; }
     int width() const override { return pictures_.width; }
     int height() const override { return pictures_.height; }
-    Result<StoredImage> image(std::int64_t number) override;
+    Result<StoredImage> image(std::int64_t number) override {
+        if (number < 0 || number >= count())
+            return usage_error(where_ + ": has no picture " + std::to_string(number) +
+                               ": must be from 0 to " + std::to_string(count() - 1));
+        TRY_ASSIGN(auto picture, read(number));
+        StoredImage image = std::move(picture).finish("npy", floats_);
+        if (stop_requested()) return interrupted_error();
+        if (!confidence_) return image;
+        TRY_ASSIGN(const auto confidence, confidence_->image(number));
+        const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
+        const bool all_trusted = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) {
+                if (number_at(confidence, k) >= *least_confidence_) continue;
+                if (!image.values.empty())
+                    image.values[k] = std::numeric_limits<float>::quiet_NaN();
+                else
+                    std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
+                                std::uint8_t{0});
+            }
+        });
+        if (!all_trusted) return interrupted_error();
+        return image;
+    }
+
     std::optional<double> least_confidence() const override { return least_confidence_; }
 
     /// Where `confidence` is below `least` there is no depth. Refused where it is of other pictures.
-    Result<void> trust(NpyStack confidence, std::optional<double> least);
+    Result<void> trust(NpyStack confidence, std::optional<double> least) {
+        if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
+            return input_error(confidence.where_ + ": is of " + std::to_string(confidence.count()) +
+                               " pictures of " + std::to_string(confidence.width()) + "x" +
+                               std::to_string(confidence.height()) + ", but depth of " +
+                               std::to_string(count()) + " of " + std::to_string(width()) + "x" +
+                               std::to_string(height()));
+        if (!least) {
+            TRY_ASSIGN(const auto first, confidence.image(0));
+            std::vector<float> numbers(pixels_of(first));
+            for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(first, k);
+            const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+            std::ranges::nth_element(numbers, middle);
+            least = *middle / 2.0;
+        }
+        least_confidence_ = least;
+        confidence_ = std::make_unique<NpyStack>(std::move(confidence));
+        return {};
+    }
 
 private:
     NpyStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, NpyPictures pictures)
@@ -431,9 +479,55 @@ private:
           where_(std::move(where)),
           header_(std::move(header)),
           pictures_(pictures) {}
-    Result<void> check() const;
-    Result<void> find_floats();
-    Result<NumberPicture> read(std::int64_t number);
+    Result<void> check() const {
+        if (header_.columns_first && pictures_.count > 1)
+            return input_error(where_ + ": is a stack in Fortran order: must be in C order, as " +
+                               "numpy.ascontiguousarray makes it");
+        const auto needed =
+            static_cast<std::uint64_t>(pictures_.count) * static_cast<std::uint64_t>(pictures_.width) *
+            static_cast<std::uint64_t>(pictures_.height) * static_cast<std::uint64_t>(header_.format.bytes);
+        if (bytes_->size() < header_.data_at || bytes_->size() - header_.data_at < needed)
+            return input_error(where_ + ": is cut short: has " + std::to_string(bytes_->size()) +
+                               " bytes of " + std::to_string(header_.data_at + needed));
+        return {};
+    }
+
+    /// Whether integers that may be beyond 16 bits are, in any picture.
+    Result<void> find_floats() {
+        const bool codes =
+            header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
+        if (codes || header_.format.kind == NumberFormat::Kind::floating) return {};
+        for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
+            TRY_ASSIGN(const auto picture, read(number));
+            floats_ = !picture.has_codes();
+        }
+        return {};
+    }
+
+    Result<NumberPicture> read(std::int64_t number) {
+        const int bytes = header_.format.bytes, width = pictures_.width, height = pictures_.height;
+        const bool columns = header_.columns_first;
+        const int lines = columns ? width : height, line = bytes * (columns ? height : width);
+        const int together = std::max(1, static_cast<int>(npy_block) / line);
+        std::vector<char> block(static_cast<std::size_t>(line) *
+                                static_cast<std::size_t>(std::min(together, lines)));
+        NumberPicture picture(width, height, header_.format);
+        std::uint64_t at = header_.data_at + static_cast<std::uint64_t>(number) *
+                                                 static_cast<std::uint64_t>(line) *
+                                                 static_cast<std::uint64_t>(lines);
+        for (int first = 0; first < lines; first += together) {
+            if (stop_requested()) return interrupted_error();
+            const int now = std::min(together, lines - first);
+            const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
+            if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
+            if (columns)
+                picture.put(first, 0, {block.data(), now, height, line, bytes});
+            else
+                picture.put(0, first, {block.data(), width, now, bytes, line});
+            at += size;
+        }
+        return picture;
+    }
 
     std::unique_ptr<ByteSource> bytes_;
     std::string where_;
@@ -443,108 +537,6 @@ private:
     std::unique_ptr<NpyStack> confidence_;
     std::optional<double> least_confidence_;
 };
-
-Result<NpyStack> NpyStack::of(std::unique_ptr<ByteSource> bytes, std::string where) {
-    TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
-    TRY_ASSIGN(const auto pictures, npy_pictures(header, where));
-    NpyStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
-    TRY(stack.check());
-    TRY(stack.find_floats());
-    return stack;
-}
-
-Result<void> NpyStack::check() const {
-    if (header_.columns_first && pictures_.count > 1)
-        return input_error(where_ + ": is a stack in Fortran order: must be in C order, as " +
-                           "numpy.ascontiguousarray makes it");
-    const auto needed =
-        static_cast<std::uint64_t>(pictures_.count) * static_cast<std::uint64_t>(pictures_.width) *
-        static_cast<std::uint64_t>(pictures_.height) * static_cast<std::uint64_t>(header_.format.bytes);
-    if (bytes_->size() < header_.data_at || bytes_->size() - header_.data_at < needed)
-        return input_error(where_ + ": is cut short: has " + std::to_string(bytes_->size()) + " bytes of " +
-                           std::to_string(header_.data_at + needed));
-    return {};
-}
-
-/// Whether integers that may be beyond 16 bits are, in any picture.
-Result<void> NpyStack::find_floats() {
-    const bool codes =
-        header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
-    if (codes || header_.format.kind == NumberFormat::Kind::floating) return {};
-    for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
-        TRY_ASSIGN(const auto picture, read(number));
-        floats_ = !picture.has_codes();
-    }
-    return {};
-}
-
-Result<NumberPicture> NpyStack::read(std::int64_t number) {
-    const int bytes = header_.format.bytes, width = pictures_.width, height = pictures_.height;
-    const bool columns = header_.columns_first;
-    const int lines = columns ? width : height, line = bytes * (columns ? height : width);
-    const int together = std::max(1, static_cast<int>(npy_block) / line);
-    std::vector<char> block(static_cast<std::size_t>(line) *
-                            static_cast<std::size_t>(std::min(together, lines)));
-    NumberPicture picture(width, height, header_.format);
-    std::uint64_t at = header_.data_at + static_cast<std::uint64_t>(number) *
-                                             static_cast<std::uint64_t>(line) *
-                                             static_cast<std::uint64_t>(lines);
-    for (int first = 0; first < lines; first += together) {
-        if (stop_requested()) return interrupted_error();
-        const int now = std::min(together, lines - first);
-        const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
-        if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
-        if (columns)
-            picture.put(first, 0, {block.data(), now, height, line, bytes});
-        else
-            picture.put(0, first, {block.data(), width, now, bytes, line});
-        at += size;
-    }
-    return picture;
-}
-
-Result<StoredImage> NpyStack::image(std::int64_t number) {
-    if (number < 0 || number >= count())
-        return usage_error(where_ + ": has no picture " + std::to_string(number) + ": must be from 0 to " +
-                           std::to_string(count() - 1));
-    TRY_ASSIGN(auto picture, read(number));
-    StoredImage image = std::move(picture).finish("npy", floats_);
-    if (stop_requested()) return interrupted_error();
-    if (!confidence_) return image;
-    TRY_ASSIGN(const auto confidence, confidence_->image(number));
-    const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
-    const bool all_trusted = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
-        for (std::size_t k = first; k < last; ++k) {
-            if (number_at(confidence, k) >= *least_confidence_) continue;
-            if (!image.values.empty())
-                image.values[k] = std::numeric_limits<float>::quiet_NaN();
-            else
-                std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
-                            std::uint8_t{0});
-        }
-    });
-    if (!all_trusted) return interrupted_error();
-    return image;
-}
-
-Result<void> NpyStack::trust(NpyStack confidence, std::optional<double> least) {
-    if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
-        return input_error(confidence.where_ + ": is of " + std::to_string(confidence.count()) +
-                           " pictures of " + std::to_string(confidence.width()) + "x" +
-                           std::to_string(confidence.height()) + ", but depth of " + std::to_string(count()) +
-                           " of " + std::to_string(width()) + "x" + std::to_string(height()));
-    if (!least) {
-        TRY_ASSIGN(const auto first, confidence.image(0));
-        std::vector<float> numbers(pixels_of(first));
-        for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(first, k);
-        const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-        std::ranges::nth_element(numbers, middle);
-        least = *middle / 2.0;
-    }
-    least_confidence_ = least;
-    confidence_ = std::make_unique<NpyStack>(std::move(confidence));
-    return {};
-}
 
 Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where) {
     if (!stack) return stack.error();

@@ -297,8 +297,8 @@ Result<std::unique_ptr<SoundTrack>> SoundTrack::open(const std::filesystem::path
     decoder->pkt_timebase = container->streams[stream]->time_base;
     if (status >= 0) status = avcodec_open2(decoder.get(), codec, nullptr);
     if (status < 0) return refused(ffmpeg_text(status));
-    return std::unique_ptr<SoundTrack>(std::make_unique<FfmpegSoundTrack>(
-        std::move(container), stream, std::move(decoder), std::move(packet), std::move(frame)));
+    return std::make_unique<FfmpegSoundTrack>(std::move(container), stream, std::move(decoder),
+                                              std::move(packet), std::move(frame));
 }
 
 void StoredSound::PacketDeleter::operator()(AVPacket* packet) const {
@@ -324,8 +324,7 @@ Result<std::unique_ptr<StoredSound>> StoredSound::open(const SoundPart& sound) {
     const PacketPtr packet(av_packet_alloc());
     if (!packet) return memory_error();
     const double begin_s = begin_of_pictures(*container, *packet);
-    return std::unique_ptr<StoredSound>(
-        std::make_unique<FfmpegStoredSound>(std::move(container), stream, begin_s, sound));
+    return std::make_unique<FfmpegStoredSound>(std::move(container), stream, begin_s, sound);
 }
 
 }  // namespace touchable

@@ -60,7 +60,7 @@ Result<std::unique_ptr<Gamepad>> Gamepad::open() {
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
     SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
     if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0) return Error{ErrorKind::device, SDL_GetError()};
-    return std::unique_ptr<Gamepad>(std::make_unique<SdlGamepad>());
+    return std::make_unique<SdlGamepad>();
 }
 
 }  // namespace touchable

@@ -266,251 +266,6 @@ FrameMark mark_of(const RawFrame& frame) {
     return mark;
 }
 
-class Conversion {
-public:
-    explicit Conversion(const ConvertOptions& options) : options_(options) {}
-    /// `at_work`: what memory is needed for, once that is known.
-    Result<void> run(std::string& at_work);
-
-private:
-    class Source;
-
-    bool is_resized() const;
-    bool is_recoded() const { return codes_ && !codes_->are_kept(); }
-    Result<std::unique_ptr<ClipReader>> reopened(const fs::path& written) const;
-    Result<void> check_loss() const;
-    void say_what_mpeg4_cannot(const Scene& scene) const;
-    Result<void> open_writer();
-    bool is_of_one_frame() const;
-    bool holds_video() const;
-    std::optional<SoundPart> chosen_sound();
-    RawFrame as_written(const RawFrame& frame) const;
-    Result<std::optional<RawFrame>> next();
-    Result<void> write_frame(const RawFrame& frame);
-    Result<void> write();
-    Result<void> compare(ClipReader& written);
-    Result<void> check(const fs::path& written);
-
-    const ConvertOptions& options_;
-    ClipPart part_;
-    std::int64_t from_ns_ = 0;  // where it begins, of the whole clip's time
-    std::unique_ptr<ClipReader> source_;
-    std::unique_ptr<ClipWriter> writer_;
-    std::optional<ClipStorage::Copied> copied_;  // of a clip that is written with more than it has
-    std::optional<Progress> progress_;
-    std::vector<FrameMark> marks_;       // of what is to be read of the frames that were written
-    std::optional<Stroke> stroke_;       // over the source, where its size or its codes change
-    std::optional<LeRobotCodes> codes_;  // of a video for LeRobot
-    Converted done_;
-};
-
-/// The source for code that looks at it before it is written: each frame that is read is written as well, and
-/// so the source is read once.
-class Conversion::Source final : public ClipReader {
-public:
-    explicit Source(Conversion& conversion) : conversion_(conversion) {}
-    const Scene& scene() const override { return clip().scene(); }
-    UnstatedFilters unstated_filters() const override { return clip().unstated_filters(); }
-    const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
-    std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
-    const std::vector<std::string>& notes() const override { return clip().notes(); }
-    Result<std::optional<RawFrame>> next() override { return conversion_.next(); }
-    Result<void> rewind() override { return clip().rewind(); }
-
-private:
-    ClipReader& clip() const { return *conversion_.source_; }
-
-    Conversion& conversion_;
-};
-
-bool Conversion::is_resized() const {
-    const Scene& scene = source_->scene();
-    const auto& size = options_.size;
-    return size && (size->width != scene.width || size->height != scene.height);
-}
-
-/// Samples of another size are others; where that is wanted it has to be said.
-Result<void> Conversion::check_loss() const {
-    const auto& tracks = source_->tracks();
-    const bool drops_touch =
-        codes_ && std::ranges::any_of(tracks, [](const TrackInfo& track) {
-            return track.role == role_name(PlaneRole::haptic) || track.role == role_name(PlaneRole::height);
-        });
-    if (drops_touch && !options_.allow_lossy)
-        return usage_error(
-            "--lerobot leaves out haptic and height pictures, which LeRobot has no room for; say "
-            "--allow-lossy "
-            "as well");
-    if (const double far = codes_ ? codes_->scene().depth.far * codes_->scene().metres_per_unit : 0;
-        !(far < lerobot_horizon))
-        return usage_error("--lerobot: depth may be " + short_number(far) + " m deep: must be less than " +
-                           short_number(lerobot_horizon) +
-                           " m; a scene file with a smaller far (touchable init-scene) says so");
-    if (is_recoded() && !options_.allow_lossy)
-        return usage_error("--lerobot changes what is touched: depth becomes 4095 steps, " +
-                           short_number(1000 * codes_->step_at_a_metre(), 2) +
-                           " mm wide at 1 m; say --allow-lossy as well, and the report tells what is lost");
-    if (!is_resized() || options_.allow_lossy) return {};
-    const Scene& scene = source_->scene();
-    const auto& size = options_.size;
-    return usage_error("--size " + std::to_string(size->width) + "x" + std::to_string(size->height) +
-                       " changes what is touched: the pictures are " + std::to_string(scene.width) + "x" +
-                       std::to_string(scene.height) +
-                       "; say --allow-lossy as well, and the report tells what is lost");
-}
-
-/// What is kept of the clip's sound; says what becomes of it.
-std::optional<SoundPart> Conversion::chosen_sound() {
-    const fs::path file = sound_file_of(*source_);
-    const auto sound = sound_of(file);
-    if (!sound) return std::nullopt;
-    const bool is_mp4 = is_mp4_name(options_.out) || options_.form == ClipForm::gltf,
-               is_video = holds_video(), is_fragmented = options_.storage.fragmented;
-    const bool fits = is_fragmented ? sound->storable_in_fragments
-                      : is_mp4      ? sound->storable_in_mp4
-                                    : sound->storable;
-    if (!is_video || !fits) {
-        done_.sound = "LOST: " + sound->codec +
-                      (codes_          ? ", which LeRobot keeps elsewhere"
-                       : !is_video     ? ", which pictures cannot hold"
-                       : is_fragmented ? ", which an MP4 file in fragments cannot hold"
-                       : is_mp4        ? ", which an MP4 file cannot hold"
-                                       : ", which a clip cannot hold");
-        return std::nullopt;
-    }
-    done_.sound = "kept as it is (" + sound->codec + ")";
-    const FrameRate& rate = source_->scene().rate;
-    const std::int64_t frames = source_->frame_count().value_or(std::int64_t{1} << 32);
-    return SoundPart{file, from_ns_, from_ns_ + rate.time_ns(frames)};
-}
-
-bool Conversion::is_of_one_frame() const {
-    return source_->frame_count() == 1;
-}
-
-/// A glTF scene of one frame has pictures.
-bool Conversion::holds_video() const {
-    return options_.form == ClipForm::archive || (options_.form == ClipForm::gltf && !is_of_one_frame());
-}
-
-/// Before anything is written.
-void Conversion::say_what_mpeg4_cannot(const Scene& scene) const {
-    const bool is_still = is_mpeg4_still(options_.form);
-    if (!is_still && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
-    if (options_.storage.fragmented) {
-        std::cout << options_.out.string()
-                  << ": has no MPEG-4 scene in fragments. touchable reads it from the file's tags; other "
-                     "programs do not."
-                  << std::endl;
-        return;
-    }
-    mpeg4::ClipNodes::Streams streams;
-    for (const TrackInfo& track : source_->tracks())
-        streams.haptic = streams.haptic || track.role == "haptic";
-    const auto textures = is_still ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;
-    std::string all;
-    for (const std::string& each : mpeg4::unsaid_by_nodes(scene, streams, textures))
-        all += (all.empty() ? "" : "; ") + each;
-    if (!all.empty())
-        std::cout << options_.out.string() << ": its MPEG-4 scene cannot say: " << all
-                  << ". touchable reads that from "
-                  << (is_still ? "a WorldInfo in the scene" : "the file's tags") << "; other programs do not."
-                  << std::endl;
-}
-
-Result<void> Conversion::open_writer() {
-    SceneDescription described = source_->described();
-    if (options_.size)
-        described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
-    if (codes_) described = codes_->scene();
-    done_.scene = described.scene;
-    say_what_mpeg4_cannot(described.scene);
-    TRY_ASSIGN(auto writer, [&]() -> Result<std::unique_ptr<ClipWriter>> {
-        const auto sound = chosen_sound();
-        switch (options_.form) {
-            case ClipForm::folder:
-                return create_image_folder(options_.out, described, options_.existing);
-            case ClipForm::still:
-                return create_still(options_.out, described, options_.existing);
-            case ClipForm::scene_text:
-                return create_scene_text(options_.out, described, options_.existing);
-            case ClipForm::mp4_still:
-                return create_mp4_stills(options_.out, described, options_.existing);
-            case ClipForm::lerobot:
-                return create_lerobot_video(options_.out, described.scene, options_.existing);
-            case ClipForm::archive:
-            case ClipForm::gltf:
-                break;
-        }
-        ClipStorage storage = options_.storage;
-        storage.gives_colour = true;
-        storage.copied = copied_;
-        if (options_.form == ClipForm::gltf)
-            return create_gltf_clip(options_.out, described, is_of_one_frame(), storage, options_.existing,
-                                    sound);
-        return create_named_clip(options_.out, described, storage, options_.existing, sound);
-    }());
-    writer_ = std::move(writer);
-    return {};
-}
-
-RawFrame Conversion::as_written(const RawFrame& frame) const {
-    const RawFrame sized =
-        options_.size ? resized_frame(frame, options_.size->width, options_.size->height) : frame;
-    return codes_ ? codes_->of(sized) : sized;
-}
-
-/// The source's next frame, which is written if it was not yet.
-Result<std::optional<RawFrame>> Conversion::next() {
-    if (stop_requested()) return interrupted_error();
-    auto frame = source_->next();
-    if (!frame || !*frame) return frame;
-    if ((*frame)->number == done_.frames) TRY(write_frame(**frame));
-    return frame;
-}
-
-/// What readers will be given of it is known now: what its coding makes of colour, and all else as it is.
-Result<void> Conversion::write_frame(const RawFrame& frame) {
-    progress_->at(++done_.frames);
-    RawFrame stored = as_written(frame);
-    TRY(writer_->write(stored));
-    if (const PlaneView colour = writer_->stored_colour(); !colour.empty()) stored.colour = colour;
-    if (is_recoded())
-        add_recoded_loss(frame, source_->scene(), stored, done_.scene, done_.losses);
-    else
-        add_loss(frame, stored, done_.scene, done_.losses);
-    marks_.push_back(mark_of(stored));
-    return {};
-}
-
-Result<void> Conversion::write() {
-    progress_.emplace("converting frame", source_->frame_count().value_or(0));
-    if (is_resized() || is_recoded()) {
-        TRY_ASSIGN(stroke_, standard_stroke(std::make_unique<Source>(*this)));
-    }
-    while (true) {
-        TRY_ASSIGN(const auto frame, next());
-        if (!frame) break;
-    }
-    progress_.reset();
-    return {};
-}
-
-/// What was written against what was to be.
-Result<void> Conversion::compare(ClipReader& written) {
-    Progress progress("comparing frame", done_.frames);
-    for (std::int64_t number = 0; number < done_.frames; ++number) {
-        if (stop_requested()) return interrupted_error();
-        progress.at(number + 1);
-        TRY_ASSIGN(const auto now, written.next());
-        if (!now || mark_of(*now) != marks_[static_cast<std::size_t>(number)])
-            return Error{ErrorKind::internal, options_.out.string() + ": not written: frame " +
-                                                  std::to_string(number) +
-                                                  " comes back otherwise than it was"};
-    }
-    return {};
-}
-
 /// What stays as it is stored: not planes that are made anew, not depth that is aligned or filled, nor those
 /// in whose place a map lies.
 ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions& options) {
@@ -527,58 +282,283 @@ ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions&
     return copied;
 }
 
-/// A video for LeRobot has no scene in it, and what describes it beside it has no name yet.
-Result<std::unique_ptr<ClipReader>> Conversion::reopened(const fs::path& written) const {
-    if (!codes_) return open_clip(written);
-    SceneDescription described(codes_->scene());
-    described.scene.folder.reset();
-    described.scene.video =
-        VideoSource{written.filename().string(), "", VideoLayout::alone, VideoValues::grey};
-    return open_video_clip(written.parent_path(), described, Colour::left_out, {}, DepthAlignment::off);
-}
+class Conversion {
+public:
+    explicit Conversion(const ConvertOptions& options) : options_(options) {}
+    /// `at_work`: what memory is needed for, once that is known.
+    Result<void> run(std::string& at_work) {
+        TRY_ASSIGN(auto clip, options_.clip.open());
+        at_work = frames_in_words(clip->scene());
+        TRY(check_frames(options_, *clip));
+        TRY(check_places(options_, *clip));
+        if (options_.content) {
+            copied_ = tracks_to_copy(*clip, options_);
+            TRY_ASSIGN(clip, options_.content(std::move(clip)));
+        }
+        part_ = part_of(options_, *clip);
+        from_ns_ = clip->scene().rate.time_ns(part_.first);
+        TRY_ASSIGN(source_, part_of_clip(std::move(clip), part_));
+        if (options_.form == ClipForm::lerobot) {
+            const Scene& scene = source_->scene();
+            codes_.emplace(options_.size ? resized_scene(scene, options_.size->width, options_.size->height)
+                                         : scene);
+        }
+        TRY(check_loss());
+        TRY(open_writer());
+        TRY(write());
+        // Only now are all of them there.
+        done_.notes = remarks_with_options(remarks_of(*source_));
+        TRY_ASSIGN(const auto written, writer_->complete());
+        if (auto checked = check(written); !checked) return as_named(checked.error(), options_, written);
+        TRY(writer_->finish());
+        std::cout << report_to_text(options_, done_);
+        return {};
+    }
 
-Result<void> Conversion::check(const fs::path& written) {
-    TRY_ASSIGN(auto reader, reopened(written));
-    done_.scene = reader->scene();
-    done_.tracks = reader->tracks();
-    TRY(compare(*reader));
-    const auto lost = [&](PlaneRole role) {
-        return done_.losses[static_cast<std::size_t>(role)].changed > 0;
+private:
+    /// The source for code that looks at it before it is written: each frame that is read is written as well,
+    /// and so the source is read once.
+    class Source final : public ClipReader {
+    public:
+        explicit Source(Conversion& conversion) : conversion_(conversion) {}
+        const Scene& scene() const override { return clip().scene(); }
+        UnstatedFilters unstated_filters() const override { return clip().unstated_filters(); }
+        const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
+        std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
+        const std::vector<std::string>& notes() const override { return clip().notes(); }
+        Result<std::optional<RawFrame>> next() override { return conversion_.next(); }
+        Result<void> rewind() override { return clip().rewind(); }
+
+    private:
+        ClipReader& clip() const { return *conversion_.source_; }
+
+        Conversion& conversion_;
     };
-    if (!lost(PlaneRole::depth) && !lost(PlaneRole::haptic) && !lost(PlaneRole::height)) return {};
-    TRY(reader->rewind());
-    TRY_ASSIGN(done_.forces, compare_by_stroke(*stroke_, std::move(reader)));
-    return {};
-}
 
-Result<void> Conversion::run(std::string& at_work) {
-    TRY_ASSIGN(auto clip, options_.clip.open());
-    at_work = frames_in_words(clip->scene());
-    TRY(check_frames(options_, *clip));
-    TRY(check_places(options_, *clip));
-    if (options_.content) {
-        copied_ = tracks_to_copy(*clip, options_);
-        TRY_ASSIGN(clip, options_.content(std::move(clip)));
-    }
-    part_ = part_of(options_, *clip);
-    from_ns_ = clip->scene().rate.time_ns(part_.first);
-    TRY_ASSIGN(source_, part_of_clip(std::move(clip), part_));
-    if (options_.form == ClipForm::lerobot) {
+    bool is_resized() const {
         const Scene& scene = source_->scene();
-        codes_.emplace(options_.size ? resized_scene(scene, options_.size->width, options_.size->height)
-                                     : scene);
+        const auto& size = options_.size;
+        return size && (size->width != scene.width || size->height != scene.height);
     }
-    TRY(check_loss());
-    TRY(open_writer());
-    TRY(write());
-    // Only now are all of them there.
-    done_.notes = remarks_with_options(remarks_of(*source_));
-    TRY_ASSIGN(const auto written, writer_->complete());
-    if (auto checked = check(written); !checked) return as_named(checked.error(), options_, written);
-    TRY(writer_->finish());
-    std::cout << report_to_text(options_, done_);
-    return {};
-}
+
+    bool is_recoded() const { return codes_ && !codes_->are_kept(); }
+    /// A video for LeRobot has no scene in it, and what describes it beside it has no name yet.
+    Result<std::unique_ptr<ClipReader>> reopened(const fs::path& written) const {
+        if (!codes_) return open_clip(written);
+        SceneDescription described(codes_->scene());
+        described.scene.folder.reset();
+        described.scene.video =
+            VideoSource{written.filename().string(), "", VideoLayout::alone, VideoValues::grey};
+        return open_video_clip(written.parent_path(), described, Colour::left_out, {}, DepthAlignment::off);
+    }
+
+    /// Samples of another size are others; where that is wanted it has to be said.
+    Result<void> check_loss() const {
+        const auto& tracks = source_->tracks();
+        const bool drops_touch = codes_ && std::ranges::any_of(tracks, [](const TrackInfo& track) {
+                                     return track.role == role_name(PlaneRole::haptic) ||
+                                            track.role == role_name(PlaneRole::height);
+                                 });
+        if (drops_touch && !options_.allow_lossy)
+            return usage_error(
+                "--lerobot leaves out haptic and height pictures, which LeRobot has no room for; say "
+                "--allow-lossy "
+                "as well");
+        if (const double far = codes_ ? codes_->scene().depth.far * codes_->scene().metres_per_unit : 0;
+            !(far < lerobot_horizon))
+            return usage_error("--lerobot: depth may be " + short_number(far) +
+                               " m deep: must be less than " + short_number(lerobot_horizon) +
+                               " m; a scene file with a smaller far (touchable init-scene) says so");
+        if (is_recoded() && !options_.allow_lossy)
+            return usage_error(
+                "--lerobot changes what is touched: depth becomes 4095 steps, " +
+                short_number(1000 * codes_->step_at_a_metre(), 2) +
+                " mm wide at 1 m; say --allow-lossy as well, and the report tells what is lost");
+        if (!is_resized() || options_.allow_lossy) return {};
+        const Scene& scene = source_->scene();
+        const auto& size = options_.size;
+        return usage_error("--size " + std::to_string(size->width) + "x" + std::to_string(size->height) +
+                           " changes what is touched: the pictures are " + std::to_string(scene.width) + "x" +
+                           std::to_string(scene.height) +
+                           "; say --allow-lossy as well, and the report tells what is lost");
+    }
+
+    /// Before anything is written.
+    void say_what_mpeg4_cannot(const Scene& scene) const {
+        const bool is_still = is_mpeg4_still(options_.form);
+        if (!is_still && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
+        if (options_.storage.fragmented) {
+            std::cout << options_.out.string()
+                      << ": has no MPEG-4 scene in fragments. touchable reads it from the file's tags; other "
+                         "programs do not."
+                      << std::endl;
+            return;
+        }
+        mpeg4::ClipNodes::Streams streams;
+        for (const TrackInfo& track : source_->tracks())
+            streams.haptic = streams.haptic || track.role == "haptic";
+        const auto textures = is_still ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;
+        std::string all;
+        for (const std::string& each : mpeg4::unsaid_by_nodes(scene, streams, textures))
+            all += (all.empty() ? "" : "; ") + each;
+        if (!all.empty())
+            std::cout << options_.out.string() << ": its MPEG-4 scene cannot say: " << all
+                      << ". touchable reads that from "
+                      << (is_still ? "a WorldInfo in the scene" : "the file's tags")
+                      << "; other programs do not." << std::endl;
+    }
+
+    Result<void> open_writer() {
+        SceneDescription described = source_->described();
+        if (options_.size)
+            described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
+        if (codes_) described = codes_->scene();
+        done_.scene = described.scene;
+        say_what_mpeg4_cannot(described.scene);
+        TRY_ASSIGN(auto writer, [&]() -> Result<std::unique_ptr<ClipWriter>> {
+            const auto sound = chosen_sound();
+            switch (options_.form) {
+                case ClipForm::folder:
+                    return create_image_folder(options_.out, described, options_.existing);
+                case ClipForm::still:
+                    return create_still(options_.out, described, options_.existing);
+                case ClipForm::scene_text:
+                    return create_scene_text(options_.out, described, options_.existing);
+                case ClipForm::mp4_still:
+                    return create_mp4_stills(options_.out, described, options_.existing);
+                case ClipForm::lerobot:
+                    return create_lerobot_video(options_.out, described.scene, options_.existing);
+                case ClipForm::archive:
+                case ClipForm::gltf:
+                    break;
+            }
+            ClipStorage storage = options_.storage;
+            storage.gives_colour = true;
+            storage.copied = copied_;
+            if (options_.form == ClipForm::gltf)
+                return create_gltf_clip(options_.out, described, is_of_one_frame(), storage,
+                                        options_.existing, sound);
+            return create_named_clip(options_.out, described, storage, options_.existing, sound);
+        }());
+        writer_ = std::move(writer);
+        return {};
+    }
+
+    bool is_of_one_frame() const { return source_->frame_count() == 1; }
+
+    /// A glTF scene of one frame has pictures.
+    bool holds_video() const {
+        return options_.form == ClipForm::archive || (options_.form == ClipForm::gltf && !is_of_one_frame());
+    }
+
+    /// What is kept of the clip's sound; says what becomes of it.
+    std::optional<SoundPart> chosen_sound() {
+        const fs::path file = sound_file_of(*source_);
+        const auto sound = sound_of(file);
+        if (!sound) return std::nullopt;
+        const bool is_mp4 = is_mp4_name(options_.out) || options_.form == ClipForm::gltf,
+                   is_video = holds_video(), is_fragmented = options_.storage.fragmented;
+        const bool fits = is_fragmented ? sound->storable_in_fragments
+                          : is_mp4      ? sound->storable_in_mp4
+                                        : sound->storable;
+        if (!is_video || !fits) {
+            done_.sound = "LOST: " + sound->codec +
+                          (codes_          ? ", which LeRobot keeps elsewhere"
+                           : !is_video     ? ", which pictures cannot hold"
+                           : is_fragmented ? ", which an MP4 file in fragments cannot hold"
+                           : is_mp4        ? ", which an MP4 file cannot hold"
+                                           : ", which a clip cannot hold");
+            return std::nullopt;
+        }
+        done_.sound = "kept as it is (" + sound->codec + ")";
+        const FrameRate& rate = source_->scene().rate;
+        const std::int64_t frames = source_->frame_count().value_or(std::int64_t{1} << 32);
+        return SoundPart{file, from_ns_, from_ns_ + rate.time_ns(frames)};
+    }
+
+    RawFrame as_written(const RawFrame& frame) const {
+        const RawFrame sized =
+            options_.size ? resized_frame(frame, options_.size->width, options_.size->height) : frame;
+        return codes_ ? codes_->of(sized) : sized;
+    }
+
+    /// The source's next frame, which is written if it was not yet.
+    Result<std::optional<RawFrame>> next() {
+        if (stop_requested()) return interrupted_error();
+        auto frame = source_->next();
+        if (!frame || !*frame) return frame;
+        if ((*frame)->number == done_.frames) TRY(write_frame(**frame));
+        return frame;
+    }
+
+    /// What readers will be given of it is known now: what its coding makes of colour, and all else as it is.
+    Result<void> write_frame(const RawFrame& frame) {
+        progress_->at(++done_.frames);
+        RawFrame stored = as_written(frame);
+        TRY(writer_->write(stored));
+        if (const PlaneView colour = writer_->stored_colour(); !colour.empty()) stored.colour = colour;
+        if (is_recoded())
+            add_recoded_loss(frame, source_->scene(), stored, done_.scene, done_.losses);
+        else
+            add_loss(frame, stored, done_.scene, done_.losses);
+        marks_.push_back(mark_of(stored));
+        return {};
+    }
+
+    Result<void> write() {
+        progress_.emplace("converting frame", source_->frame_count().value_or(0));
+        if (is_resized() || is_recoded()) {
+            TRY_ASSIGN(stroke_, standard_stroke(std::make_unique<Source>(*this)));
+        }
+        while (true) {
+            TRY_ASSIGN(const auto frame, next());
+            if (!frame) break;
+        }
+        progress_.reset();
+        return {};
+    }
+
+    /// What was written against what was to be.
+    Result<void> compare(ClipReader& written) {
+        Progress progress("comparing frame", done_.frames);
+        for (std::int64_t number = 0; number < done_.frames; ++number) {
+            if (stop_requested()) return interrupted_error();
+            progress.at(number + 1);
+            TRY_ASSIGN(const auto now, written.next());
+            if (!now || mark_of(*now) != marks_[static_cast<std::size_t>(number)])
+                return Error{ErrorKind::internal, options_.out.string() + ": not written: frame " +
+                                                      std::to_string(number) +
+                                                      " comes back otherwise than it was"};
+        }
+        return {};
+    }
+
+    Result<void> check(const fs::path& written) {
+        TRY_ASSIGN(auto reader, reopened(written));
+        done_.scene = reader->scene();
+        done_.tracks = reader->tracks();
+        TRY(compare(*reader));
+        const auto lost = [&](PlaneRole role) {
+            return done_.losses[static_cast<std::size_t>(role)].changed > 0;
+        };
+        if (!lost(PlaneRole::depth) && !lost(PlaneRole::haptic) && !lost(PlaneRole::height)) return {};
+        TRY(reader->rewind());
+        TRY_ASSIGN(done_.forces, compare_by_stroke(*stroke_, std::move(reader)));
+        return {};
+    }
+
+    const ConvertOptions& options_;
+    ClipPart part_;
+    std::int64_t from_ns_ = 0;  // where it begins, of the whole clip's time
+    std::unique_ptr<ClipReader> source_;
+    std::unique_ptr<ClipWriter> writer_;
+    std::optional<ClipStorage::Copied> copied_;  // of a clip that is written with more than it has
+    std::optional<Progress> progress_;
+    std::vector<FrameMark> marks_;       // of what is to be read of the frames that were written
+    std::optional<Stroke> stroke_;       // over the source, where its size or its codes change
+    std::optional<LeRobotCodes> codes_;  // of a video for LeRobot
+    Converted done_;
+};
 
 }  // namespace
 

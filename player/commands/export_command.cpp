@@ -27,34 +27,6 @@
 namespace touchable {
 namespace {
 
-/// A folder whose files appear together: until `commit` nothing is to be seen of them, and a folder that was
-/// not there appears with all of them in it. Where it is there already, an error half-way puts back what was
-/// there before.
-class StagedFolder {
-public:
-    /// `place`: where the files shall be; made, with its parents, where it does not exist.
-    static Result<StagedFolder> create(const std::filesystem::path& place, Existing existing);
-
-    /// A file that shall have this name there: written to and closed before `commit`.
-    NewFile& add(const std::string& name);
-    std::size_t count() const { return files_.size(); }
-    /// Of `names`, all that such a folder may hold, those not added go, too, where an earlier run left them.
-    /// They are replaced from the last to the first and appear from the first to the last.
-    Result<void> commit(std::span<const char* const> names);
-
-private:
-    StagedFolder(std::filesystem::path place, std::filesystem::path ground, Existing existing);
-    Result<void> appear(std::span<const char* const> names);
-    Result<void> replace(std::span<const char* const> names);
-    /// Gives the files their names in `folder`.
-    Result<void> name_in(const std::filesystem::path& folder, std::span<const char* const> names);
-
-    std::filesystem::path place_;
-    std::filesystem::path ground_;  ///< the nearest folder that was there: `place_` or one above it
-    Existing existing_;
-    std::map<std::string, std::unique_ptr<NewFile>> files_;
-};
-
 namespace fs = std::filesystem;
 
 Error unwritable(const fs::path& place, const std::error_code& why) {
@@ -99,6 +71,88 @@ private:
     fs::path place_, folder_;
     bool made_ = false;
     std::vector<const char*> names_;
+};
+
+/// A folder whose files appear together: until `commit` nothing is to be seen of them, and a folder that was
+/// not there appears with all of them in it. Where it is there already, an error half-way puts back what was
+/// there before.
+class StagedFolder {
+public:
+    /// `place`: where the files shall be; made, with its parents, where it does not exist.
+    static Result<StagedFolder> create(const fs::path& place, Existing existing) {
+        std::error_code failure;
+        fs::path whole = fs::absolute(place, failure).lexically_normal();
+        if (!whole.has_filename()) whole = whole.parent_path();
+        fs::path ground = whole;
+        while (!fs::exists(ground, failure) && ground.has_relative_path()) ground = ground.parent_path();
+        if (!fs::is_directory(ground, failure))
+            return unwritable(place, std::make_error_code(std::errc::not_a_directory));
+        return StagedFolder(whole, ground, existing);
+    }
+
+    /// A file that shall have this name there: written to and closed before `commit`.
+    NewFile& add(const std::string& name) {
+        return *(files_[name] = std::make_unique<NewFile>(place_ / name, Existing::keep, ground_));
+    }
+
+    std::size_t count() const { return files_.size(); }
+    /// Of `names`, all that such a folder may hold, those not added go, too, where an earlier run left them.
+    /// They are replaced from the last to the first and appear from the first to the last.
+    Result<void> commit(std::span<const char* const> names) {
+        return place_ == ground_ ? replace(names) : appear(names);
+    }
+
+private:
+    StagedFolder(fs::path place, fs::path ground, Existing existing)
+        : place_(std::move(place)), ground_(std::move(ground)), existing_(existing) {}
+
+    Result<void> appear(std::span<const char* const> names) {
+        std::error_code failure;
+        const fs::path above = place_.parent_path(), hidden = hidden_name(above);
+        fs::create_directories(above, failure);
+        if (!failure) fs::create_directory(hidden, failure);
+        Result<void> done;
+        if (failure) done = unwritable(place_, failure);
+        if (done) done = name_in(hidden, names);
+        if (done)
+            if (const int why = move_to_free_name(hidden, place_))
+                done = unwritable(place_, std::error_code(why, std::generic_category()));
+        if (done) {
+            sync_folder(above);
+            return {};
+        }
+        fs::remove_all(hidden, failure);
+        // The folders made for it go again: remove() refuses folders that hold other files by now.
+        for (fs::path p = above; p != ground_; p = p.parent_path()) fs::remove(p, failure);
+        return done;
+    }
+
+    Result<void> replace(std::span<const char* const> names) {
+        Aside aside(place_);
+        for (auto name = names.rbegin(); name != names.rend(); ++name) TRY(aside.take(*name, existing_));
+        auto done = name_in(place_, names);
+        if (done) {
+            aside.discard();
+            return {};
+        }
+        std::error_code ignored;
+        for (const auto& [name, file] : files_)
+            if (file->committed()) fs::remove(place_ / name, ignored);
+        return done;
+    }
+
+    /// Gives the files their names in `folder`.
+    Result<void> name_in(const fs::path& folder, std::span<const char* const> names) {
+        for (const char* name : names)
+            if (const auto file = files_.find(name); file != files_.end())
+                TRY(file->second->commit_as(folder / name));
+        return {};
+    }
+
+    fs::path place_;
+    fs::path ground_;  ///< the nearest folder that was there: `place_` or one above it
+    Existing existing_;
+    std::map<std::string, std::unique_ptr<NewFile>> files_;
 };
 
 /// Every file `write_frame_files` may write.
@@ -376,70 +430,6 @@ Result<void> run_export(const ExportOptions& options) {
 }
 
 }  // namespace
-
-Result<StagedFolder> StagedFolder::create(const fs::path& place, Existing existing) {
-    std::error_code failure;
-    fs::path whole = fs::absolute(place, failure).lexically_normal();
-    if (!whole.has_filename()) whole = whole.parent_path();
-    fs::path ground = whole;
-    while (!fs::exists(ground, failure) && ground.has_relative_path()) ground = ground.parent_path();
-    if (!fs::is_directory(ground, failure))
-        return unwritable(place, std::make_error_code(std::errc::not_a_directory));
-    return StagedFolder(whole, ground, existing);
-}
-
-StagedFolder::StagedFolder(fs::path place, fs::path ground, Existing existing)
-    : place_(std::move(place)), ground_(std::move(ground)), existing_(existing) {}
-
-NewFile& StagedFolder::add(const std::string& name) {
-    return *(files_[name] = std::make_unique<NewFile>(place_ / name, Existing::keep, ground_));
-}
-
-Result<void> StagedFolder::name_in(const fs::path& folder, std::span<const char* const> names) {
-    for (const char* name : names)
-        if (const auto file = files_.find(name); file != files_.end())
-            TRY(file->second->commit_as(folder / name));
-    return {};
-}
-
-Result<void> StagedFolder::appear(std::span<const char* const> names) {
-    std::error_code failure;
-    const fs::path above = place_.parent_path(), hidden = hidden_name(above);
-    fs::create_directories(above, failure);
-    if (!failure) fs::create_directory(hidden, failure);
-    Result<void> done;
-    if (failure) done = unwritable(place_, failure);
-    if (done) done = name_in(hidden, names);
-    if (done)
-        if (const int why = move_to_free_name(hidden, place_))
-            done = unwritable(place_, std::error_code(why, std::generic_category()));
-    if (done) {
-        sync_folder(above);
-        return {};
-    }
-    fs::remove_all(hidden, failure);
-    // The folders made for it go again: remove() refuses folders that hold other files by now.
-    for (fs::path p = above; p != ground_; p = p.parent_path()) fs::remove(p, failure);
-    return done;
-}
-
-Result<void> StagedFolder::replace(std::span<const char* const> names) {
-    Aside aside(place_);
-    for (auto name = names.rbegin(); name != names.rend(); ++name) TRY(aside.take(*name, existing_));
-    auto done = name_in(place_, names);
-    if (done) {
-        aside.discard();
-        return {};
-    }
-    std::error_code ignored;
-    for (const auto& [name, file] : files_)
-        if (file->committed()) fs::remove(place_ / name, ignored);
-    return done;
-}
-
-Result<void> StagedFolder::commit(std::span<const char* const> names) {
-    return place_ == ground_ ? replace(names) : appear(names);
-}
 
 void add_export_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("export", "write frames as pictures, mesh and scene description");

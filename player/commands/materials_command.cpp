@@ -131,14 +131,104 @@ void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
 class MaterialsRun {
 public:
     explicit MaterialsRun(const MaterialsOptions& options) : options_(options) {}
-    Result<void> run();
+    Result<void> run() {
+        const bool is_clip = options_.out.extension() == ".mkv";
+        TRY(is_clip ? write_clip() : look());
+        return save();
+    }
 
 private:
-    Result<void> check_places(const ClipReader& clip);
-    Result<void> write_clip();
-    Result<void> look();
-    Result<Image> haptic_of(ClipReader& clip);
-    Result<void> save();
+    Result<void> check_places(const ClipReader& clip) {
+        std::vector<NamedFile> inputs, outputs;
+        if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
+        for (const auto& file : options_.read) inputs.push_back({"a file that is read", file});
+        add_inputs(inputs, options_.clip.file, clip);
+        if (!options_.out.empty()) outputs.push_back({"OUT", options_.out});
+        if (!options_.save.empty()) outputs.push_back({"--save", options_.save});
+        TRY(check_outputs({outputs, options_.existing}, inputs));
+        if (options_.save.empty()) return {};
+        saved_ = std::make_unique<NewFile>(options_.save, options_.existing);
+        return saved_->check();
+    }
+
+    Result<void> write_clip() {
+        ConvertOptions convert;
+        convert.clip = options_.clip;
+        convert.out = options_.out;
+        convert.existing = options_.existing;
+        convert.made = {PlaneRole::haptic};
+        if (options_.materials.scale_relief) convert.made.push_back(PlaneRole::height);
+        convert.content = [this](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
+            TRY(check_places(*clip));
+            scene_ = clip->scene();
+            for (const TrackInfo& track : clip->tracks()) had_haptic_ = had_haptic_ || track.role == "haptic";
+            return with_materials(std::move(clip), options_.materials, begin_segments, report_);
+        };
+        TRY(run_convert(convert));
+        std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
+        if (options_.materials.scale_relief && had_haptic_)
+            std::cout << "  note: CLIP has haptic pictures already: where --scale-relief made them with its "
+                         "heights, "
+                         "these are scaled twice now\n";
+        return {};
+    }
+
+    /// Tells of one frame, and writes its haptic picture where that is asked for.
+    Result<void> look() {
+        TRY_ASSIGN(auto clip, options_.clip.open());
+        TRY(check_places(*clip));
+        if (!options_.out.empty() && !options_.frame && clip->frame_count() != 1)
+            return usage_error(
+                "OUT " + options_.out.string() +
+                " is a map of one frame, but the clip has more: --frame says which one; NAME.mkv "
+                "holds them all");
+        scene_ = clip->scene();
+        MaterialSettings settings = options_.materials;
+        if (!options_.out.empty()) settings.ranges = scene_.haptic;
+        TRY_ASSIGN(auto felt, with_materials(std::move(clip), settings, begin_segments, report_));
+        TRY_ASSIGN(const auto haptic, haptic_of(*felt));
+        if (!options_.out.empty()) {
+            NewFile file(options_.out, options_.existing);
+            TRY(file.check());
+            TRY(write_png(file, haptic.view(), PngColours::indexed_if_few));
+            TRY(file.commit());
+            std::cout << options_.out.string() << ": what frame " << options_.frame.value_or(0)
+                      << " feels like, for touchable play " << shell_word(options_.clip.file.string())
+                      << " --haptic " << shell_word(options_.out.string()) << '\n';
+            say_what_is_cut(*report_, scene_.haptic);
+        }
+        std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
+        return {};
+    }
+
+    /// The picture of the frame that is asked for; all before it are followed.
+    Result<Image> haptic_of(ClipReader& clip) {
+        const std::int64_t wanted = options_.frame.value_or(0);
+        Progress progress("looking at frame", wanted + 1);
+        for (std::int64_t number = 0;; ++number) {
+            if (stop_requested()) return interrupted_error();
+            progress.at(number + 1);
+            TRY_ASSIGN(const auto frame, clip.next());
+            if (!frame)
+                return usage_error("--frame " + std::to_string(wanted) + " is beyond the clip, which has " +
+                                   std::to_string(number) + " frames");
+            if (number < wanted) continue;
+            const PlaneView& haptic = frame->haptic;
+            Image image{haptic.width, haptic.height, 1, 3, {}};
+            for (int y = 0; y < haptic.height; ++y)
+                image.samples.insert(image.samples.end(), haptic.row(y), haptic.row(y) + 3 * haptic.width);
+            return image;
+        }
+    }
+
+    Result<void> save() {
+        if (!saved_) return {};
+        const auto text = segment_names_to_json(used_names(*report_, options_.materials.names));
+        TRY(saved_->write(text));
+        TRY(saved_->commit());
+        std::cout << "  saved    " << options_.save.string() << ", for --segments\n";
+        return {};
+    }
 
     const MaterialsOptions& options_;
     const std::shared_ptr<MaterialReport> report_ = std::make_shared<MaterialReport>();
@@ -146,103 +236,6 @@ private:
     Scene scene_;              // as it was read
     bool had_haptic_ = false;  // as it was read
 };
-
-Result<void> MaterialsRun::check_places(const ClipReader& clip) {
-    std::vector<NamedFile> inputs, outputs;
-    if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
-    for (const auto& file : options_.read) inputs.push_back({"a file that is read", file});
-    add_inputs(inputs, options_.clip.file, clip);
-    if (!options_.out.empty()) outputs.push_back({"OUT", options_.out});
-    if (!options_.save.empty()) outputs.push_back({"--save", options_.save});
-    TRY(check_outputs({outputs, options_.existing}, inputs));
-    if (options_.save.empty()) return {};
-    saved_ = std::make_unique<NewFile>(options_.save, options_.existing);
-    return saved_->check();
-}
-
-Result<void> MaterialsRun::write_clip() {
-    ConvertOptions convert;
-    convert.clip = options_.clip;
-    convert.out = options_.out;
-    convert.existing = options_.existing;
-    convert.made = {PlaneRole::haptic};
-    if (options_.materials.scale_relief) convert.made.push_back(PlaneRole::height);
-    convert.content = [this](std::unique_ptr<ClipReader> clip) -> Result<std::unique_ptr<ClipReader>> {
-        TRY(check_places(*clip));
-        scene_ = clip->scene();
-        for (const TrackInfo& track : clip->tracks()) had_haptic_ = had_haptic_ || track.role == "haptic";
-        return with_materials(std::move(clip), options_.materials, begin_segments, report_);
-    };
-    TRY(run_convert(convert));
-    std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
-    if (options_.materials.scale_relief && had_haptic_)
-        std::cout
-            << "  note: CLIP has haptic pictures already: where --scale-relief made them with its heights, "
-               "these are scaled twice now\n";
-    return {};
-}
-
-/// The picture of the frame that is asked for; all before it are followed.
-Result<Image> MaterialsRun::haptic_of(ClipReader& clip) {
-    const std::int64_t wanted = options_.frame.value_or(0);
-    Progress progress("looking at frame", wanted + 1);
-    for (std::int64_t number = 0;; ++number) {
-        if (stop_requested()) return interrupted_error();
-        progress.at(number + 1);
-        TRY_ASSIGN(const auto frame, clip.next());
-        if (!frame)
-            return usage_error("--frame " + std::to_string(wanted) + " is beyond the clip, which has " +
-                               std::to_string(number) + " frames");
-        if (number < wanted) continue;
-        const PlaneView& haptic = frame->haptic;
-        Image image{haptic.width, haptic.height, 1, 3, {}};
-        for (int y = 0; y < haptic.height; ++y)
-            image.samples.insert(image.samples.end(), haptic.row(y), haptic.row(y) + 3 * haptic.width);
-        return image;
-    }
-}
-
-/// Tells of one frame, and writes its haptic picture where that is asked for.
-Result<void> MaterialsRun::look() {
-    TRY_ASSIGN(auto clip, options_.clip.open());
-    TRY(check_places(*clip));
-    if (!options_.out.empty() && !options_.frame && clip->frame_count() != 1)
-        return usage_error("OUT " + options_.out.string() +
-                           " is a map of one frame, but the clip has more: --frame says which one; NAME.mkv "
-                           "holds them all");
-    scene_ = clip->scene();
-    MaterialSettings settings = options_.materials;
-    if (!options_.out.empty()) settings.ranges = scene_.haptic;
-    TRY_ASSIGN(auto felt, with_materials(std::move(clip), settings, begin_segments, report_));
-    TRY_ASSIGN(const auto haptic, haptic_of(*felt));
-    if (!options_.out.empty()) {
-        NewFile file(options_.out, options_.existing);
-        TRY(file.check());
-        TRY(write_png(file, haptic.view(), PngColours::indexed_if_few));
-        TRY(file.commit());
-        std::cout << options_.out.string() << ": what frame " << options_.frame.value_or(0)
-                  << " feels like, for touchable play " << shell_word(options_.clip.file.string())
-                  << " --haptic " << shell_word(options_.out.string()) << '\n';
-        say_what_is_cut(*report_, scene_.haptic);
-    }
-    std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
-    return {};
-}
-
-Result<void> MaterialsRun::save() {
-    if (!saved_) return {};
-    const auto text = segment_names_to_json(used_names(*report_, options_.materials.names));
-    TRY(saved_->write(text));
-    TRY(saved_->commit());
-    std::cout << "  saved    " << options_.save.string() << ", for --segments\n";
-    return {};
-}
-
-Result<void> MaterialsRun::run() {
-    const bool is_clip = options_.out.extension() == ".mkv";
-    TRY(is_clip ? write_clip() : look());
-    return save();
-}
 
 constexpr std::int64_t last_segment_frame = 999'999'999;
 

@@ -86,25 +86,271 @@ struct ServedForm {
 class Serving {
 public:
     explicit Serving(const ServeOptions& options) : options_(options) {}
-    ~Serving();
+    ~Serving() {
+        if (sender_) sender_->end();
+        if (thread_.joinable()) thread_.join();
+    }
+
     Serving(const Serving&) = delete;
     Serving& operator=(const Serving&) = delete;
-    Result<void> run();
+    Result<void> run() {
+        TRY(open_clip());
+        TRY(open_forms());
+        TRY(open_places());
+        const auto sent = send();
+        if (!sent && !stop_requested()) return sent;
+        for (const auto& output : outputs_) output->end();
+        server_.reset();
+        if (!sender_) return sent;
+        outputs_.clear();
+        TRY(report());
+        if (auto lost = lost_camera()) return std::move(*lost);
+        const bool has_no_end = !options_.longest_ns && (options_.loop || is_live_);
+        return has_no_end ? Result<void>{} : sent;
+    }
 
 private:
-    Result<void> open_clip();
-    Result<void> open_forms();
-    Result<void> open_places();
-    std::optional<SoundPart> sound();
-    void say_where() const;
-    Result<void> send();
-    std::optional<Error> lost_camera() const;
-    void wait_for_the_last() const;
-    bool is_all_given() const;
-    nlohmann::ordered_json hls_as_json() const;
-    nlohmann::ordered_json report_as_json() const;
-    std::string report_in_words() const;
-    Result<void> report();
+    Result<void> open_clip() {
+        TRY_ASSIGN(clip_, options_.clip.open());
+        is_live_ = clip_->is_live();
+        notes_ = remarks_with_options(remarks_of(*clip_));
+        if (!options_.json) return {};
+        std::vector<NamedFile> inputs;
+        if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
+        add_inputs(inputs, options_.clip.file, *clip_);
+        const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
+        TRY(check_outputs(outputs, inputs));
+        TRY_ASSIGN(json_, OutputFile::create("--json", *options_.json, options_.existing));
+        return {};
+    }
+
+    Result<void> open_forms() {
+        bool has_matroska = false, has_mpegts = false;
+        for (const StreamUrl& url : options_.urls) {
+            const bool is_mpegts = options_.mpegts && url.transport == StreamTransport::srt;
+            (is_mpegts ? has_mpegts : has_matroska) = true;
+        }
+        const SceneDescription described = clip_->described();
+        if (has_mpegts) {
+            TRY_ASSIGN(auto muxer, make_mpegts_muxer(described));
+            mpegts_.emplace().muxer = std::move(muxer);
+        }
+        const auto heard = sound();
+        if (options_.hls) {
+            TRY_ASSIGN(hls_, HlsWriter::open(*options_.hls, described, heard));
+        }
+        if (!has_matroska) return {};
+        TRY_ASSIGN(auto muxer, open_matroska_stream(described, heard));
+        matroska_.emplace().muxer = std::move(muxer);
+        return {};
+    }
+
+    Result<void> open_places() {
+        std::vector<StreamUrl> listened;
+        for (const StreamUrl& url : options_.urls) {
+            if (url.transport != StreamTransport::srt) {
+                listened.push_back(url);
+                continue;
+            }
+            TRY_ASSIGN(auto output,
+                       SrtOutput::create(url, (options_.mpegts ? mpegts_ : matroska_)->ring, audience_));
+            outputs_.push_back(std::move(output));
+        }
+        if (!listened.empty()) {
+            TRY_ASSIGN(server_, StreamServer::open(listened, matroska_->ring, audience_));
+            TRY(server_->start());
+        }
+        say_where();
+        for (const auto& output : outputs_) TRY(output->start());
+        return {};
+    }
+
+    /// That goes along, in Matroska.
+    std::optional<SoundPart> sound() {
+        const std::filesystem::path file = is_live_ ? std::filesystem::path() : sound_file_of(*clip_);
+        const auto found = sound_of(file);
+        if (!found) return std::nullopt;
+        if (!found->storable || mpegts_)
+            notes_.push_back("its sound (" + found->codec + ") " +
+                             (found->storable ? "goes along in Matroska, not in MPEG-TS"
+                                              : "does not go along: Matroska cannot hold it"));
+        if (!found->storable) return std::nullopt;
+        const std::int64_t frames = clip_->frame_count().value_or(std::int64_t{1} << 32);
+        return SoundPart{file, 0, clip_->scene().rate.time_ns(frames)};
+    }
+
+    void say_where() const {
+        if (hls_) {
+            const auto master = options_.hls->folder / hls_master_name;
+            say_served("writing segments for web servers: touchable play " + shell_word(master.string()));
+        }
+        if (server_)
+            for (const std::string& address : server_->addresses()) {
+                say_served("listening on " + address + ": touchable play " + to_be_played(address));
+                say_who_may_listen(address);
+            }
+        for (const auto& output : outputs_) {
+            const std::string& address = output->address();
+            say_served(output->calls() ? "sending to " + address
+                                       : "listening on " + address + ": touchable play " +
+                                             to_be_played(address.substr(0, address.find('?'))));
+            if (!output->calls() && !output->is_encrypted()) say_who_may_listen(address);
+        }
+    }
+
+    Result<void> send() {
+        const auto are_there = [this] { return audience_.there() >= options_.listeners; };
+        if (!wait_unless_stopped(are_there, serve_look_again)) return interrupted_error();
+        std::vector<StreamSender::Channel> channels;
+        for (auto* const form : {&matroska_, &mpegts_})
+            if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
+        if (hls_) channels.push_back({make_hls_channel(*hls_), nobody_});
+        const bool is_paced = !hls_ || options_.hls->window_ns > 0 || !options_.urls.empty();
+        const StreamSender::Settings settings{options_.loop, options_.longest_ns, is_paced};
+        sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
+        begin_ns_ = time_.now_ns();
+        cpu_ns_ = cpu_ns();
+        Result<void> sent;
+        std::atomic<bool> is_over{false};
+        const auto work = [this, &sent, &is_over] {
+            sent = sender_->run();
+            is_over = true;
+        };
+        TRY(start_thread(thread_, "stream-sender", "that reads and encodes", work));
+        if (!wait_unless_stopped([&] { return is_over.load(); }, serve_look_again)) sender_->end();
+        thread_.join();
+        for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
+        if (hls_ && sender_->figures().framesets > 0 && (sent || stop_requested()))
+            if (auto finished = hls_->finish(); !finished && sent) sent = finished;
+        if (!stop_requested() && sent) wait_for_the_last();
+        cpu_ns_ = cpu_ns() - cpu_ns_;
+        end_ns_ = time_.now_ns();
+        return stop_requested() ? interrupted_error() : std::move(sent);
+    }
+
+    /// A camera has no end of its own, as a recording that plays one has.
+    std::optional<Error> lost_camera() const {
+        if (!options_.clip.plugged || !sender_->figures().clip_ended || stop_requested()) return std::nullopt;
+        const auto remarks = sender_->remarks();
+        return Error{ErrorKind::device, remarks.empty() ? "the camera gives no more frames" : remarks.back()};
+    }
+
+    /// Who takes what is left is given it; but the end does not wait longer than a listener may take, or SRT
+    /// with the longest latency.
+    void wait_for_the_last() const {
+        const std::chrono::seconds longest{outputs_.empty() ? 10 : 130};
+        const StopScope in_time(std::chrono::steady_clock::now() + longest);
+        (void)wait_unless_stopped([this] { return is_all_given(); }, serve_look_again);
+    }
+
+    bool is_all_given() const {
+        for (const auto& output : outputs_)
+            if (!output->is_over()) return false;
+        return !server_ || server_->connections() == 0;
+    }
+
+    /// What each viewer fetches, a live one with both playlists once a segment.
+    nlohmann::ordered_json hls_as_json() const {
+        const HlsWriter::Figures& all = hls_->figures();
+        const double seconds = static_cast<double>(std::max<std::int64_t>(1, all.duration_ns)) * 1e-9;
+        const auto each = [seconds](std::int64_t count) { return static_cast<double>(count) / seconds; };
+        const bool is_live = options_.hls->window_ns > 0;
+        const std::int64_t renditions = all.colour_bytes > 0 ? 2 : 1;
+        nlohmann::ordered_json json{
+            {"folder", options_.hls->folder.string()},
+            {"segments", all.segments},
+            {"seconds", seconds},
+            {"colour_bytes_per_second", each(all.colour_bytes)},
+            {"touch_bytes_per_second", each(all.touch_bytes)},
+            {"playlist_bytes_per_second", is_live ? each(all.segments * all.playlist_bytes) : 0.0},
+            {"requests_per_second", each(all.segments * renditions * (is_live ? 2 : 1))}};
+        if (options_.hls->has_low) {
+            json["low_colour_bytes_per_second"] = each(all.low_colour_bytes);
+            json["low_touch_bytes_per_second"] = each(all.low_touch_bytes);
+        }
+        return json;
+    }
+
+    nlohmann::ordered_json report_as_json() const {
+        const StreamSender::Figures& sent = sender_->figures();
+        const auto each = [&sent](double all) {
+            return sent.framesets > 0 ? all / static_cast<double>(sent.framesets) : 0.0;
+        };
+        constexpr double ms = 1e-6;
+        std::int64_t folder_bytes = 0;
+        if (hls_) {
+            const HlsWriter::Figures& all = hls_->figures();
+            folder_bytes = all.colour_bytes + all.touch_bytes + all.low_colour_bytes + all.low_touch_bytes;
+        }
+        nlohmann::ordered_json report{
+            {"format", 1},
+            {"clip", options_.clip.file.string()},
+            {"notes", notes_},
+            {"seconds", static_cast<double>(end_ns_ - begin_ns_) * 1e-9},
+            {"framesets", sent.framesets},
+            {"keys", sent.keys},
+            {"rounds", sent.rounds},
+            {"bytes_per_frameset", each(static_cast<double>(sent.bytes + folder_bytes))},
+            {"cpu_ms_per_frameset", each(static_cast<double>(cpu_ns_) * ms)},
+            {"latest_ms", static_cast<double>(sent.latest_ns) * ms},
+            {"held_up_ms", static_cast<double>(sent.held_up_ns) * ms},
+            {"listeners_in_all", audience_.all()},
+        };
+        auto listeners = nlohmann::ordered_json::array();
+        for (const StreamAudience::Listener& each_one : audience_.gone()) {
+            nlohmann::ordered_json figures{{"name", each_one.name},
+                                           {"sent", each_one.sent},
+                                           {"dropped", each_one.dropped},
+                                           {"without_colour", each_one.without_colour},
+                                           {"end", each_one.end}};
+            if (each_one.link)
+                figures["link"] = {{"rtt_ms", each_one.link->rtt_ms},
+                                   {"datagrams", each_one.link->datagrams},
+                                   {"lost", each_one.link->lost},
+                                   {"sent_again", each_one.link->sent_again}};
+            listeners.push_back(std::move(figures));
+        }
+        report["listeners"] = std::move(listeners);
+        if (hls_) report["hls"] = hls_as_json();
+        return report;
+    }
+
+    std::string report_in_words() const {
+        const auto report = report_as_json();
+        const StreamSender::Figures& sent = sender_->figures();
+        std::string text;
+        for (const std::string& note : notes_) text += "note: " + note + '\n';
+        text += "sent " + std::to_string(sent.framesets) + " framesets in " +
+                formatted("%.1f s, ", report["seconds"].get<double>()) +
+                formatted("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
+                formatted(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"].get<double>()) +
+                std::to_string(audience_.all()) + (audience_.all() == 1 ? " listener" : " listeners") + '\n';
+        if (sent.held_up_ns > 0)
+            text += "warning: they went " + formatted("%.1f s", report["held_up_ms"].get<double>() / 1000) +
+                    " later than they were to: this machine encodes them too slowly, or stood still\n";
+        if (hls_)
+            text +=
+                "  " + options_.hls->folder.string() + ": " + std::to_string(hls_->figures().segments) +
+                formatted(" segments; a viewer fetches %.1f KB/s",
+                          (report["hls"]["colour_bytes_per_second"].get<double>() +
+                           report["hls"]["touch_bytes_per_second"].get<double>() +
+                           report["hls"]["playlist_bytes_per_second"].get<double>()) /
+                              1000) +
+                formatted(" by %.1f requests a second\n", report["hls"]["requests_per_second"].get<double>());
+        for (const StreamAudience::Listener& one : audience_.gone())
+            text += "  " + one.name + ": " + std::to_string(one.sent) + " sent, " +
+                    std::to_string(one.dropped) + " left out\n";
+        return text;
+    }
+
+    Result<void> report() {
+        if (hls_) notes_.insert(notes_.end(), hls_->notes().begin(), hls_->notes().end());
+        const bool is_standard = options_.json && is_standard_output(*options_.json);
+        (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
+        if (!json_) return {};
+        TRY(json_->write(report_as_json().dump(2) + '\n'));
+        return json_->finish();
+    }
 
     const ServeOptions& options_;
     std::unique_ptr<OutputFile> json_;
@@ -122,268 +368,6 @@ private:
     std::thread thread_;
     std::int64_t cpu_ns_ = 0, begin_ns_ = 0, end_ns_ = 0;
 };
-
-Serving::~Serving() {
-    if (sender_) sender_->end();
-    if (thread_.joinable()) thread_.join();
-}
-
-Result<void> Serving::open_clip() {
-    TRY_ASSIGN(clip_, options_.clip.open());
-    is_live_ = clip_->is_live();
-    notes_ = remarks_with_options(remarks_of(*clip_));
-    if (!options_.json) return {};
-    std::vector<NamedFile> inputs;
-    if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
-    add_inputs(inputs, options_.clip.file, *clip_);
-    const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
-    TRY(check_outputs(outputs, inputs));
-    TRY_ASSIGN(json_, OutputFile::create("--json", *options_.json, options_.existing));
-    return {};
-}
-
-/// That goes along, in Matroska.
-std::optional<SoundPart> Serving::sound() {
-    const std::filesystem::path file = is_live_ ? std::filesystem::path() : sound_file_of(*clip_);
-    const auto found = sound_of(file);
-    if (!found) return std::nullopt;
-    if (!found->storable || mpegts_)
-        notes_.push_back("its sound (" + found->codec + ") " +
-                         (found->storable ? "goes along in Matroska, not in MPEG-TS"
-                                          : "does not go along: Matroska cannot hold it"));
-    if (!found->storable) return std::nullopt;
-    const std::int64_t frames = clip_->frame_count().value_or(std::int64_t{1} << 32);
-    return SoundPart{file, 0, clip_->scene().rate.time_ns(frames)};
-}
-
-Result<void> Serving::open_forms() {
-    bool has_matroska = false, has_mpegts = false;
-    for (const StreamUrl& url : options_.urls) {
-        const bool is_mpegts = options_.mpegts && url.transport == StreamTransport::srt;
-        (is_mpegts ? has_mpegts : has_matroska) = true;
-    }
-    const SceneDescription described = clip_->described();
-    if (has_mpegts) {
-        TRY_ASSIGN(auto muxer, make_mpegts_muxer(described));
-        mpegts_.emplace().muxer = std::move(muxer);
-    }
-    const auto heard = sound();
-    if (options_.hls) {
-        TRY_ASSIGN(hls_, HlsWriter::open(*options_.hls, described, heard));
-    }
-    if (!has_matroska) return {};
-    TRY_ASSIGN(auto muxer, open_matroska_stream(described, heard));
-    matroska_.emplace().muxer = std::move(muxer);
-    return {};
-}
-
-Result<void> Serving::open_places() {
-    std::vector<StreamUrl> listened;
-    for (const StreamUrl& url : options_.urls) {
-        if (url.transport != StreamTransport::srt) {
-            listened.push_back(url);
-            continue;
-        }
-        TRY_ASSIGN(auto output,
-                   SrtOutput::create(url, (options_.mpegts ? mpegts_ : matroska_)->ring, audience_));
-        outputs_.push_back(std::move(output));
-    }
-    if (!listened.empty()) {
-        TRY_ASSIGN(server_, StreamServer::open(listened, matroska_->ring, audience_));
-        TRY(server_->start());
-    }
-    say_where();
-    for (const auto& output : outputs_) TRY(output->start());
-    return {};
-}
-
-void Serving::say_where() const {
-    if (hls_) {
-        const auto master = options_.hls->folder / hls_master_name;
-        say_served("writing segments for web servers: touchable play " + shell_word(master.string()));
-    }
-    if (server_)
-        for (const std::string& address : server_->addresses()) {
-            say_served("listening on " + address + ": touchable play " + to_be_played(address));
-            say_who_may_listen(address);
-        }
-    for (const auto& output : outputs_) {
-        const std::string& address = output->address();
-        say_served(output->calls() ? "sending to " + address
-                                   : "listening on " + address + ": touchable play " +
-                                         to_be_played(address.substr(0, address.find('?'))));
-        if (!output->calls() && !output->is_encrypted()) say_who_may_listen(address);
-    }
-}
-
-Result<void> Serving::send() {
-    const auto are_there = [this] { return audience_.there() >= options_.listeners; };
-    if (!wait_unless_stopped(are_there, serve_look_again)) return interrupted_error();
-    std::vector<StreamSender::Channel> channels;
-    for (auto* const form : {&matroska_, &mpegts_})
-        if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
-    if (hls_) channels.push_back({make_hls_channel(*hls_), nobody_});
-    const bool is_paced = !hls_ || options_.hls->window_ns > 0 || !options_.urls.empty();
-    const StreamSender::Settings settings{options_.loop, options_.longest_ns, is_paced};
-    sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
-    begin_ns_ = time_.now_ns();
-    cpu_ns_ = cpu_ns();
-    Result<void> sent;
-    std::atomic<bool> is_over{false};
-    const auto work = [this, &sent, &is_over] {
-        sent = sender_->run();
-        is_over = true;
-    };
-    TRY(start_thread(thread_, "stream-sender", "that reads and encodes", work));
-    if (!wait_unless_stopped([&] { return is_over.load(); }, serve_look_again)) sender_->end();
-    thread_.join();
-    for (const std::string& remark : sender_->remarks()) notes_.push_back(remark);
-    if (hls_ && sender_->figures().framesets > 0 && (sent || stop_requested()))
-        if (auto finished = hls_->finish(); !finished && sent) sent = finished;
-    if (!stop_requested() && sent) wait_for_the_last();
-    cpu_ns_ = cpu_ns() - cpu_ns_;
-    end_ns_ = time_.now_ns();
-    return stop_requested() ? interrupted_error() : std::move(sent);
-}
-
-bool Serving::is_all_given() const {
-    for (const auto& output : outputs_)
-        if (!output->is_over()) return false;
-    return !server_ || server_->connections() == 0;
-}
-
-/// Who takes what is left is given it; but the end does not wait longer than a listener may take, or SRT with
-/// the longest latency.
-void Serving::wait_for_the_last() const {
-    const std::chrono::seconds longest{outputs_.empty() ? 10 : 130};
-    const StopScope in_time(std::chrono::steady_clock::now() + longest);
-    (void)wait_unless_stopped([this] { return is_all_given(); }, serve_look_again);
-}
-
-/// A camera has no end of its own, as a recording that plays one has.
-std::optional<Error> Serving::lost_camera() const {
-    if (!options_.clip.plugged || !sender_->figures().clip_ended || stop_requested()) return std::nullopt;
-    const auto remarks = sender_->remarks();
-    return Error{ErrorKind::device, remarks.empty() ? "the camera gives no more frames" : remarks.back()};
-}
-
-/// What each viewer fetches, a live one with both playlists once a segment.
-nlohmann::ordered_json Serving::hls_as_json() const {
-    const HlsWriter::Figures& all = hls_->figures();
-    const double seconds = static_cast<double>(std::max<std::int64_t>(1, all.duration_ns)) * 1e-9;
-    const auto each = [seconds](std::int64_t count) { return static_cast<double>(count) / seconds; };
-    const bool is_live = options_.hls->window_ns > 0;
-    const std::int64_t renditions = all.colour_bytes > 0 ? 2 : 1;
-    nlohmann::ordered_json json{
-        {"folder", options_.hls->folder.string()},
-        {"segments", all.segments},
-        {"seconds", seconds},
-        {"colour_bytes_per_second", each(all.colour_bytes)},
-        {"touch_bytes_per_second", each(all.touch_bytes)},
-        {"playlist_bytes_per_second", is_live ? each(all.segments * all.playlist_bytes) : 0.0},
-        {"requests_per_second", each(all.segments * renditions * (is_live ? 2 : 1))}};
-    if (options_.hls->has_low) {
-        json["low_colour_bytes_per_second"] = each(all.low_colour_bytes);
-        json["low_touch_bytes_per_second"] = each(all.low_touch_bytes);
-    }
-    return json;
-}
-
-nlohmann::ordered_json Serving::report_as_json() const {
-    const StreamSender::Figures& sent = sender_->figures();
-    const auto each = [&sent](double all) {
-        return sent.framesets > 0 ? all / static_cast<double>(sent.framesets) : 0.0;
-    };
-    constexpr double ms = 1e-6;
-    std::int64_t folder_bytes = 0;
-    if (hls_) {
-        const HlsWriter::Figures& all = hls_->figures();
-        folder_bytes = all.colour_bytes + all.touch_bytes + all.low_colour_bytes + all.low_touch_bytes;
-    }
-    nlohmann::ordered_json report{
-        {"format", 1},
-        {"clip", options_.clip.file.string()},
-        {"notes", notes_},
-        {"seconds", static_cast<double>(end_ns_ - begin_ns_) * 1e-9},
-        {"framesets", sent.framesets},
-        {"keys", sent.keys},
-        {"rounds", sent.rounds},
-        {"bytes_per_frameset", each(static_cast<double>(sent.bytes + folder_bytes))},
-        {"cpu_ms_per_frameset", each(static_cast<double>(cpu_ns_) * ms)},
-        {"latest_ms", static_cast<double>(sent.latest_ns) * ms},
-        {"held_up_ms", static_cast<double>(sent.held_up_ns) * ms},
-        {"listeners_in_all", audience_.all()},
-    };
-    auto listeners = nlohmann::ordered_json::array();
-    for (const StreamAudience::Listener& each_one : audience_.gone()) {
-        nlohmann::ordered_json figures{{"name", each_one.name},
-                                       {"sent", each_one.sent},
-                                       {"dropped", each_one.dropped},
-                                       {"without_colour", each_one.without_colour},
-                                       {"end", each_one.end}};
-        if (each_one.link)
-            figures["link"] = {{"rtt_ms", each_one.link->rtt_ms},
-                               {"datagrams", each_one.link->datagrams},
-                               {"lost", each_one.link->lost},
-                               {"sent_again", each_one.link->sent_again}};
-        listeners.push_back(std::move(figures));
-    }
-    report["listeners"] = std::move(listeners);
-    if (hls_) report["hls"] = hls_as_json();
-    return report;
-}
-
-std::string Serving::report_in_words() const {
-    const auto report = report_as_json();
-    const StreamSender::Figures& sent = sender_->figures();
-    std::string text;
-    for (const std::string& note : notes_) text += "note: " + note + '\n';
-    text += "sent " + std::to_string(sent.framesets) + " framesets in " +
-            formatted("%.1f s, ", report["seconds"].get<double>()) +
-            formatted("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
-            formatted(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"].get<double>()) +
-            std::to_string(audience_.all()) + (audience_.all() == 1 ? " listener" : " listeners") + '\n';
-    if (sent.held_up_ns > 0)
-        text += "warning: they went " + formatted("%.1f s", report["held_up_ms"].get<double>() / 1000) +
-                " later than they were to: this machine encodes them too slowly, or stood still\n";
-    if (hls_)
-        text += "  " + options_.hls->folder.string() + ": " + std::to_string(hls_->figures().segments) +
-                formatted(" segments; a viewer fetches %.1f KB/s",
-                          (report["hls"]["colour_bytes_per_second"].get<double>() +
-                           report["hls"]["touch_bytes_per_second"].get<double>() +
-                           report["hls"]["playlist_bytes_per_second"].get<double>()) /
-                              1000) +
-                formatted(" by %.1f requests a second\n", report["hls"]["requests_per_second"].get<double>());
-    for (const StreamAudience::Listener& one : audience_.gone())
-        text += "  " + one.name + ": " + std::to_string(one.sent) + " sent, " + std::to_string(one.dropped) +
-                " left out\n";
-    return text;
-}
-
-Result<void> Serving::report() {
-    if (hls_) notes_.insert(notes_.end(), hls_->notes().begin(), hls_->notes().end());
-    const bool is_standard = options_.json && is_standard_output(*options_.json);
-    (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
-    if (!json_) return {};
-    TRY(json_->write(report_as_json().dump(2) + '\n'));
-    return json_->finish();
-}
-
-Result<void> Serving::run() {
-    TRY(open_clip());
-    TRY(open_forms());
-    TRY(open_places());
-    const auto sent = send();
-    if (!sent && !stop_requested()) return sent;
-    for (const auto& output : outputs_) output->end();
-    server_.reset();
-    if (!sender_) return sent;
-    outputs_.clear();
-    TRY(report());
-    if (auto lost = lost_camera()) return std::move(*lost);
-    const bool has_no_end = !options_.longest_ns && (options_.loop || is_live_);
-    return has_no_end ? Result<void>{} : sent;
-}
 
 struct ServeTyped {
     ClipTyped clip;

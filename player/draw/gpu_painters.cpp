@@ -307,14 +307,12 @@ void SurfaceRaster::record_resolve(GpuCommands& commands, const ViewCamera& came
 
 Result<std::unique_ptr<SurfacePainter>> make_raster_painter(std::shared_ptr<GpuDevice> device) {
     TRY_ASSIGN(auto raster, SurfaceRaster::create(*device));
-    return std::unique_ptr<SurfacePainter>(
-        std::make_unique<RasterPainter>(std::move(device), std::move(raster)));
+    return std::make_unique<RasterPainter>(std::move(device), std::move(raster));
 }
 
 Result<std::unique_ptr<SurfacePainter>> make_mesh_painter(std::shared_ptr<GpuDevice> device) {
     TRY_ASSIGN(auto pipeline, MeshPipeline::create(*device));
-    return std::unique_ptr<SurfacePainter>(
-        std::make_unique<MeshPainter>(std::move(device), std::move(pipeline)));
+    return std::make_unique<MeshPainter>(std::move(device), std::move(pipeline));
 }
 
 }  // namespace touchable

@@ -119,14 +119,176 @@ PackedColour normal_colour(const glm::dvec3& normal) {
 
 class Overlays::Painter {
 public:
-    const Overlays::Picture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
+    const Overlays::Picture& paint(Overlay kind, const HeightField& field, const FramePair& pair) {
+        assert(kind != Overlay::colour);
+        picture_.width = field.width();
+        picture_.height = field.height();
+        picture_.rgb.resize(std::size_t{3} * static_cast<std::size_t>(field.width()) *
+                            static_cast<std::size_t>(field.height()));
+        picture_.scale = {};
+        if (kind == Overlay::normals || kind == Overlay::tiles) lattices_.q_of(field, pair, q_);
+        switch (kind) {
+            case Overlay::normals:
+                paint_normals(field);
+                break;
+            case Overlay::tiles:
+                paint_tiles(field);
+                break;
+            case Overlay::validity:
+                paint_validity(field, pair);
+                break;
+            default:
+                paint_values(kind, field, pair);
+        }
+        return picture_;
+    }
 
 private:
-    void paint_values(Overlay kind, const HeightField& field, const FramePair& pair);
-    void make_equalised(const Overlays::Range& range, double factor);
-    void paint_normals(const HeightField& field);
-    void paint_tiles(const HeightField& field);
-    void paint_validity(const HeightField& field, const FramePair& pair);
+    void paint_values(Overlay kind, const HeightField& field, const FramePair& pair) {
+        const Meaning meaning = meaning_of(kind, field.scene());
+        const int width = field.width();
+        std::vector<float> row(static_cast<std::size_t>(width));
+        std::vector<std::uint32_t> indices(row.size());
+        rows_.begin(meaning.scalar, field, pair);
+        const SeenValues seen = seen_values(meaning.scalar, field, rows_, row);
+        Overlays::Range range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
+        const auto& hole_stiffness = field.scene().hole_stiffness;  // N/mm
+        const bool is_mapped = has_map(meaning.scalar, field, pair);
+        if (!is_mapped && kind == Overlay::stiffness && hole_stiffness) {
+            range.least = range.greatest = field.default_properties().stiffness;
+            picture_.scale.at_holes = *hole_stiffness;
+        }
+        const bool even = !(range.greatest > range.least), is_equalised = kind == Overlay::depth && !even;
+        Overlays::Scale& scale = picture_.scale;
+        scale.name = meaning.name;
+        scale.unit = meaning.unit;
+        scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
+        scale.is_less = !even && seen.all.least < range.least;
+        scale.is_more = !even && seen.all.greatest > range.greatest;
+        scale.least_is_light = meaning.scalar == Scalar::depth;  // what is near is light
+        scale.has_map = is_mapped;
+        if (kind == Overlay::depth_linear) scale.spread = "linear, 1 to 99 %";
+        if (is_equalised) {
+            equalised_.update(seen.values, field);
+            make_equalised(range, meaning.factor);
+        } else {
+            colours_.assign(colour_ramp().begin(), colour_ramp().end());
+            if (scale.least_is_light) std::ranges::reverse(colours_);
+            if (even) std::fill(colours_.begin(), colours_.end(), ramp_colour(0.5));
+        }
+        const auto least = static_cast<float>(range.least);
+        const auto per_value = static_cast<float>(even ? 0.0 : 255.0 / (range.greatest - range.least));
+        for (int y = 0; y < field.height(); ++y) {
+            rows_.read(y, row.data());
+            if (is_equalised)
+                equalised_.find_bins(row.data(), width, indices.data());
+            else
+                indices_of(row.data(), width, least, per_value, indices.data());
+            std::uint8_t* rgb = this->row(y);
+            for (int x = 0; x < width; ++x, rgb += 3) {
+                const std::uint32_t index = indices[static_cast<std::size_t>(x)];
+                put(index < colours_.size() ? colours_[index] : hole_colour(x, y), rgb);
+            }
+        }
+    }
+
+    /// Colours of `equalised_`'s bins, from end to end of the range, and where values lie between these.
+    /// `factor`: of the scale's unit.
+    void make_equalised(const Overlays::Range& range, double factor) {
+        std::uint32_t ends[2];
+        const float values[] = {static_cast<float>(range.least), static_cast<float>(range.greatest)};
+        equalised_.find_bins(values, 2, ends);
+        const double first = equalised_.share_of_bin(ends[0]), last = equalised_.share_of_bin(ends[1]);
+        colours_.resize(equalised_.bins());
+        for (std::size_t k = 0; k < colours_.size(); ++k) {
+            const double share = (equalised_.share_of_bin(k) - first) / std::max(last - first, 1e-9);
+            colours_[k] = ramp_colour(1 - share);
+        }
+        Overlays::Scale& scale = picture_.scale;
+        scale.spread = "equalised";
+        constexpr int steps = 4;
+        for (int k = 0; k <= steps; ++k) {
+            const double value = equalised_.depth_at(first + (last - first) * k / steps);
+            scale.levels.push_back(factor * std::clamp(value, range.least, range.greatest));
+        }
+        scale.levels.front() = scale.range.least;
+        scale.levels.back() = scale.range.greatest;
+    }
+
+    void paint_normals(const HeightField& field) {
+        picture_.scale.name = "normals";
+        picture_.scale.classes = {{normal_colour({1, 0, 0}), "to the right"},
+                                  {normal_colour({0, 1, 0}), "up"},
+                                  {normal_colour({0, 0, 1}), "towards the clip's camera"}};
+        NormalRows rows(field.scene().camera, field.width(), field.height(), q_.data());
+        for (int y = 0; y < field.height(); ++y) {
+            rows.paint(y, row(y));
+            const float* q = q_.data() + std::ptrdiff_t{y} * field.width();
+            for (int x = 0; x < field.width(); ++x)
+                if (!(q[x] > 0)) put(hole_colour(x, y), row(y) + std::ptrdiff_t{3} * x);
+        }
+    }
+
+    void paint_tiles(const HeightField& field) {
+        picture_.scale.name = "tiles of 16x16 cells";
+        picture_.scale.classes = {{whole_colour, "all of it is drawn"},
+                                  {mixed_colour, "some of it is drawn"}};
+        const TileGrid grid = TileGrid::of(field.width(), field.height());
+        const ViewSurface::Tiles tiles = lattices_.tiles_of(field.width(), field.height(), q_);
+        std::vector<PackedColour> colours(
+            static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y), 0);
+        for (const std::uint32_t tile : tiles.whole) colours[tile] = whole_colour;
+        for (const std::uint32_t tile : tiles.mixed) colours[tile] = mixed_colour;
+        for (int y = 0; y < field.height(); ++y)
+            for (int x = 0; x < field.width(); ++x) {
+                const int tile = grid.row_of_cell(y) * grid.tiles_x + grid.column_of_cell(x);
+                PackedColour colour = colours[static_cast<std::size_t>(tile)];
+                // A darker line where a tile begins.
+                if (x % TileGrid::cells == 0 || y % TileGrid::cells == 0) colour = colour >> 1 & 0x7F7F7FU;
+                put(colours[static_cast<std::size_t>(tile)] != 0 ? colour : hole_colour(x, y),
+                    row(y) + std::ptrdiff_t{3} * x);
+            }
+    }
+
+    void paint_validity(const HeightField& field, const FramePair& pair) {
+        picture_.scale.name = "validity";
+        picture_.scale.classes = {{valid_colour, "has depth"}, {rim_colour, "next to a hole"}};
+        rows_.begin(Scalar::depth, field, pair);
+        if (rows_.is_between())
+            picture_.scale.classes.push_back({once_colour, "has depth in one of two frames"});
+        if (rows_.has_filled()) picture_.scale.classes.push_back({filled_colour, "depth of another frame"});
+        const int width = field.width(), height = field.height();
+        const std::size_t columns = static_cast<std::size_t>(width) + 2;  // one more at either side
+        // What read_validity says of three rows; beyond the picture there is no hole.
+        std::array<std::vector<std::uint8_t>, 3> states;
+        const auto line = [&](int y) -> std::vector<std::uint8_t>& {
+            return states[static_cast<std::size_t>((y + 3) % 3)];
+        };
+        const auto read = [&](int y) {
+            line(y).assign(columns, 1);
+            if (y >= 0 && y < height) rows_.read_validity(y, line(y).data() + 1);
+        };
+        read(-1);
+        read(0);
+        std::vector<std::uint8_t> open(columns);
+        for (int y = 0; y < height; ++y) {
+            read(y + 1);
+            for (std::size_t x = 0; x < columns; ++x)
+                open[x] = states[0][x] == 0 || states[1][x] == 0 || states[2][x] == 0 ? 1 : 0;
+            const std::uint8_t* state = line(y).data() + 1;
+            std::uint8_t* rgb = row(y);
+            for (int x = 0; x < width; ++x, rgb += 3) {
+                const std::uint8_t* beside = open.data() + x;
+                const bool rim = (beside[0] | beside[1] | beside[2]) != 0;
+                const PackedColour colour = state[x] == 3   ? filled_colour
+                                            : state[x] == 2 ? once_colour
+                                            : rim           ? rim_colour
+                                                            : valid_colour;
+                put(state[x] == 0 ? hole_colour(x, y) : colour, rgb);
+            }
+        }
+    }
+
     std::uint8_t* row(int y) { return picture_.rgb.data() + std::ptrdiff_t{3} * y * picture_.width; }
 
     Overlays::Picture picture_;
@@ -137,174 +299,6 @@ private:
     std::vector<float> q_;
     std::vector<PackedColour> colours_;  // of values, by their place
 };
-
-const Overlays::Picture& Overlays::Painter::paint(Overlay kind, const HeightField& field,
-                                                  const FramePair& pair) {
-    assert(kind != Overlay::colour);
-    picture_.width = field.width();
-    picture_.height = field.height();
-    picture_.rgb.resize(std::size_t{3} * static_cast<std::size_t>(field.width()) *
-                        static_cast<std::size_t>(field.height()));
-    picture_.scale = {};
-    if (kind == Overlay::normals || kind == Overlay::tiles) lattices_.q_of(field, pair, q_);
-    switch (kind) {
-        case Overlay::normals:
-            paint_normals(field);
-            break;
-        case Overlay::tiles:
-            paint_tiles(field);
-            break;
-        case Overlay::validity:
-            paint_validity(field, pair);
-            break;
-        default:
-            paint_values(kind, field, pair);
-    }
-    return picture_;
-}
-
-void Overlays::Painter::paint_values(Overlay kind, const HeightField& field, const FramePair& pair) {
-    const Meaning meaning = meaning_of(kind, field.scene());
-    const int width = field.width();
-    std::vector<float> row(static_cast<std::size_t>(width));
-    std::vector<std::uint32_t> indices(row.size());
-    rows_.begin(meaning.scalar, field, pair);
-    const SeenValues seen = seen_values(meaning.scalar, field, rows_, row);
-    Overlays::Range range = apart(ranges_[static_cast<std::size_t>(kind)].update(seen.shown, field));
-    const auto& hole_stiffness = field.scene().hole_stiffness;  // N/mm
-    const bool is_mapped = has_map(meaning.scalar, field, pair);
-    if (!is_mapped && kind == Overlay::stiffness && hole_stiffness) {
-        range.least = range.greatest = field.default_properties().stiffness;
-        picture_.scale.at_holes = *hole_stiffness;
-    }
-    const bool even = !(range.greatest > range.least), is_equalised = kind == Overlay::depth && !even;
-    Overlays::Scale& scale = picture_.scale;
-    scale.name = meaning.name;
-    scale.unit = meaning.unit;
-    scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
-    scale.is_less = !even && seen.all.least < range.least;
-    scale.is_more = !even && seen.all.greatest > range.greatest;
-    scale.least_is_light = meaning.scalar == Scalar::depth;  // what is near is light
-    scale.has_map = is_mapped;
-    if (kind == Overlay::depth_linear) scale.spread = "linear, 1 to 99 %";
-    if (is_equalised) {
-        equalised_.update(seen.values, field);
-        make_equalised(range, meaning.factor);
-    } else {
-        colours_.assign(colour_ramp().begin(), colour_ramp().end());
-        if (scale.least_is_light) std::ranges::reverse(colours_);
-        if (even) std::fill(colours_.begin(), colours_.end(), ramp_colour(0.5));
-    }
-    const auto least = static_cast<float>(range.least);
-    const auto per_value = static_cast<float>(even ? 0.0 : 255.0 / (range.greatest - range.least));
-    for (int y = 0; y < field.height(); ++y) {
-        rows_.read(y, row.data());
-        if (is_equalised)
-            equalised_.find_bins(row.data(), width, indices.data());
-        else
-            indices_of(row.data(), width, least, per_value, indices.data());
-        std::uint8_t* rgb = this->row(y);
-        for (int x = 0; x < width; ++x, rgb += 3) {
-            const std::uint32_t index = indices[static_cast<std::size_t>(x)];
-            put(index < colours_.size() ? colours_[index] : hole_colour(x, y), rgb);
-        }
-    }
-}
-
-/// Colours of `equalised_`'s bins, from end to end of the range, and where values lie between these.
-/// `factor`: of the scale's unit.
-void Overlays::Painter::make_equalised(const Overlays::Range& range, double factor) {
-    std::uint32_t ends[2];
-    const float values[] = {static_cast<float>(range.least), static_cast<float>(range.greatest)};
-    equalised_.find_bins(values, 2, ends);
-    const double first = equalised_.share_of_bin(ends[0]), last = equalised_.share_of_bin(ends[1]);
-    colours_.resize(equalised_.bins());
-    for (std::size_t k = 0; k < colours_.size(); ++k) {
-        const double share = (equalised_.share_of_bin(k) - first) / std::max(last - first, 1e-9);
-        colours_[k] = ramp_colour(1 - share);
-    }
-    Overlays::Scale& scale = picture_.scale;
-    scale.spread = "equalised";
-    constexpr int steps = 4;
-    for (int k = 0; k <= steps; ++k) {
-        const double value = equalised_.depth_at(first + (last - first) * k / steps);
-        scale.levels.push_back(factor * std::clamp(value, range.least, range.greatest));
-    }
-    scale.levels.front() = scale.range.least;
-    scale.levels.back() = scale.range.greatest;
-}
-
-void Overlays::Painter::paint_normals(const HeightField& field) {
-    picture_.scale.name = "normals";
-    picture_.scale.classes = {{normal_colour({1, 0, 0}), "to the right"},
-                              {normal_colour({0, 1, 0}), "up"},
-                              {normal_colour({0, 0, 1}), "towards the clip's camera"}};
-    NormalRows rows(field.scene().camera, field.width(), field.height(), q_.data());
-    for (int y = 0; y < field.height(); ++y) {
-        rows.paint(y, row(y));
-        const float* q = q_.data() + std::ptrdiff_t{y} * field.width();
-        for (int x = 0; x < field.width(); ++x)
-            if (!(q[x] > 0)) put(hole_colour(x, y), row(y) + std::ptrdiff_t{3} * x);
-    }
-}
-
-void Overlays::Painter::paint_tiles(const HeightField& field) {
-    picture_.scale.name = "tiles of 16x16 cells";
-    picture_.scale.classes = {{whole_colour, "all of it is drawn"}, {mixed_colour, "some of it is drawn"}};
-    const TileGrid grid = TileGrid::of(field.width(), field.height());
-    const ViewSurface::Tiles tiles = lattices_.tiles_of(field.width(), field.height(), q_);
-    std::vector<PackedColour> colours(
-        static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y), 0);
-    for (const std::uint32_t tile : tiles.whole) colours[tile] = whole_colour;
-    for (const std::uint32_t tile : tiles.mixed) colours[tile] = mixed_colour;
-    for (int y = 0; y < field.height(); ++y)
-        for (int x = 0; x < field.width(); ++x) {
-            const int tile = grid.row_of_cell(y) * grid.tiles_x + grid.column_of_cell(x);
-            PackedColour colour = colours[static_cast<std::size_t>(tile)];
-            // A darker line where a tile begins.
-            if (x % TileGrid::cells == 0 || y % TileGrid::cells == 0) colour = colour >> 1 & 0x7F7F7FU;
-            put(colours[static_cast<std::size_t>(tile)] != 0 ? colour : hole_colour(x, y),
-                row(y) + std::ptrdiff_t{3} * x);
-        }
-}
-
-void Overlays::Painter::paint_validity(const HeightField& field, const FramePair& pair) {
-    picture_.scale.name = "validity";
-    picture_.scale.classes = {{valid_colour, "has depth"}, {rim_colour, "next to a hole"}};
-    rows_.begin(Scalar::depth, field, pair);
-    if (rows_.is_between()) picture_.scale.classes.push_back({once_colour, "has depth in one of two frames"});
-    if (rows_.has_filled()) picture_.scale.classes.push_back({filled_colour, "depth of another frame"});
-    const int width = field.width(), height = field.height();
-    const std::size_t columns = static_cast<std::size_t>(width) + 2;  // one more at either side
-    // What read_validity says of three rows; beyond the picture there is no hole.
-    std::array<std::vector<std::uint8_t>, 3> states;
-    const auto line = [&](int y) -> std::vector<std::uint8_t>& {
-        return states[static_cast<std::size_t>((y + 3) % 3)];
-    };
-    const auto read = [&](int y) {
-        line(y).assign(columns, 1);
-        if (y >= 0 && y < height) rows_.read_validity(y, line(y).data() + 1);
-    };
-    read(-1);
-    read(0);
-    std::vector<std::uint8_t> open(columns);
-    for (int y = 0; y < height; ++y) {
-        read(y + 1);
-        for (std::size_t x = 0; x < columns; ++x)
-            open[x] = states[0][x] == 0 || states[1][x] == 0 || states[2][x] == 0 ? 1 : 0;
-        const std::uint8_t* state = line(y).data() + 1;
-        std::uint8_t* rgb = row(y);
-        for (int x = 0; x < width; ++x, rgb += 3) {
-            const std::uint8_t* beside = open.data() + x;
-            const bool rim = (beside[0] | beside[1] | beside[2]) != 0;
-            const PackedColour colour = state[x] == 3   ? filled_colour
-                                        : state[x] == 2 ? once_colour
-                                        : rim           ? rim_colour
-                                                        : valid_colour;
-            put(state[x] == 0 ? hole_colour(x, y) : colour, rgb);
-        }
-    }
-}
 
 Overlays::Overlays() : painter_(std::make_unique<Painter>()) {}
 Overlays::~Overlays() = default;

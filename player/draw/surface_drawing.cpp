@@ -33,34 +33,292 @@ void copy_to_image(GpuCommands& commands, const GpuBuffer& pixels, int pitch, co
 
 class DeviceDrawing final : public SurfaceDrawing {
 public:
-    DeviceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers);
-    Result<void> prepare(std::string_view painter);
+    DeviceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
+        : device_(std::move(device)),
+          lattices_(device_),
+          lighting_(device_),
+          dent_patches_(device_),
+          fingers_(std::move(fingers)),
+          pictures_(device_) {}
+
+    /// What the painter of that name, which draws on a GPU, needs.
+    Result<void> prepare(std::string_view painter) {
+        const GpuFacts& facts = device_->facts();
+        const bool is_software = facts.kind == GpuKind::software;
+        if (painter == "mesh" || (painter == "auto" && (!is_software || !facts.int64_atomics))) {
+            TRY_ASSIGN(mesh_, MeshPipeline::create(*device_));
+        } else {
+            TRY_ASSIGN(raster_, SurfaceRaster::create(*device_));
+            if (is_software && facts.unified_memory) {
+                by_cpu_.emplace(CpuLattices::usual_threads());
+                decimation_.emplace(CpuLattices::usual_threads());
+                turned_view_.emplace(CpuLattices::usual_threads());
+                edges_.emplace(CpuLattices::usual_threads());
+            }
+        }
+        if (!by_cpu_) {
+            TRY_ASSIGN(dents_, DentDrawing::create(device_));
+        }
+        GraphicsLook look;
+        look.vertex = view_screen_vert_spv;
+        look.fragment = view_background_frag_spv;
+        look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        look.depth = DrawDepth::replaced;
+        TRY_ASSIGN(background_, GraphicsProgram::create(*device_, "background", look));
+        return {};
+    }
 
     std::string_view painter() const override { return raster_ ? "raster" : "mesh"; }
     bool thins_vertices() const override { return by_cpu_.has_value(); }
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
-                      const PlaneView& colour, Lighting lighting, int step) override;
+                      const PlaneView& colour, Lighting lighting, int step) override {
+        if (by_cpu_) {
+            TRY(show_by_cpu(field, pair, colour, lighting, step));
+            shown_.by(commands);
+            return {};
+        }
+        TRY(begin_surface(field, colour, lighting));
+        // What read the last surface, in the same commands, has done so.
+        for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
+            commands.barrier(reader, GpuStage::compute);
+        TRY(lattices_.record(commands, field, pair, lattice_));
+        TRY(lattices_.reserve_colours(lattice_));
+        TRY(lighting_.record(commands, field, lattice_, colour, lighting));
+        commands.mark("light");
+        shown_.by(commands);
+        return {};
+    }
+
+    /// On a device that computes on the CPU: there its vectors do so for a third of what the kernels cost.
     Result<void> show_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                             Lighting lighting, int step) override;
+                             Lighting lighting, int step) override {
+        TRY(begin_surface(field, colour, lighting));
+        const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
+        if (is_part) decimation_->make(field, pair, colour, step);
+        TRY(is_part ? make_by_cpu(decimation_->field(), decimation_->pair(), decimation_->colour(), lighting,
+                                  step)
+                    : make_by_cpu(field, pair, colour, lighting, 1));
+        shown_.by_cpu();
+        return {};
+    }
+
     Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,
-                      const MarkSizes& sizes, const GpuImage& target) override;
+                      const MarkSizes& sizes, const GpuImage& target) override {
+        if (target.extent().width != static_cast<std::uint32_t>(camera.width) ||
+            target.extent().height != static_cast<std::uint32_t>(camera.height))
+            return Error{ErrorKind::internal, "a picture is not of its camera's size"};
+        TRY(reserve(camera));
+        if (raster_ && shown_.is_there_for(commands)) {
+            TRY(draw_surface(commands, camera));
+            record_copies(commands, camera, target);
+        } else {
+            TRY(record_mesh(commands, camera, target));
+        }
+        commands.mark("picture");
+        TRY(record_dents(commands, camera, fingers, sizes, target));
+        TRY(fingers_.record(commands, fingers, sizes, camera, target, z_));
+        if (!fingers.empty()) commands.mark("fingers");
+        return {};
+    }
 
 private:
-    Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting);
+    /// Nothing is shown until it is made.
+    Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting) {
+        for (GpuCommands::Made* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
+        are_values_ = lighting == Lighting::plain && !colour.empty();
+        return check_colour(colour, field.width(), field.height());
+    }
+
     Result<void> make_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                             Lighting lighting, int step);
-    Result<void> reserve(const ViewCamera& camera);
-    Result<void> reserve_pixels(const ViewCamera& camera);
-    Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera);
-    const SurfaceEdges& edges_of(const GpuCommands& commands, const ViewCamera& camera);
-    Result<void> list_triangles(GpuCommands& commands, const ViewCamera& camera);
-    Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera);
-    Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera);
-    void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const;
+                             Lighting lighting, int step) {
+        TRY(lattices_.renew(field, lattice_));
+        lattice_.step = step;
+        float* const q = lattice_.q.mapped<float>().data();
+        if (SurfaceUnproject::has_codes(field, pair))
+            by_cpu_->q_of(field, pair, q, lattice_.pitch);
+        else
+            put_q(field, lattice_, lattice_.q);
+        by_cpu_->light(field, q, lattice_.pitch, colour, lighting,
+                       lattice_.colours.mapped<PackedColour>().data(), cut_ratio(step));
+        return {};
+    }
+
+    /// What pictures of a size need.
+    Result<void> reserve(const ViewCamera& camera) {
+        const auto width = static_cast<std::uint32_t>(camera.width),
+                   height = static_cast<std::uint32_t>(camera.height);
+        if (!z_ || z_.extent().width != width || z_.extent().height != height) {
+            TRY_ASSIGN(z_, GpuImage::create(*device_, "picture z", camera.width, camera.height,
+                                            GraphicsLook::z_format));
+        }
+        if (rows_height_ == camera.height) return {};
+        TRY_ASSIGN(auto rows, GpuBuffer::create(
+                                  *device_, "background", 4 * static_cast<std::size_t>(height),
+                                  device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload));
+        const auto colours = rows.mapped<PackedColour>();
+        for (int y = 0; y < camera.height; ++y)
+            colours[static_cast<std::size_t>(y)] = background_colour(y, camera.height);
+        rows_ = std::move(rows);
+        rows_height_ = camera.height;
+        return {};
+    }
+
+    Result<void> reserve_pixels(const ViewCamera& camera) {
+        const std::size_t pixels = static_cast<std::size_t>(SurfaceRaster::resolve_pitch(camera.width)) *
+                                   static_cast<std::size_t>(camera.height);
+        const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
+        if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
+            return Error{ErrorKind::gpu,
+                         "a picture of " + std::to_string(camera.width) + "x" +
+                             std::to_string(camera.height) +
+                             " pixels is too large for the painter raster on " + device_->facts().name +
+                             "; mesh draws it",
+                         {{Setting::painter, "mesh"}}};
+        const struct {
+            GpuBuffer& buffer;
+            const char* name;
+            std::size_t bytes;
+            GpuMemory memory;
+        } needed[] = {{pixels_, "picture pixels", 8 * pixels, GpuMemory::device},
+                      {colours_, "picture colours", 4 * pixels, memory},
+                      {z_values_, "picture z", 4 * pixels, memory},
+                      {large_, "large cells", SurfaceRaster::large_bytes(lattice_.width, lattice_.height),
+                       GpuMemory::device}};
+        for (const auto& each : needed) {
+            if (each.buffer && each.buffer.bytes() >= each.bytes) continue;
+            TRY_ASSIGN(each.buffer, GpuBuffer::create(*device_, each.name, each.bytes, each.memory));
+        }
+        return {};
+    }
+
+    /// Into memory that nothing reads any more: pictures that were recorded before keep theirs.
+    Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
+        const int pitch = SurfaceRaster::resolve_pitch(camera.width);
+        const std::size_t bytes =
+            4 * static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height);
+        for (auto& [buffer, name] :
+             {std::pair<GpuBuffer&, const char*>{colours_, "picture colours"}, {z_values_, "picture z"}}) {
+            buffer = {};
+            TRY_ASSIGN(buffer, pictures_.take(name, bytes));
+        }
+        const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
+        const auto z = z_values_.mapped<float>();
+        const ViewCamera seen = decimated(camera, lattice_.step);
+        const MappedLattice lattice{lattice_.q.mapped<float>().data(),
+                                    lattice_.colours.mapped<PackedColour>().data(),
+                                    lattice_.width,
+                                    lattice_.height,
+                                    lattice_.pitch,
+                                    lattice_.step};
+        if (OwnViewPicture::draws(seen))
+            own_view_.draw(lattice, seen, background, pitch, colours, z);
+        else
+            turned_view_->draw(lattice, edges_of(commands, seen), seen, background, pitch, colours, z);
+        return {};
+    }
+
+    /// The edges of the surface as a camera is shown it; found once for each surface.
+    const SurfaceEdges& edges_of(const GpuCommands& commands, const ViewCamera& camera) {
+        if (is_own_view(camera)) {
+            edges_->clear();
+            edged_.reset();
+        } else if (!edged_.is_there_for(commands)) {
+            edges_->find(lattice_.q.mapped<float>().data(), lattice_.width, lattice_.height, lattice_.pitch,
+                         cut_ratio(lattice_.step), are_values_);
+            edged_.by(commands);
+        }
+        return *edges_;
+    }
+
+    /// Tiles of a surface, once, and where its vertices at edges are drawn.
+    Result<void> list_triangles(GpuCommands& commands, const ViewCamera& camera) {
+        if (!listed_.is_there_for(commands)) {
+            TRY(lattices_.record_tiles(commands, lattice_));
+            listed_.by(commands);
+        }
+        if (edged_.is_there_for(commands) || is_own_view(camera)) return {};
+        TRY(lattices_.record_edges(commands, camera, are_values_, lattice_));
+        edged_.by(commands);
+        return {};
+    }
+
+    /// Colours and z of the surface, if they are not of this surface from here already.
+    Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera) {
+        if (drawn_.is_there_for(commands) && drawn_from_.clip_from_lattice == camera.clip_from_lattice &&
+            drawn_from_.width == camera.width && drawn_from_.height == camera.height)
+            return {};
+        drawn_.reset();
+        if (by_cpu_) {
+            TRY(draw_by_cpu(commands, camera));
+        } else {
+            TRY(reserve_pixels(camera));
+            TRY(record_raster(commands, camera));
+        }
+        drawn_.by(commands);
+        drawn_from_ = camera;
+        return {};
+    }
+
+    Result<void> record_raster(GpuCommands& commands, const ViewCamera& camera) {
+        TRY(list_triangles(commands, camera));
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        commands.barrier(GpuStage::compute, GpuStage::indirect);
+        commands.barrier(GpuStage::compute, GpuStage::transfer);
+        commands.barrier(GpuStage::transfer, GpuStage::compute);
+        raster_->record(commands, lattice_, camera, pixels_, SurfaceRaster::resolve_pitch(camera.width),
+                        large_);
+        commands.mark("raster");
+        commands.barrier(GpuStage::compute, GpuStage::compute);
+        raster_->record_resolve(commands, camera, pixels_, rows_, colours_, z_values_);
+        commands.barrier(GpuStage::compute, GpuStage::transfer);
+        commands.mark("resolve");
+        return {};
+    }
+
+    /// What the raster has drawn, into images that are ready for it.
+    void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const {
+        const int pitch = SurfaceRaster::resolve_pitch(camera.width);
+        const struct {
+            const GpuImage& image;
+            const GpuBuffer& pixels;
+            VkImageLayout then;
+        } copies[] = {{target, colours_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
+                      {z_, z_values_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL}};
+        for (const auto& [image, pixels, then] : copies) {
+            record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED,
+                              VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+            copy_to_image(commands, pixels, pitch, image);
+            record_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
+        }
+    }
+
+    /// What gives way under fingers, over the surface that is drawn.
     Result<void> record_dents(GpuCommands& commands, const ViewCamera& camera,
                               std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                              const GpuImage& target);
-    Result<void> record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target);
+                              const GpuImage& target) {
+        if (dents_) return dents_->record(commands, fingers, sizes, camera, target, z_);
+        if (!shown_.is_there_for(commands)) return {};
+        const FlatPicture flat{colours_.mapped<PackedColour>(), z_values_.mapped<float>(), camera.width,
+                               camera.height, SurfaceRaster::resolve_pitch(camera.width)};
+        return dent_patches_.record(commands, fingers, sizes, camera, flat, target);
+    }
+
+    /// Background, and the surface if there is one.
+    Result<void> record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) {
+        const bool is_shown = shown_.is_there_for(commands);
+        if (is_shown) TRY(list_triangles(commands, camera));
+        commands.barrier(GpuStage::compute, GpuStage::graphics);
+        commands.barrier(GpuStage::compute, GpuStage::indirect);
+        record_transition(commands, target, VK_IMAGE_LAYOUT_UNDEFINED,
+                          VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        record_transition(commands, z_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+        begin_drawing(commands, {target, &z_, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE});
+        background_.bind(commands, {rows_});
+        vkCmdDraw(commands.handle(), 3, 1, 0, 0);
+        if (is_shown) mesh_->draw(commands, lattice_, camera);
+        end_drawing(commands);
+        return {};
+    }
 
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
@@ -92,289 +350,6 @@ private:
     GpuImage z_;
 };
 
-DeviceDrawing::DeviceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
-    : device_(std::move(device)),
-      lattices_(device_),
-      lighting_(device_),
-      dent_patches_(device_),
-      fingers_(std::move(fingers)),
-      pictures_(device_) {}
-
-/// What the painter of that name, which draws on a GPU, needs.
-Result<void> DeviceDrawing::prepare(std::string_view painter) {
-    const GpuFacts& facts = device_->facts();
-    const bool is_software = facts.kind == GpuKind::software;
-    if (painter == "mesh" || (painter == "auto" && (!is_software || !facts.int64_atomics))) {
-        TRY_ASSIGN(mesh_, MeshPipeline::create(*device_));
-    } else {
-        TRY_ASSIGN(raster_, SurfaceRaster::create(*device_));
-        if (is_software && facts.unified_memory) {
-            by_cpu_.emplace(CpuLattices::usual_threads());
-            decimation_.emplace(CpuLattices::usual_threads());
-            turned_view_.emplace(CpuLattices::usual_threads());
-            edges_.emplace(CpuLattices::usual_threads());
-        }
-    }
-    if (!by_cpu_) {
-        TRY_ASSIGN(dents_, DentDrawing::create(device_));
-    }
-    GraphicsLook look;
-    look.vertex = view_screen_vert_spv;
-    look.fragment = view_background_frag_spv;
-    look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-    look.depth = DrawDepth::replaced;
-    TRY_ASSIGN(background_, GraphicsProgram::create(*device_, "background", look));
-    return {};
-}
-
-Result<void> DeviceDrawing::show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
-                                 const PlaneView& colour, Lighting lighting, int step) {
-    if (by_cpu_) {
-        TRY(show_by_cpu(field, pair, colour, lighting, step));
-        shown_.by(commands);
-        return {};
-    }
-    TRY(begin_surface(field, colour, lighting));
-    // What read the last surface, in the same commands, has done so.
-    for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
-        commands.barrier(reader, GpuStage::compute);
-    TRY(lattices_.record(commands, field, pair, lattice_));
-    TRY(lattices_.reserve_colours(lattice_));
-    TRY(lighting_.record(commands, field, lattice_, colour, lighting));
-    commands.mark("light");
-    shown_.by(commands);
-    return {};
-}
-
-/// Nothing is shown until it is made.
-Result<void> DeviceDrawing::begin_surface(const HeightField& field, const PlaneView& colour,
-                                          Lighting lighting) {
-    for (GpuCommands::Made* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
-    are_values_ = lighting == Lighting::plain && !colour.empty();
-    return check_colour(colour, field.width(), field.height());
-}
-
-/// On a device that computes on the CPU: there its vectors do so for a third of what the kernels cost.
-Result<void> DeviceDrawing::show_by_cpu(const HeightField& field, const FramePair& pair,
-                                        const PlaneView& colour, Lighting lighting, int step) {
-    TRY(begin_surface(field, colour, lighting));
-    const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
-    if (is_part) decimation_->make(field, pair, colour, step);
-    TRY(is_part
-            ? make_by_cpu(decimation_->field(), decimation_->pair(), decimation_->colour(), lighting, step)
-            : make_by_cpu(field, pair, colour, lighting, 1));
-    shown_.by_cpu();
-    return {};
-}
-
-Result<void> DeviceDrawing::make_by_cpu(const HeightField& field, const FramePair& pair,
-                                        const PlaneView& colour, Lighting lighting, int step) {
-    TRY(lattices_.renew(field, lattice_));
-    lattice_.step = step;
-    float* const q = lattice_.q.mapped<float>().data();
-    if (SurfaceUnproject::has_codes(field, pair))
-        by_cpu_->q_of(field, pair, q, lattice_.pitch);
-    else
-        put_q(field, lattice_, lattice_.q);
-    by_cpu_->light(field, q, lattice_.pitch, colour, lighting, lattice_.colours.mapped<PackedColour>().data(),
-                   cut_ratio(step));
-    return {};
-}
-
-/// What pictures of a size need.
-Result<void> DeviceDrawing::reserve(const ViewCamera& camera) {
-    const auto width = static_cast<std::uint32_t>(camera.width),
-               height = static_cast<std::uint32_t>(camera.height);
-    if (!z_ || z_.extent().width != width || z_.extent().height != height) {
-        TRY_ASSIGN(
-            z_, GpuImage::create(*device_, "picture z", camera.width, camera.height, GraphicsLook::z_format));
-    }
-    if (rows_height_ == camera.height) return {};
-    TRY_ASSIGN(auto rows,
-               GpuBuffer::create(*device_, "background", 4 * static_cast<std::size_t>(height),
-                                 device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload));
-    const auto colours = rows.mapped<PackedColour>();
-    for (int y = 0; y < camera.height; ++y)
-        colours[static_cast<std::size_t>(y)] = background_colour(y, camera.height);
-    rows_ = std::move(rows);
-    rows_height_ = camera.height;
-    return {};
-}
-
-Result<void> DeviceDrawing::reserve_pixels(const ViewCamera& camera) {
-    const std::size_t pixels = static_cast<std::size_t>(SurfaceRaster::resolve_pitch(camera.width)) *
-                               static_cast<std::size_t>(camera.height);
-    const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
-    if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
-        return Error{ErrorKind::gpu,
-                     "a picture of " + std::to_string(camera.width) + "x" + std::to_string(camera.height) +
-                         " pixels is too large for the painter raster on " + device_->facts().name +
-                         "; mesh draws it",
-                     {{Setting::painter, "mesh"}}};
-    const struct {
-        GpuBuffer& buffer;
-        const char* name;
-        std::size_t bytes;
-        GpuMemory memory;
-    } needed[] = {{pixels_, "picture pixels", 8 * pixels, GpuMemory::device},
-                  {colours_, "picture colours", 4 * pixels, memory},
-                  {z_values_, "picture z", 4 * pixels, memory},
-                  {large_, "large cells", SurfaceRaster::large_bytes(lattice_.width, lattice_.height),
-                   GpuMemory::device}};
-    for (const auto& each : needed) {
-        if (each.buffer && each.buffer.bytes() >= each.bytes) continue;
-        TRY_ASSIGN(each.buffer, GpuBuffer::create(*device_, each.name, each.bytes, each.memory));
-    }
-    return {};
-}
-
-/// Tiles of a surface, once, and where its vertices at edges are drawn.
-Result<void> DeviceDrawing::list_triangles(GpuCommands& commands, const ViewCamera& camera) {
-    if (!listed_.is_there_for(commands)) {
-        TRY(lattices_.record_tiles(commands, lattice_));
-        listed_.by(commands);
-    }
-    if (edged_.is_there_for(commands) || is_own_view(camera)) return {};
-    TRY(lattices_.record_edges(commands, camera, are_values_, lattice_));
-    edged_.by(commands);
-    return {};
-}
-
-/// Colours and z of the surface, if they are not of this surface from here already.
-Result<void> DeviceDrawing::draw_surface(GpuCommands& commands, const ViewCamera& camera) {
-    if (drawn_.is_there_for(commands) && drawn_from_.clip_from_lattice == camera.clip_from_lattice &&
-        drawn_from_.width == camera.width && drawn_from_.height == camera.height)
-        return {};
-    drawn_.reset();
-    if (by_cpu_) {
-        TRY(draw_by_cpu(commands, camera));
-    } else {
-        TRY(reserve_pixels(camera));
-        TRY(record_raster(commands, camera));
-    }
-    drawn_.by(commands);
-    drawn_from_ = camera;
-    return {};
-}
-
-/// Into memory that nothing reads any more: pictures that were recorded before keep theirs.
-Result<void> DeviceDrawing::draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
-    const int pitch = SurfaceRaster::resolve_pitch(camera.width);
-    const std::size_t bytes = 4 * static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height);
-    for (auto& [buffer, name] :
-         {std::pair<GpuBuffer&, const char*>{colours_, "picture colours"}, {z_values_, "picture z"}}) {
-        buffer = {};
-        TRY_ASSIGN(buffer, pictures_.take(name, bytes));
-    }
-    const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
-    const auto z = z_values_.mapped<float>();
-    const ViewCamera seen = decimated(camera, lattice_.step);
-    const MappedLattice lattice{lattice_.q.mapped<float>().data(),
-                                lattice_.colours.mapped<PackedColour>().data(),
-                                lattice_.width,
-                                lattice_.height,
-                                lattice_.pitch,
-                                lattice_.step};
-    if (OwnViewPicture::draws(seen))
-        own_view_.draw(lattice, seen, background, pitch, colours, z);
-    else
-        turned_view_->draw(lattice, edges_of(commands, seen), seen, background, pitch, colours, z);
-    return {};
-}
-
-/// The edges of the surface as a camera is shown it; found once for each surface.
-const SurfaceEdges& DeviceDrawing::edges_of(const GpuCommands& commands, const ViewCamera& camera) {
-    if (is_own_view(camera)) {
-        edges_->clear();
-        edged_.reset();
-    } else if (!edged_.is_there_for(commands)) {
-        edges_->find(lattice_.q.mapped<float>().data(), lattice_.width, lattice_.height, lattice_.pitch,
-                     cut_ratio(lattice_.step), are_values_);
-        edged_.by(commands);
-    }
-    return *edges_;
-}
-
-Result<void> DeviceDrawing::record_raster(GpuCommands& commands, const ViewCamera& camera) {
-    TRY(list_triangles(commands, camera));
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.barrier(GpuStage::compute, GpuStage::indirect);
-    commands.barrier(GpuStage::compute, GpuStage::transfer);
-    commands.barrier(GpuStage::transfer, GpuStage::compute);
-    raster_->record(commands, lattice_, camera, pixels_, SurfaceRaster::resolve_pitch(camera.width), large_);
-    commands.mark("raster");
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    raster_->record_resolve(commands, camera, pixels_, rows_, colours_, z_values_);
-    commands.barrier(GpuStage::compute, GpuStage::transfer);
-    commands.mark("resolve");
-    return {};
-}
-
-/// What the raster has drawn, into images that are ready for it.
-void DeviceDrawing::record_copies(GpuCommands& commands, const ViewCamera& camera,
-                                  const GpuImage& target) const {
-    const int pitch = SurfaceRaster::resolve_pitch(camera.width);
-    const struct {
-        const GpuImage& image;
-        const GpuBuffer& pixels;
-        VkImageLayout then;
-    } copies[] = {{target, colours_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
-                  {z_, z_values_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL}};
-    for (const auto& [image, pixels, then] : copies) {
-        record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-        copy_to_image(commands, pixels, pitch, image);
-        record_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
-    }
-}
-
-/// What gives way under fingers, over the surface that is drawn.
-Result<void> DeviceDrawing::record_dents(GpuCommands& commands, const ViewCamera& camera,
-                                         std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                                         const GpuImage& target) {
-    if (dents_) return dents_->record(commands, fingers, sizes, camera, target, z_);
-    if (!shown_.is_there_for(commands)) return {};
-    const FlatPicture flat{colours_.mapped<PackedColour>(), z_values_.mapped<float>(), camera.width,
-                           camera.height, SurfaceRaster::resolve_pitch(camera.width)};
-    return dent_patches_.record(commands, fingers, sizes, camera, flat, target);
-}
-
-/// Background, and the surface if there is one.
-Result<void> DeviceDrawing::record_mesh(GpuCommands& commands, const ViewCamera& camera,
-                                        const GpuImage& target) {
-    const bool is_shown = shown_.is_there_for(commands);
-    if (is_shown) TRY(list_triangles(commands, camera));
-    commands.barrier(GpuStage::compute, GpuStage::graphics);
-    commands.barrier(GpuStage::compute, GpuStage::indirect);
-    record_transition(commands, target, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    record_transition(commands, z_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
-    begin_drawing(commands, {target, &z_, false, VK_ATTACHMENT_LOAD_OP_DONT_CARE});
-    background_.bind(commands, {rows_});
-    vkCmdDraw(commands.handle(), 3, 1, 0, 0);
-    if (is_shown) mesh_->draw(commands, lattice_, camera);
-    end_drawing(commands);
-    return {};
-}
-
-Result<void> DeviceDrawing::draw(GpuCommands& commands, const ViewCamera& camera,
-                                 std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                                 const GpuImage& target) {
-    if (target.extent().width != static_cast<std::uint32_t>(camera.width) ||
-        target.extent().height != static_cast<std::uint32_t>(camera.height))
-        return Error{ErrorKind::internal, "a picture is not of its camera's size"};
-    TRY(reserve(camera));
-    if (raster_ && shown_.is_there_for(commands)) {
-        TRY(draw_surface(commands, camera));
-        record_copies(commands, camera, target);
-    } else {
-        TRY(record_mesh(commands, camera, target));
-    }
-    commands.mark("picture");
-    TRY(record_dents(commands, camera, fingers, sizes, target));
-    TRY(fingers_.record(commands, fingers, sizes, camera, target, z_));
-    if (!fingers.empty()) commands.mark("fingers");
-    return {};
-}
-
 }  // namespace
 
 Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<GpuDevice> device,
@@ -388,7 +363,7 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
     TRY_ASSIGN(auto fingers, FingerDrawing::create(device));
     auto made = std::make_unique<DeviceDrawing>(std::move(device), std::move(fingers));
     TRY(made->prepare(painter));
-    return std::unique_ptr<SurfaceDrawing>(std::move(made));
+    return made;
 }
 
 int SurfaceDrawing::step_for(double pixels_per_vertex) {

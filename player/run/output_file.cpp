@@ -271,7 +271,7 @@ Result<std::unique_ptr<TickTable>> TickTable::create_forces(const std::filesyste
         "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
         "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share\n";
     TRY(out->write(header));
-    return std::unique_ptr<TickTable>(std::make_unique<ForcesTable>(std::move(out)));
+    return std::make_unique<ForcesTable>(std::move(out));
 }
 
 Result<std::unique_ptr<TickTable>> TickTable::create_device_log(const std::filesystem::path& file,
@@ -279,7 +279,7 @@ Result<std::unique_ptr<TickTable>> TickTable::create_device_log(const std::files
                                                                 std::string name) {
     TRY_ASSIGN(auto out, OutputFile::create(std::move(name), file, existing, Pace::wall_clock));
     TRY(out->write("time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"));
-    return std::unique_ptr<TickTable>(std::make_unique<DeviceTable>(std::move(out), log));
+    return std::make_unique<DeviceTable>(std::move(out), log);
 }
 
 }  // namespace touchable
