@@ -10,6 +10,7 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
@@ -318,10 +319,7 @@ bool is_folder_name(const fs::path& path) {
 }
 
 bool is_clip_name(const fs::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char letter) {
-        return letter >= 'A' && letter <= 'Z' ? letter + 32 : letter;
-    });
+    const std::string ending = small_letters(path.extension().string());
     return ending == ".mkv" || ending == ".mp4";
 }
 

@@ -199,8 +199,4 @@ Result<std::vector<double>> CsvTable::numbers(std::size_t column, bool may_be_em
     return values;
 }
 
-std::string CsvTable::place(std::size_t row) const {
-    return file_ + ": line " + std::to_string(row + (has_header_ ? 2 : 1));
-}
-
 }  // namespace touchable

@@ -520,12 +520,7 @@ std::string key_takes(const Key& key) {
 }
 
 std::string list_keys(std::span<const Key> keys) {
-    std::string list;
-    for (const Key& key : keys) {
-        if (!list.empty()) list += ", ";
-        list.append(key.name).append(" (").append(key_takes(key)).append(")");
-    }
-    return list;
+    return listed(keys, [](const Key& key) { return std::string(key.name) + " (" + key_takes(key) + ")"; });
 }
 
 Error option_refusal(std::string_view of, const std::string& what) {
@@ -610,10 +605,6 @@ std::pair<std::string_view, std::string_view> HandOptions::file_and_pairs(std::s
     const std::size_t colon = equals == description.npos ? equals : description.rfind(':', equals);
     if (colon == description.npos) return {description, {}};
     return {description.substr(0, colon), description.substr(colon + 1)};
-}
-
-bool HandOptions::given(std::string_view name) const {
-    return find(name) != nullptr;
 }
 
 double HandOptions::number(std::string_view name) const {

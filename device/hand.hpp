@@ -120,7 +120,7 @@ public:
     /// with a '=' behind it.
     static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description);
 
-    bool given(std::string_view name) const;
+    bool given(std::string_view name) const { return find(name) != nullptr; }
     double number(std::string_view name) const;      ///< as given, or the key's default
     std::string words(std::string_view name) const;  ///< as given, or empty
 
@@ -164,7 +164,9 @@ public:
         return numbers(column, true);
     }
     /// As the file's name stands in messages: "FILE: line N" of row `row`.
-    std::string place(std::size_t row) const;
+    std::string place(std::size_t row) const {
+        return file_ + ": line " + std::to_string(row + (has_header_ ? 2 : 1));
+    }
     const std::string& file() const { return file_; }
 
 private:
@@ -301,8 +303,13 @@ private:
     void come_out(const SurfaceProbe& surface);
     glm::dvec3 offset_in_effect() const { return gripped_ ? offset_ - moved() : offset_; }
     void take_buttons(std::uint32_t buttons, bool known);
-    void close_gates();
-    void give_up_forces();
+    void close_gates() {
+        for (Finger& finger : fingers_) finger.close_gate();
+    }
+    /// The hand has been away for too long.
+    void give_up_forces() {
+        if (absent_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
+    }
 
     HandMapping mapping_;
     const std::size_t count_;

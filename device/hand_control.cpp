@@ -104,20 +104,11 @@ void HandControl::go_on_from(const HandControl& before) {
     offset_ = mapping_.workspace.to_device(there) - hand;
 }
 
-void HandControl::close_gates() {
-    for (Finger& finger : fingers_) finger.close_gate();
-}
-
 void HandControl::come_back(std::int64_t alone_ms) {
     close_gates();
     pressed_ = ~0U;  // what was pressed meanwhile asks for nothing
     absent_ticks_ = std::max(absent_ticks_, alone_ms);
     give_up_forces();
-}
-
-/// The hand has been away for too long.
-void HandControl::give_up_forces() {
-    if (absent_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
 }
 
 void HandControl::take_buttons(std::uint32_t buttons, bool known) {

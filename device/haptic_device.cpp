@@ -306,14 +306,6 @@ Result<void> PointerDevice::open() {
     return {};
 }
 
-void PointerDevice::close() {
-    opening_.store(0, std::memory_order_release);
-}
-
-bool PointerDevice::works() const {
-    return opening_.load(std::memory_order_acquire) != 0 && !fault_.load(std::memory_order_relaxed);
-}
-
 Result<void> PointerDevice::health() const {
     if (const char* fault = fault_.load(std::memory_order_relaxed))
         return Error{ErrorKind::device, "pointer " + std::string(fault) + "; open it again"};

@@ -208,7 +208,7 @@ public:
     DeviceLimits limits() const override { return settings_.limits; }
     int fingers() const override;
     Result<void> open() override;
-    void close() override;
+    void close() override { opening_.store(0, std::memory_order_release); }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     Result<void> health() const override;
@@ -234,7 +234,9 @@ private:
     struct Intents;  // of all fingers, from the window's thread to the haptic one
     struct Led;      // one finger on its way
     static constexpr bool is_on(std::uint32_t force) { return force % 2 == 1; }
-    bool works() const;
+    bool works() const {
+        return opening_.load(std::memory_order_acquire) != 0 && !fault_.load(std::memory_order_relaxed);
+    }
     void lead(const Meant& meant, Led& led) const;
     void retreat();
 

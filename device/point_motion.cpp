@@ -44,10 +44,6 @@ void HeldHandle::put(const glm::dvec3& place, const glm::dvec3& velocity) {
     velocity_ = velocity;
 }
 
-void HeldHandle::advance(const glm::dvec3& force) {
-    for (int k = 0; k < steps_; ++k) step(force);
-}
-
 void HeldHandle::step(const glm::dvec3& force) {
     glm::dvec3 pull = force + dynamics_.hand_stiffness * (intended_ - place_) - dynamics_.damping * velocity_;
     if (dynamics_.friction > 0) {

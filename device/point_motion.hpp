@@ -42,7 +42,9 @@ public:
     void put(const glm::dvec3& place, const glm::dvec3& velocity);
     void intend(const glm::dvec3& place) { intended_ = place; }
     /// One period, under a device's constant force.
-    void advance(const glm::dvec3& force);
+    void advance(const glm::dvec3& force) {
+        for (int k = 0; k < steps_; ++k) step(force);
+    }
 
     const glm::dvec3& place() const { return place_; }
     const glm::dvec3& velocity() const { return velocity_; }

@@ -153,12 +153,6 @@ std::vector<std::string> holders_of(const ConnectedSystem& system, const std::st
     return holders;
 }
 
-std::string held_in_words(const std::vector<std::string>& holders) {
-    std::string words;
-    for (const std::string& holder : holders) words += (words.empty() ? "" : ", ") + holder;
-    return words;
-}
-
 /// What is missing until it is ready; empty: nothing.
 std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& known,
                             const ConnectedDevice& device) {
@@ -170,7 +164,7 @@ std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& kn
                    : "plug it in again (it has no node in /dev/bus/usb)";
     if (!device.may_use) return std::string(udev_rules_command) + "   (then plug it in again)";
     if (!known.is_shared && !device.held_by.empty())
-        return "close " + held_in_words(device.held_by) + ", which has it open";
+        return "close " + listed(device.held_by) + ", which has it open";
     return {};
 }
 

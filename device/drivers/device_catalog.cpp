@@ -46,12 +46,10 @@ Error unknown_device(const std::string& name) {
     std::vector<std::string> words;
     for (const DeviceKind& each : kinds_of_devices) words.emplace_back(each.name);
     words.emplace_back("simulated");
-    std::string names;
-    for (const std::string& word : words) names += (names.empty() ? "" : ", ") + word;
     const std::string nearest = nearest_word(name, words);
     return usage_error("unknown device '" + printable(name) + "'" +
                        (nearest.empty() ? "; there are " : "; did you mean " + nearest + "? There are ") +
-                       names + "; and mouse, in the window alone (touchable play)");
+                       listed(words) + "; and mouse, in the window alone (touchable play)");
 }
 
 // ---- In words
@@ -60,12 +58,6 @@ constexpr const char* simulated_words = "a handle that a scripted hand holds, in
 
 std::string ids_in_words(const ConnectedDevice& device) {
     return formatted("%04x:%04x", device.vendor, device.product);
-}
-
-std::string listed_programs(const std::vector<std::string>& items) {
-    std::string words;
-    for (const std::string& item : items) words += (words.empty() ? "" : ", ") + printable(item);
-    return words;
 }
 
 std::string device_lines(const ConnectedDevice& device, const std::string& naming) {
@@ -79,7 +71,9 @@ std::string device_lines(const ConnectedDevice& device, const std::string& namin
         words += "    node: " + device.node +
                  (device.may_use ? ", may be used" : ", may not be used by you") + "\n";
     for (const std::string& rule : device.rules) words += "    rule: " + rule + "\n";
-    if (!device.held_by.empty()) words += "    open in: " + listed_programs(device.held_by) + "\n";
+    if (!device.held_by.empty())
+        words +=
+            "    open in: " + listed(device.held_by, [](const auto& each) { return printable(each); }) + "\n";
     if (device.ready) return words + "    ready\n";
     if (device.next.empty()) return words;
     words +=

@@ -88,8 +88,12 @@ public:
     void sent(std::int64_t time_ns) { sent_.add(time_ns); }
 
     /// Those from one moment to before another, in order, as far as there was room.
-    std::vector<std::int64_t> received_within(std::int64_t from_ns, std::int64_t to_ns) const;
-    std::vector<std::int64_t> sent_within(std::int64_t from_ns, std::int64_t to_ns) const;
+    std::vector<std::int64_t> received_within(std::int64_t from_ns, std::int64_t to_ns) const {
+        return received_.within(from_ns, to_ns);
+    }
+    std::vector<std::int64_t> sent_within(std::int64_t from_ns, std::int64_t to_ns) const {
+        return sent_.within(from_ns, to_ns);
+    }
 
 private:
     /// The newest of them; a reader takes what was there when it began, and leaves out what was overwritten.

@@ -175,14 +175,6 @@ std::vector<std::int64_t> DriveTimes::Ring::within(std::int64_t from_ns, std::in
     return found;
 }
 
-std::vector<std::int64_t> DriveTimes::received_within(std::int64_t from_ns, std::int64_t to_ns) const {
-    return received_.within(from_ns, to_ns);
-}
-
-std::vector<std::int64_t> DriveTimes::sent_within(std::int64_t from_ns, std::int64_t to_ns) const {
-    return sent_.within(from_ns, to_ns);
-}
-
 // ---- Watching
 
 Error failure_of(const HapticDevice& device) {

@@ -136,10 +136,6 @@ Result<void> DrivenDevice::health() const {
     return {};
 }
 
-DrivenFacts DrivenDevice::facts() const {
-    return {samples_.load(), implausible_.load(), sent_.load(), losses_.load(), left_out_.load()};
-}
-
 void DrivenDevice::wake() const {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);

@@ -81,7 +81,9 @@ public:
     /// it is given up.
     bool turn();
     /// Any thread.
-    DrivenFacts facts() const;
+    DrivenFacts facts() const {
+        return {samples_.load(), implausible_.load(), sent_.load(), losses_.load(), left_out_.load()};
+    }
 
 private:
     using Forces = std::array<glm::dvec3, DeviceSample::most_fingers>;

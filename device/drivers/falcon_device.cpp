@@ -237,10 +237,6 @@ std::array<std::int16_t, 3> falcon_motor_words(const FalconPose& pose, const glm
 
 // ---- The driver
 
-DeviceCapabilities FalconDriver::capabilities() const {
-    return {.reach = glm::dvec3(falcon_reach), .rate_hz = 1000, .buttons = 4, .answers = true};
-}
-
 Result<void> FalconDriver::connect() {
     disconnect();
     TRY_ASSIGN(auto port, plug_());

@@ -226,7 +226,9 @@ public:
 
     std::string name() const override { return "Novint Falcon"; }
     DeviceLimits limits() const override { return settings_.limits; }
-    DeviceCapabilities capabilities() const override;
+    DeviceCapabilities capabilities() const override {
+        return {.reach = glm::dvec3(falcon_reach), .rate_hz = 1000, .buttons = 4, .answers = true};
+    }
     Result<void> connect() override;
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;

@@ -121,12 +121,6 @@ using std::chrono::nanoseconds;
 constexpr milliseconds connecting_patience{2000}, first_word{500}, last_answer{50};
 constexpr std::uint32_t last_mask = 0x746f7563;  // any will do: it hides nothing from this machine
 
-std::string ids_of(const std::vector<Inverse3Arm>& arms) {
-    std::string ids;
-    for (const Inverse3Arm& arm : arms) ids += (ids.empty() ? "" : ", ") + arm.id;
-    return ids;
-}
-
 // ---- Keys
 
 const Inverse3Choice standard_arm;
@@ -348,11 +342,12 @@ Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
                      "the Haply service knows of no Inverse3; plug it in and switch it on"};
     if (choice_.id.empty() && arms.size() > 1)
         return Error{ErrorKind::device,
-                     "there are several Inverse3, " + ids_of(arms) + ": choose one",
+                     "there are several Inverse3, " + listed(arms, &Inverse3Arm::id) + ": choose one",
                      {{Setting::device, "inverse3:id=" + arms.front().id}}};
     if (found == arms.end())
-        return Error{ErrorKind::device,
-                     "there is no Inverse3 '" + choice_.id + "'; the Haply service knows of " + ids_of(arms)};
+        return Error{ErrorKind::device, "there is no Inverse3 '" + choice_.id +
+                                            "'; the Haply service knows of " +
+                                            listed(arms, &Inverse3Arm::id)};
     if (found->settings) {
         const auto scale = settings_.force_scale;
         settings_ = *found->settings;
@@ -455,10 +450,6 @@ Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& 
     sample.metres[0] = arm->calibrated == false ? no_place : *arm->place - choice_.centre;
     sample.buttons = message.buttons;
     return true;
-}
-
-std::string Inverse3Driver::zero() const {
-    return encode_inverse3_force(dialect_, id_, glm::dvec3(0));
 }
 
 std::optional<ZeroForcePacket> Inverse3Driver::zero_force_packet() const {

@@ -163,7 +163,7 @@ private:
     Result<void> send_text(const std::string& text);
     Result<std::optional<Inverse3Message>> receive_message(std::chrono::microseconds patience);
     Result<bool> take(const Inverse3Message& message, DeviceSample& sample);
-    std::string zero() const;
+    std::string zero() const { return encode_inverse3_force(dialect_, id_, glm::dvec3(0)); }
 
     const Inverse3Choice choice_;
     const std::unique_ptr<HaplyService> service_;

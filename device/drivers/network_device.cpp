@@ -261,10 +261,6 @@ Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) {
 
 // ---- The driver
 
-DeviceCapabilities NetworkDriver::capabilities() const {
-    return {.buttons = 32, .first_button = "the device's first button (bit 0 of its buttons)"};
-}
-
 Result<void> NetworkDriver::connect() {
     peer_.reset();
     if (!settings_.from.empty() && !from_)

@@ -139,7 +139,9 @@ public:
     std::string name() const override { return "network hand"; }
     int fingers() const override { return settings_.fingers; }
     DeviceLimits limits() const override { return settings_.limits; }
-    DeviceCapabilities capabilities() const override;
+    DeviceCapabilities capabilities() const override {
+        return {.buttons = 32, .first_button = "the device's first button (bit 0 of its buttons)"};
+    }
     Result<void> connect() override;
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;

@@ -78,10 +78,6 @@ glm::dvec3 SpaceMouseMotion::place(std::int64_t now_ns) {
     return place_;
 }
 
-DeviceCapabilities SpaceMouseDriver::capabilities() const {
-    return {.axes_driven = 0, .reach = glm::dvec3(pace_.reach), .rate_hz = 1000, .buttons = 32};
-}
-
 Result<void> SpaceMouseDriver::connect() {
     TRY_ASSIGN(auto opened, open_());
     transport_ = std::move(opened);

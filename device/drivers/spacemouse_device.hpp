@@ -69,7 +69,9 @@ public:
     std::string name() const override { return "SpaceMouse (exerts no force)"; }
     /// These forces are not felt; they are only drawn.
     DeviceLimits limits() const override { return {1, 500}; }
-    DeviceCapabilities capabilities() const override;
+    DeviceCapabilities capabilities() const override {
+        return {.axes_driven = 0, .reach = glm::dvec3(pace_.reach), .rate_hz = 1000, .buttons = 32};
+    }
     Result<void> connect() override;
     void disconnect() noexcept override { transport_.reset(); }
     Result<void> send(std::span<const glm::dvec3>) override { return {}; }

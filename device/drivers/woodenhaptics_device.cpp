@@ -223,10 +223,6 @@ WoodenReport encode_wooden_counters(const std::array<std::int16_t, 6>& counters)
 
 // ---- The driver
 
-std::string WoodenHapticsDriver::name() const {
-    return build_.name + (build_.drive ? "" : " (exerts no force: \"drive\" is \"no\" in its file)");
-}
-
 DeviceCapabilities WoodenHapticsDriver::capabilities() const {
     return {.axes_driven = build_.drive ? 3 : 0,
             .reach = glm::dvec3(build_.reach),
@@ -317,10 +313,6 @@ void WoodenHapticsDriver::look_at_button() {
     if (reading_.info == 0 && homed_ == Homed::counters_sent) homed_ = is_at_home() ? Homed::yes : Homed::no;
 }
 
-bool WoodenHapticsDriver::has_place() const {
-    return homed_ == Homed::yes && reading_.info == 0;
-}
-
 /// All that has come by now; the newest counts.
 Result<bool> WoodenHapticsDriver::read_newest(std::chrono::microseconds patience) {
     std::array<std::byte, 65> room;
@@ -352,10 +344,6 @@ bool WoodenHapticsDriver::is_at_home() const {
     for (std::size_t joint = 0; joint < 3; ++joint)
         if (std::abs(reading_.encoders[joint] - build_.joints[joint].home_counts) > home_slack) return false;
     return true;
-}
-
-glm::dvec3 WoodenHapticsDriver::angles() const {
-    return wooden_angles(build_, {reading_.encoders[0], reading_.encoders[1], reading_.encoders[2]});
 }
 
 std::optional<ZeroForcePacket> WoodenHapticsDriver::zero_force_packet() const {

@@ -108,7 +108,9 @@ public:
         : build_(build), is_homed_(is_homed), open_(std::move(open)), clock_(std::move(clock)) {}
     ~WoodenHapticsDriver() override { disconnect(); }
 
-    std::string name() const override;
+    std::string name() const override {
+        return build_.name + (build_.drive ? "" : " (exerts no force: \"drive\" is \"no\" in its file)");
+    }
     DeviceLimits limits() const override { return build_.limits; }
     DeviceCapabilities capabilities() const override;
     Result<void> connect() override;
@@ -129,9 +131,11 @@ private:
     Result<void> await_reading(const std::function<bool()>& is_right, const char* otherwise);
     Result<void> set_counters();
     void look_at_button();
-    bool has_place() const;
+    bool has_place() const { return homed_ == Homed::yes && reading_.info == 0; }
     bool is_at_home() const;
-    glm::dvec3 angles() const;
+    glm::dvec3 angles() const {
+        return wooden_angles(build_, {reading_.encoders[0], reading_.encoders[1], reading_.encoders[2]});
+    }
 
     const WoodenParameters build_;
     const bool is_homed_;

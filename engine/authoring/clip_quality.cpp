@@ -99,8 +99,6 @@ struct ColourEdges::Line {
     }
 };
 
-ColourEdges::ColourEdges(const Scene& scene) : coding_(scene.depth), step_(std::max(1, scene.width / 640)) {}
-
 void ColourEdges::add(const RawFrame& frame, std::vector<std::uint8_t>* where) {
     const CodePicture codes = code_picture(frame.depth, coding_);
     depths_.resize(codes.codes.size());

@@ -173,11 +173,6 @@ bool agree(const Rgb& a, const Rgb& b) {
     return true;
 }
 
-BackgroundModel::BackgroundModel(const CodedDepth& depth, int width, int height)
-    : depth_(depth),
-      width_(width),
-      pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
-
 void BackgroundModel::begin() {
     std::fill(pixels_.begin(), pixels_.end(), Modes{});
     frames_ = 0;

@@ -2,6 +2,7 @@
 
 // What measure_quality (recorded_clip.hpp) is made of: each estimator looks at frames of a clip in order.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -17,7 +18,7 @@ namespace touchable {
 /// at the same pixel.
 class ColourEdges {
 public:
-    explicit ColourEdges(const Scene& scene);
+    explicit ColourEdges(const Scene& scene) : coding_(scene.depth), step_(std::max(1, scene.width / 640)) {}
 
     /// Looks at a frame with colour. `where`: pixels of edges whose colour is two steps or more away are set
     /// to 1 there, row by row; null: none are.

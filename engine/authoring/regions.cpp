@@ -181,8 +181,7 @@ void RegionMerging::join(std::size_t into, std::size_t from) {
     one.red_green += gone.red_green;
     one.yellow_blue += gone.yellow_blue;
     const auto place_of = [](auto& borders, std::size_t region) {
-        return std::ranges::lower_bound(
-            borders, region, [](const auto& border, std::size_t wanted) { return border.first < wanted; });
+        return std::ranges::lower_bound(borders, region, {}, [](const auto& border) { return border.first; });
     };
     one.borders.erase(place_of(one.borders, from));
     for (const auto& [other, border] : gone.borders) {
@@ -236,7 +235,7 @@ void RegionMerging::share_borders(const Superpixels& superpixels) {
             regions_[other].borders.emplace_back(static_cast<std::uint16_t>(k), border);
         }
     for (Region& region : regions_)
-        std::ranges::sort(region.borders, [](const auto& a, const auto& b) { return a.first < b.first; });
+        std::ranges::sort(region.borders, {}, [](const auto& border) { return border.first; });
 }
 
 /// Those first that differ least, and beyond that what is too small, or too many.

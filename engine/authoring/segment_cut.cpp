@@ -200,8 +200,7 @@ std::uint16_t label_under(const SegmentCut& cut, const std::vector<std::uint16_t
     std::map<std::uint16_t, std::int64_t> counts;
     walk_along(cut.stroke, [&](const Point& point) { ++counts[labels[place_of(point, width)]]; });
     counts.erase(0);
-    const auto most =
-        std::ranges::max_element(counts, [](const auto& a, const auto& b) { return a.second < b.second; });
+    const auto most = std::ranges::max_element(counts, {}, [](const auto& count) { return count.second; });
     return most == counts.end() ? std::uint16_t{0} : most->first;
 }
 
@@ -209,14 +208,6 @@ void CutFollower::Box::hold(const Box& other) {
     *this = {std::min(left, other.left), std::min(top, other.top), std::max(right, other.right),
              std::max(bottom, other.bottom)};
 }
-
-CutFollower::CutFollower(std::uint16_t label, std::uint16_t part, int width, int height)
-    : label_(label),
-      part_(part),
-      width_(width),
-      height_(height),
-      known_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
-      known_box_{width, height, 0, 0} {}
 
 bool CutFollower::begin(const SegmentCut& cut, std::vector<std::uint16_t>& labels) {
     Pieces pieces(labels, label_, width_, height_);

@@ -44,10 +44,7 @@ constexpr std::array<PaletteMaterial, 20> materials{{
 
 /// All of them, between commas.
 std::string material_names() {
-    std::string all;
-    for (const PaletteMaterial& material : materials)
-        all += (all.empty() ? "" : ", ") + std::string(material.name);
-    return all;
+    return listed(materials, &PaletteMaterial::name);
 }
 
 constexpr std::int64_t last_pixel = 16383, last_frame = 999'999'999;

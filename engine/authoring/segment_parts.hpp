@@ -33,7 +33,13 @@ std::uint16_t label_under(const SegmentCut& cut, const std::vector<std::uint16_t
 class CutFollower {
 public:
     /// Of a picture of width x height labels; `part` is the label of the smaller part.
-    CutFollower(std::uint16_t label, std::uint16_t part, int width, int height);
+    CutFollower(std::uint16_t label, std::uint16_t part, int width, int height)
+        : label_(label),
+          part_(part),
+          width_(width),
+          height_(height),
+          known_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+          known_box_{width, height, 0, 0} {}
 
     /// The frame in which it was drawn. False: the stroke does not part the segment, and nothing was changed.
     bool begin(const SegmentCut& cut, std::vector<std::uint16_t>& labels);

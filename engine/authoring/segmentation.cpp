@@ -131,8 +131,7 @@ void LabelMemory::take_by_look(const std::vector<RegionLook>& looks, std::vector
 void LabelMemory::remember(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& names) {
     for (std::size_t region = 0; region < looks.size(); ++region) {
         if (names[region] == 0) continue;
-        const auto at = std::ranges::lower_bound(
-            known_, names[region], [](const Known& one, std::uint16_t label) { return one.label < label; });
+        const auto at = std::ranges::lower_bound(known_, names[region], {}, &Known::label);
         if (at != known_.end() && at->label == names[region])
             *at = {names[region], looks[region], frame_, false};
         else

@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::size_t longest_run = 65535, last_label = 65535;
 
-bool is_before_label(const SegmentStore::FirstLook& look, std::uint16_t label) {
-    return look.segment.label < label;
+/// Where the look of that label is, or would be, among looks by ascending label.
+auto place_of_look(auto& seen, std::uint16_t label) {
+    return std::ranges::lower_bound(seen, label, {}, [](const auto& look) { return look.segment.label; });
 }
 
 /// Of one label, a pixel amid its longest run of a row, and how many pixels there are.
@@ -146,15 +147,13 @@ public:
                                std::to_string(map_->indices.height) +
                                " pixels: must have those of the clip's depth, " +
                                std::to_string(size_.width) + 'x' + std::to_string(size_.height));
-        TRY_ASSIGN(auto by_index, names_by_index(names_, map_));
-        by_index_ = std::move(by_index);
+        TRY_ASSIGN(by_index_, names_by_index(names_, map_));
         for (const NamedSegment& name : names_.segments)
             for (const PixelOfFrame& at : name.at) {
                 places_.push_back({&name, at});
                 TRY(check_place(places_.back(), size_, frames));
             }
-        std::ranges::stable_sort(
-            places_, [](const NamedPlace& a, const NamedPlace& b) { return a.at.frame < b.at.frame; });
+        std::ranges::stable_sort(places_, {}, [](const NamedPlace& place) { return place.at.frame; });
         return {};
     }
 
@@ -163,8 +162,7 @@ public:
     bool wants_map() const { return map_.has_value(); }
     Result<void> look(const Segmentation& segmentation, std::int64_t frame) {
         if (map_ && frame == 0) {
-            TRY_ASSIGN(auto of_map, names_of_map(*map_, segmentation, by_index_));
-            found_ = std::move(of_map);
+            TRY_ASSIGN(found_, names_of_map(*map_, segmentation, by_index_));
         }
         for (; next() && next()->at.frame == frame; ++next_) TRY(take_name(*next(), segmentation, by_pixel_));
         return {};
@@ -199,11 +197,8 @@ SegmentStore::Runs SegmentStore::runs_of(const std::vector<std::uint16_t>& label
 }
 
 void SegmentStore::add(const Segmentation& frame) {
-    for (const Segment& segment : frame.segments) {
-        const auto at = std::ranges::lower_bound(seen_, segment.label, is_before_label);
-        if (at != seen_.end() && at->segment.label == segment.label) continue;
-        seen_.insert(at, {frames(), segment});
-    }
+    for (const Segment& segment : frame.segments)
+        if (!find(segment.label)) seen_.insert(place_of_look(seen_, segment.label), {frames(), segment});
     frames_.push_back(runs_of(frame.labels));
     bytes_ += frames_.back()->size() * sizeof(Run);
 }
@@ -245,7 +240,7 @@ Segmentation SegmentStore::segmentation(std::int64_t frame) const {
 }
 
 const SegmentStore::FirstLook* SegmentStore::find(std::uint16_t label) const {
-    const auto at = std::ranges::lower_bound(seen_, label, is_before_label);
+    const auto at = place_of_look(seen_, label);
     return at == seen_.end() || at->segment.label != label ? nullptr : &*at;
 }
 
@@ -286,8 +281,8 @@ void SegmentStore::look_again(std::uint16_t label, const FirstLook& whole) {
     look.segment.x = place.x;
     look.segment.y = place.y;
     look.segment.pixels = place.pixels;
-    const auto at = std::ranges::lower_bound(seen_, label, is_before_label);
-    if (at != seen_.end() && at->segment.label == label)
+    const auto at = place_of_look(seen_, label);
+    if (find(label))
         *at = look;
     else
         seen_.insert(at, look);

@@ -132,6 +132,12 @@ std::string shell_word(std::string_view file) {
     return (has_control ? "$'" : "'") + inside + '\'';
 }
 
+std::string small_letters(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
 std::string nearest_word(std::string_view typed, std::span<const std::string> words) {
     constexpr std::size_t most_letters = 3, longest = 64;
     std::string nearest;

@@ -6,13 +6,14 @@
 // for files; short_number and trimmed_number are for people; decimal_of is the decimal number that a float
 // came from; parsed_number reads a whole text as a number, or not at all. printable, in_quotes and shell_word
 // make text from outside safe to show: on one line, without control characters, cut where it is too long.
-// nearest_word finds the word that a mistyped one may have meant.
+// nearest_word finds the word that a mistyped one may have meant; listed names several things in a row.
 //
 // All are pure functions, of no locale, for any thread.
 
 #include <array>
 #include <charconv>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -51,6 +52,18 @@ std::string in_quotes(std::string_view foreign);
 /// A file's name as a command in a message has it: a shell reads it as this one word, whole, and a command
 /// not as an option.
 std::string shell_word(std::string_view file);
+
+/// What `name` gives of each one, in their order: "wood, metal, glass".
+template <class All, class Name = std::identity>
+std::string listed(const All& all, Name name = {}, std::string_view between = ", ") {
+    std::string list;
+    for (const auto& each : all)
+        list.append(list.empty() ? std::string_view() : between).append(std::invoke(name, each));
+    return list;
+}
+
+/// A to Z in small letters, all else as it is.
+std::string small_letters(std::string text);
 
 /// The one of `words` that a person who typed `typed` may have meant: the fewest letters put in, left out or
 /// changed (Levenshtein's distance), three at most and less than half of them. Empty: none.

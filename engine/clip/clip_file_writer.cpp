@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/containers.hpp"
 
 namespace touchable {
@@ -42,10 +43,6 @@ MuxedClipWriter::MuxedClipWriter(const std::filesystem::path& path, const SceneD
       storage_(storage),
       output_(path, existing),
       format_(format) {}
-
-Error MuxedClipWriter::refuse(const std::string& what) const {
-    return input_error(output_.target().string() + ": " + what);
-}
 
 Result<void> MuxedClipWriter::keep(Result<void> result) {
     over_ = over_ || !result;
@@ -168,10 +165,7 @@ Result<void> check_storable(const std::filesystem::path& path, const SceneDescri
 }
 
 bool has_ending(const fs::path& name, std::string_view ending) {
-    std::string own = name.extension().string();
-    std::transform(own.begin(), own.end(), own.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return own == ending;
+    return small_letters(name.extension().string()) == ending;
 }
 
 bool is_mp4_name(const fs::path& path) {

@@ -474,12 +474,4 @@ std::vector<Line> ShotAlignment::finish() {
     return std::move(lines_);
 }
 
-double ShotAlignment::pumping() const {
-    return pairs_ > 0 ? std::sqrt(moved_ / static_cast<double>(pairs_)) : 0;
-}
-
-double ShotAlignment::unexplained() const {
-    return pairs_ > 0 ? std::sqrt(unexplained_ / static_cast<double>(pairs_)) : 0;
-}
-
 }  // namespace touchable

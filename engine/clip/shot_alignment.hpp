@@ -2,6 +2,7 @@
 
 // Depth whose scale changes from frame to frame, brought to one scale: for each frame the line that does so.
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -55,8 +56,10 @@ public:
     std::int64_t still_shots() const { return still_shots_; }
     /// How far what stands still moves from frame to frame, root mean square, as a share of the range of
     /// codes; and what of that no scale and no shift explains.
-    double pumping() const;
-    double unexplained() const;
+    double pumping() const { return pairs_ > 0 ? std::sqrt(moved_ / static_cast<double>(pairs_)) : 0; }
+    double unexplained() const {
+        return pairs_ > 0 ? std::sqrt(unexplained_ / static_cast<double>(pairs_)) : 0;
+    }
 
 private:
     struct Reference {

@@ -198,10 +198,6 @@ Result<void> TrackDecoder::read_tags(const AVStream& stream) {
     return {};
 }
 
-std::string TrackDecoder::where() const {
-    return name() + ", frame " + std::to_string(received_);
-}
-
 /// For how many frames the picture of this packet stays, if the packet is sound.
 Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
     const auto addition = block_addition_of(packet);

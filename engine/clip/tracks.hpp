@@ -191,7 +191,7 @@ public:
     /// "clip.mkv: track depth".
     std::string name() const { return file_ + ": track " + info_.role; }
     /// "clip.mkv: track depth, frame 7", for the picture that comes next.
-    std::string where() const;
+    std::string where() const { return name() + ", frame " + std::to_string(received_); }
 
     /// The next packet; null after the last. Only when `receive` had nothing.
     Result<void> send(const AVPacket* packet);
@@ -437,7 +437,9 @@ protected:
     /// What it adds to a file that FFmpeg has ended.
     virtual Result<void> amend() { return {}; }
 
-    Error refuse(const std::string& what) const;
+    Error refuse(const std::string& what) const {
+        return input_error(output_.target().string() + ": " + what);
+    }
     /// An error where FFmpeg's status is one, or the file could not be written.
     Result<void> check_status(int status) const;
     /// The scene as the clip says it (said_of_clip).

@@ -232,10 +232,6 @@ RandomWalk::RandomWalk(const Scene& scene, std::uint64_t seed)
     jump();
 }
 
-void RandomWalk::jump() {
-    for (int axis = 0; axis < 3; ++axis) at_[axis] = random_.within(low_[axis], high_[axis]);
-}
-
 glm::dvec3 RandomWalk::next() {
     if (random_.next() % 50 == 0) {
         jump();

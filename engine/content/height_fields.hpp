@@ -79,7 +79,9 @@ public:
     glm::dvec3 next();
 
 private:
-    void jump();
+    void jump() {
+        for (int axis = 0; axis < 3; ++axis) at_[axis] = random_.within(low_[axis], high_[axis]);
+    }
 
     Camera camera_;
     glm::dvec3 low_, high_;  // of column, row, planar depth

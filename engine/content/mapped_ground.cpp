@@ -391,10 +391,6 @@ DisplacedSphere::DisplacedSphere(CubeGrid grid, std::vector<float> rise, RowBand
     widen(coarse_, unwidened, rows);
 }
 
-double DisplacedSphere::rise(const glm::dvec3& direction) const {
-    return rise_at(grid_.place(direction));
-}
-
 DisplacedSphere::Bound DisplacedSphere::bound_of_cells(int face, int column, int row, int side) const {
     const auto at = [&](int i, int j) { return rise_[grid_.index(face, i, j)]; };
     Bound bound{};

@@ -248,7 +248,8 @@ public:
     /// `rise`: of each point, at least 0. The grid has a multiple of 128 cells.
     DisplacedSphere(CubeGrid grid, std::vector<float> rise, RowBands& rows);
 
-    double rise(const glm::dvec3& direction) const;  ///< of any length but 0
+    /// `direction`: of any length but 0.
+    double rise(const glm::dvec3& direction) const { return rise_at(grid_.place(direction)); }
     double highest() const { return highest_; }
 
     /// The distance to where a ray first meets the surface, to double precision. `from` is outside of all of

@@ -2,6 +2,7 @@
 #include "engine/content/scenes.hpp"
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/content/families.hpp"
 
 namespace touchable {
@@ -21,9 +22,8 @@ constexpr std::array families{
 };
 
 Error unknown(std::string_view name) {
-    std::string known;
-    for (const Family& family : families) known.append(known.empty() ? "" : ", ").append(family.name);
-    return usage_error("scene '" + std::string(name) + "' is not known; known are " + known);
+    return usage_error("scene '" + std::string(name) + "' is not known; known are " +
+                       listed(families, &Family::name));
 }
 
 Result<void> check(std::string_view name, const SceneOptions& options) {
@@ -76,10 +76,6 @@ PlaneView plane(const void* data, bool present, const Scene& scene, int bytes_pe
 }
 
 }  // namespace
-
-double AnalyticScene::time_of(std::int64_t n) const {
-    return static_cast<double>(scene_.rate.time_ns(n)) / 1e9;
-}
 
 int AnalyticScene::threads_of_a_frame() const {
     return threads_for_pixels(threads_, std::int64_t{scene_.width} * scene_.height);

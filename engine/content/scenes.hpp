@@ -60,7 +60,7 @@ public:
     virtual ~AnalyticScene() = default;
     const Scene& scene() const { return scene_; }
     /// Time of frame n in seconds: the scene's integer nanoseconds, divided once.
-    double time_of(std::int64_t n) const;
+    double time_of(std::int64_t n) const { return static_cast<double>(scene_.rate.time_ns(n)) / 1e9; }
 
     /// Depth at pixel (x, y) at time t (seconds), of the scene's semantics, scene units, before height.
     virtual double depth(double x, double y, double t) const = 0;

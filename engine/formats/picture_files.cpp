@@ -585,12 +585,6 @@ std::string_view trimmed(std::string_view text, std::string_view blanks) {
     return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
 }
 
-std::string small_letters(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
-
 bool has_word(const std::string& name, std::initializer_list<const char*> words) {
     const std::string small = small_letters(name);
     return std::ranges::any_of(words,

@@ -96,8 +96,6 @@ bool is_file(const std::filesystem::path& file);
 
 /// Without these letters at its ends.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
-/// A to Z become a to z.
-std::string small_letters(std::string text);
 /// Whether a name, in small letters, has one of these words.
 bool has_word(const std::string& name, std::initializer_list<const char*> words);
 

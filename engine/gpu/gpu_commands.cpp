@@ -211,10 +211,6 @@ void GpuCommands::fill(const GpuBuffer& buffer, std::uint32_t value, std::size_t
     keep(buffer.keep_alive());
 }
 
-void GpuCommands::fill(const GpuBuffer& buffer, std::uint32_t value) {
-    fill(buffer, value, 0, buffer ? buffer.size() : 0);
-}
-
 void GpuCommands::barrier(GpuStage from, GpuStage to) {
     const Scope before = scope_of(from), after = scope_of(to);
     record_barrier(recording_->commands, before.stage, before.writes, after.stage, after.uses);

@@ -261,7 +261,9 @@ public:
               std::size_t bytes);
     /// Writes `value` over and over; offset and size are multiples of 4.
     void fill(const GpuBuffer& buffer, std::uint32_t value, std::size_t offset, std::size_t bytes);
-    void fill(const GpuBuffer& buffer, std::uint32_t value);
+    void fill(const GpuBuffer& buffer, std::uint32_t value) {
+        fill(buffer, value, 0, buffer ? buffer.size() : 0);
+    }
 
     /// What `from` has done before is done, and seen by what `to` does after.
     void barrier(GpuStage from, GpuStage to);

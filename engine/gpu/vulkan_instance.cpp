@@ -7,6 +7,7 @@
 #include <cstring>
 #include <iostream>
 
+#include "engine/base/words.hpp"
 #include "engine/gpu/gpu_device.hpp"
 
 namespace touchable {
@@ -102,13 +103,8 @@ Error failure(const char* call, VkResult result) {
     return {ErrorKind::gpu, std::string(call) + ": " + std::string(name_of(result))};
 }
 
-char lower(char letter) {
-    return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
-}
-
 bool contains(std::string_view name, std::string_view part) {
-    const auto same = [](char a, char b) { return lower(a) == lower(b); };
-    return std::search(name.begin(), name.end(), part.begin(), part.end(), same) != name.end();
+    return small_letters(std::string(name)).find(small_letters(std::string(part))) != std::string::npos;
 }
 
 bool is_same(std::string_view name, std::string_view other) {
@@ -120,12 +116,6 @@ bool answers_to(const GpuFacts& gpu, std::string_view word) {
            is_same(name_of(gpu.kind), word) || (gpu.kind == GpuKind::software && is_same("cpu", word));
 }
 
-std::string joined(const std::vector<std::string>& words) {
-    std::string all;
-    for (const std::string& word : words) all.append(all.empty() ? "" : ", ").append(word);
-    return all;
-}
-
 std::string described(std::span<const GpuFacts> gpus) {
     std::string all = "devices here: ";
     for (std::size_t i = 0; i < gpus.size(); ++i) {
@@ -135,7 +125,7 @@ std::string described(std::span<const GpuFacts> gpus) {
         all.append(" (").append(name_of(gpu.kind));
         if (const auto nickname = nickname_of(gpu.name); !nickname.empty()) all.append(", ").append(nickname);
         all.append(")");
-        if (!gpu.usable()) all.append(" lacks ").append(joined(gpu.missing));
+        if (!gpu.usable()) all.append(" lacks ").append(listed(gpu.missing));
     }
     return all;
 }

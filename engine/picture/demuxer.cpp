@@ -236,10 +236,6 @@ Result<PacketPtr> Demuxer::read_packet(const char* failed) {
     return packet;
 }
 
-Result<PacketPtr> Demuxer::next_packet() {
-    return read_packet("");
-}
-
 /// Puts one packet into its queue; false at the end of the file.
 Result<bool> Demuxer::read_one() {
     TRY_ASSIGN(auto packet, read_packet(": cannot be read further"));

@@ -353,9 +353,7 @@ std::vector<ExrChannelName> names_of(const ExrFile& file) {
 }
 
 std::string channel_list(const ExrFile& file) {
-    std::string names;
-    for (const ExrChannel& channel : file.channels()) names += (names.empty() ? "" : ", ") + channel.name;
-    return printable(names, 300);
+    return printable(listed(file.channels(), &ExrChannel::name), 300);
 }
 
 std::string quoted_channel(const std::string& name) {

@@ -1,4 +1,5 @@
 #include "engine/picture/exr_layers.hpp"
+#include "engine/base/words.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -14,15 +15,8 @@ namespace {
 using ExrChannelNames = std::vector<ExrChannelName>;
 using ExrColour = std::array<std::size_t, 3>;
 
-std::string in_small_letters(std::string_view text) {
-    std::string small(text);
-    for (char& c : small)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return small;
-}
-
 ExrChannelNames in_small_letters(ExrChannelNames channels) {
-    for (ExrChannelName& channel : channels) channel.name = in_small_letters(channel.name);
+    for (ExrChannelName& channel : channels) channel.name = small_letters(std::move(channel.name));
     return channels;
 }
 
@@ -266,7 +260,7 @@ std::string exr_layer_of(const std::string& channel) {
 
 std::string exr_name_in_part(const std::string& part, const std::string& channel) {
     const std::string whole = part + '.' + channel;
-    const auto words = words_of(in_small_letters(whole));
+    const auto words = words_of(small_letters(whole));
     const bool tells = is_of_other_pass(words) || std::any_of(words.begin(), words.end() - 1, is_depth_word);
     return tells && channel.find('.') == std::string::npos ? whole : channel;
 }

@@ -132,7 +132,7 @@ public:
     /// The next packet of a selected stream; null after the last.
     Result<PacketPtr> next(int stream);
     /// The next packet of any stream, whatever is selected; null after the last.
-    Result<PacketPtr> next_packet();
+    Result<PacketPtr> next_packet() { return read_packet(""); }
     /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
     /// where the file offers no way there. What follows may be anything: a reader checks the times.
     bool seek(int stream, std::int64_t timestamp);

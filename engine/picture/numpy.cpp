@@ -349,12 +349,6 @@ const NpzArray* depth_array(const std::vector<NpzArray>& arrays) {
     return only(arrays, [](const NpzArray& a) { return a.pictures; });
 }
 
-std::string names_of(const std::vector<NpzArray>& arrays) {
-    std::string names;
-    for (const NpzArray& array : arrays) names += (names.empty() ? "" : ", ") + array.name;
-    return printable(names, 300);
-}
-
 Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) {
     if (zip_get_num_entries(archive.get(), 0) > most_members)
         return input_error(where + ": has more than " + std::to_string(most_members) + " members");
@@ -367,7 +361,7 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
         return input_error(where +
                            ": has several arrays, and none is the only one named depth or of height x "
                            "width: " +
-                           names_of(arrays));
+                           printable(listed(arrays, &NpzArray::name), 300));
     const std::string name = where + ": " + printable(array->name);
     if (!array->is_possible)
         return input_error(name + ": is damaged: is said to unpack to " + std::to_string(array->size) +

@@ -127,8 +127,7 @@ void Node::refuse(const std::string& right) const {
 }
 
 void Node::allow_only(const std::vector<std::string>& legal) const {
-    std::string names;
-    for (const std::string& name : legal) names += (names.empty() ? "" : ", ") + name;
+    const std::string names = listed(legal);
     if (!value_.is_object()) refuse("an object {...} of " + names);
     for (const auto& item : value_.items())
         if (std::ranges::find(legal, item.key()) == legal.end())
@@ -163,10 +162,6 @@ std::int64_t Node::integer(std::int64_t least, std::int64_t most) const {
     refuse("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
 }
 
-int Node::whole() const {
-    return static_cast<int>(integer(0, std::numeric_limits<int>::max()));
-}
-
 std::string Node::text() const {
     if (!value_.is_string()) refuse("a string");
     return value_.get<std::string>();
@@ -184,10 +179,6 @@ std::optional<Node> Node::element(std::size_t number) const {
     if (!value_.is_array()) refuse("an array");
     if (number >= value_.size()) return std::nullopt;
     return Node(value_[number], path_ + "[" + std::to_string(number) + "]");
-}
-
-std::string Node::path_of(const std::string& member) const {
-    return path_.empty() ? member : path_ + "." + member;
 }
 
 }  // namespace touchable::checked_json

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -57,7 +58,8 @@ public:
 
     double number() const;
     std::int64_t integer(std::int64_t least, std::int64_t most) const;
-    int whole() const;  ///< not negative
+    /// Not negative.
+    int whole() const { return static_cast<int>(integer(0, std::numeric_limits<int>::max())); }
     std::string text() const;
     std::string json() const { return value_.dump(); }  ///< of any kind, as a text of its own
     std::size_t size() const { return value_.size(); }
@@ -77,7 +79,9 @@ public:
     }
 
 private:
-    std::string path_of(const std::string& member) const;
+    std::string path_of(const std::string& member) const {
+        return path_.empty() ? member : path_ + "." + member;
+    }
 
     const Json& value_;
     std::string path_;

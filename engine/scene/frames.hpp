@@ -396,11 +396,11 @@ public:
     /// any. Wait-free.
     void begin_epoch(std::uint64_t epoch);
     /// Writer. The epoch has no more frames than are published. Wait-free.
-    void end_epoch();
+    void end_epoch() { ended_.store(epoch_ + 1, std::memory_order_release); }
 
     /// Any thread. Time of the newest epoch's newest frame; INT64_MIN before the first. A reader that has
     /// seen it finds that frame. Wait-free.
-    std::int64_t newest_time() const;
+    std::int64_t newest_time() const { return newest_time_.load(std::memory_order_acquire); }
 
     /// Reader. The pair around a moment; false while nothing has been published. Within an epoch times should
     /// not go backward: an earlier time than before gives the earliest frame still held, at blend 0. A later

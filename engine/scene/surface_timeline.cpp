@@ -75,10 +75,6 @@ void SurfaceTimeline::begin_epoch(std::uint64_t epoch) {
     newest_time_.store(std::numeric_limits<std::int64_t>::min(), std::memory_order_release);
 }
 
-void SurfaceTimeline::end_epoch() {
-    ended_.store(epoch_ + 1, std::memory_order_release);
-}
-
 Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns) {
     if (!acquired_) return Error{ErrorKind::internal, "timeline: publish without an acquired frame"};
     TRY(check_later(number, time_ns));
@@ -117,10 +113,6 @@ void SurfaceTimeline::append(std::int64_t number, std::int64_t time_ns, std::siz
     free_from_[slot] = sequence + 1;
     published_.store(sequence + 1, std::memory_order_release);
     newest_time_.store(time_ns, std::memory_order_release);
-}
-
-std::int64_t SurfaceTimeline::newest_time() const {
-    return newest_time_.load(std::memory_order_acquire);
 }
 
 TimedFrame SurfaceTimeline::timed_frame(std::uint64_t sequence) const {

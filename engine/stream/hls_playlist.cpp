@@ -64,21 +64,14 @@ std::string_view scheme_in(std::string_view uri) {
     return uri.substr(0, colon + 1);
 }
 
-std::string in_small_letters(std::string_view text) {
-    std::string small(text);
-    for (char& letter : small)
-        if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-    return small;
-}
-
 PlaceParts parts_of(std::string_view place) {
     std::string_view rest = place.substr(0, place.find_first_of("?#"));
     if (place.starts_with(file_scheme))
         return {std::string(file_scheme), std::string(place.substr(file_scheme.size()))};
     const std::size_t host = rest.find("://");
     const std::size_t path = host == std::string_view::npos ? host : rest.find('/', host + 3);
-    if (path == std::string_view::npos) return {in_small_letters(rest), "/"};
-    return {in_small_letters(rest.substr(0, path)), std::string(rest.substr(path))};
+    if (path == std::string_view::npos) return {small_letters(std::string(rest)), "/"};
+    return {small_letters(std::string(rest.substr(0, path))), std::string(rest.substr(path))};
 }
 
 /// Without "." and "..".

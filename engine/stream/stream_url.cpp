@@ -67,9 +67,7 @@ std::string without_secrets(std::string_view words) {
     const std::size_t scheme = said.find("://"), user = said.find('@');
     if (scheme != std::string::npos && user != std::string::npos && user > scheme)
         said.replace(scheme + 3, user - scheme - 3, "...");
-    std::string small = said;
-    for (char& letter : small)
-        letter = static_cast<char>(letter >= 'A' && letter <= 'Z' ? letter + 32 : letter);
+    std::string small = small_letters(said);
     constexpr std::string_view key = "passphrase=";
     for (std::size_t at = small.find(key); at != std::string::npos; at = small.find(key, at + key.size())) {
         const std::size_t end = std::min(small.find('&', at), small.size());

@@ -103,9 +103,6 @@ bool MeasuredDepth::is_noisy(int width) const {
     return noise_at_median() >= noise_per_picture * pixel * width;
 }
 
-DepthEstimator::DepthEstimator(const Scene& scene)
-    : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
-
 void DepthEstimator::add(const RawFrame& frame) {
     const CodePicture picture = code_picture(middle_part(frame.depth), scene_.depth);
     levels_.add(picture);

@@ -56,7 +56,7 @@ struct MeasuredDepth {
 /// The same on every machine.
 class DepthEstimator {
 public:
-    explicit DepthEstimator(const Scene& scene);
+    explicit DepthEstimator(const Scene& scene) : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
     static constexpr int frames = 16;    ///< no more are worth a look
     static constexpr int first_few = 4;  ///< enough, where they show nothing of a camera
 

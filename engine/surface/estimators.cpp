@@ -44,8 +44,6 @@ constexpr int least_levels = 2;
 
 }  // namespace
 
-LevelEstimator::LevelEstimator(const DepthCoding& coding) : coding_(coding), counts_(65536) {}
-
 void LevelEstimator::add(const CodePicture& picture) {
     for (int y = 0; y < picture.height; ++y) {
         const int* row = picture.row(y);

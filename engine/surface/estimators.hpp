@@ -34,7 +34,7 @@ DepthLength fitted_length(const std::vector<LengthAtDepth>& lengths);
 /// Which codes of a recording occur, and how far they are apart. Integer counts and + - x / alone.
 class LevelEstimator {
 public:
-    explicit LevelEstimator(const DepthCoding& coding);
+    explicit LevelEstimator(const DepthCoding& coding) : coding_(coding), counts_(65536) {}
 
     void add(const CodePicture& picture);
 
@@ -145,7 +145,9 @@ public:
     DepthLength roughness() const;
     /// Of the pixels that are valid in a frame and in the one after the next: those that are not in between.
     /// 0 for unrelated pictures.
-    double dropouts() const;
+    double dropouts() const {
+        return kept_ > 0 && is_film() ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
+    }
     /// Share of the pixels that are invalid, and at least six of their eight neighbours are valid.
     double tiny_holes() const { return share(tiny_holes_); }
     /// Share of the pixels that hang between two surfaces, at edges (landed, flying_pixels.hpp).
@@ -163,7 +165,9 @@ private:
         ClippedSums bends;
     };
 
-    double share(std::int64_t pixels) const;
+    double share(std::int64_t pixels) const {
+        return pixels_ > 0 ? static_cast<double>(pixels) / static_cast<double>(pixels_) : 0;
+    }
     Place place_of(const CodePicture& picture, int x, int y) const;
     /// Codes at a pixel's depth that differ by no more are one surface.
     int flat_codes(const Window& window) const;
@@ -177,7 +181,9 @@ private:
     /// together, by about as much as depth varies over a picture. Pixels far apart share none of a camera's
     /// noise.
     bool is_film() const;
-    const Window& window_of(int code) const;
+    const Window& window_of(int code) const {
+        return windows_[window_of_code_[static_cast<std::size_t>(code)]];
+    }
 
     std::vector<Window> windows_;
     std::vector<std::uint8_t> window_of_code_;

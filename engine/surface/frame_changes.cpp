@@ -169,8 +169,4 @@ std::optional<FrameChanges::StaleBlocks> FrameChanges::stale_blocks(const BuildN
     return StaleBlocks(grid_, changed_, held.frame);
 }
 
-bool FrameChanges::same_touch_planes(const BuildNumber& held) const {
-    return held.builder == builder_ && held.frame >= touch_planes_;
-}
-
 }  // namespace touchable

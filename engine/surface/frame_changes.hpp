@@ -80,7 +80,9 @@ public:
     /// Called where a frame was built as a whole though its blocks were known: the next few are not compared.
     void comparing_was_in_vain();
     /// Whether `held` had the newest frame's haptic and height planes.
-    bool same_touch_planes(const BuildNumber& held) const;
+    bool same_touch_planes(const BuildNumber& held) const {
+        return held.builder == builder_ && held.frame >= touch_planes_;
+    }
 
 private:
     bool compare_depth(const PlaneView& after, RowBands& bands);

@@ -126,10 +126,6 @@ NoiseEstimator::NoiseEstimator(const DepthCoding& coding) : window_of_code_(6553
     }
 }
 
-const NoiseEstimator::Window& NoiseEstimator::window_of(int code) const {
-    return windows_[window_of_code_[static_cast<std::size_t>(code)]];
-}
-
 NoiseEstimator::Place NoiseEstimator::place_of(const CodePicture& picture, int x, int y) const {
     const int here = picture.row(y)[x];
     const int around[] = {picture.row(y)[x - 1], picture.row(y)[x + 1], picture.row(y - 1)[x],
@@ -275,14 +271,6 @@ DepthLength NoiseEstimator::roughness() const {
             {window.depth, window.step * std::sqrt(means.square / 36), static_cast<double>(means.count)});
     }
     return fitted_length(points);
-}
-
-double NoiseEstimator::dropouts() const {
-    return kept_ > 0 && is_film() ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
-}
-
-double NoiseEstimator::share(std::int64_t pixels) const {
-    return pixels_ > 0 ? static_cast<double>(pixels) / static_cast<double>(pixels_) : 0;
 }
 
 }  // namespace touchable

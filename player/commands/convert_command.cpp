@@ -64,9 +64,7 @@ Result<ClipPart::Crop> read_crop(const std::string& text) {
 
 Result<ClipForm> read_form(const fs::path& out) {
     if (!out.has_filename()) return ClipForm::folder;
-    std::string ending = out.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    const std::string ending = small_letters(out.extension().string());
     if (ending == ".mkv" || ending == ".mp4") return ClipForm::archive;
     if (ending == ".png") return ClipForm::still;
     if (ending == ".bt") return ClipForm::scene_text;
@@ -172,10 +170,6 @@ CLI::Option* ManyClips::add_option(CLI::App& sub, const std::string& out) {
     return add_file_option(sub, "OUT", rest,
                            out + "; or further clips, and the folder that all of them go into (FOLDER/)")
         ->expected(1, -1);
-}
-
-bool ManyClips::is_for_several() const {
-    return rest.size() > 1 || !rest.back().has_filename();
 }
 
 Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const One& one) const {

@@ -119,7 +119,7 @@ struct ManyClips {
     CLI::Option* add_option(CLI::App& sub, const std::string& out);
 
     /// Whether OUT is to be a folder. `rest` is not empty.
-    bool is_for_several() const;
+    bool is_for_several() const { return rest.size() > 1 || !rest.back().has_filename(); }
 
     /// Names `out` last: what fails before that leaves none.
     using One =

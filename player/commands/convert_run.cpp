@@ -398,9 +398,7 @@ private:
         for (const TrackInfo& track : source_->tracks())
             streams.haptic = streams.haptic || track.role == "haptic";
         const auto textures = is_still ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;
-        std::string all;
-        for (const std::string& each : mpeg4::unsaid_by_nodes(scene, streams, textures))
-            all += (all.empty() ? "" : "; ") + each;
+        const std::string all = listed(mpeg4::unsaid_by_nodes(scene, streams, textures), {}, "; ");
         if (!all.empty())
             std::cout << options_.out.string() << ": its MPEG-4 scene cannot say: " << all
                       << ". touchable reads that from "

@@ -110,10 +110,8 @@ struct MakeWords {
 
 /// Under another name other programs would take a clip for what it is not.
 Result<void> check_name(const std::filesystem::path& out) {
-    std::string ending = out.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    if (ending == ".mkv" || is_mp4_name(out)) return {};
+    const std::string ending = small_letters(out.extension().string());
+    if (ending == ".mkv" || ending == ".mp4") return {};
     return usage_error("OUT '" + out.string() +
                        "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
 }
@@ -189,13 +187,6 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     take_motion(words.globe, generator);
     options.maps = words.globe.maps;
     return options;
-}
-
-std::string known_scenes() {
-    std::string names;
-    for (const std::string_view name : scene_names())
-        names += (names.empty() ? "" : ", ") + std::string(name);
-    return names;
 }
 
 }  // namespace
@@ -332,10 +323,10 @@ Result<void> run_make(const MakeOptions& options) {
 }
 
 void add_make_command(CLI::App& app, Command& command) {
-    auto* make = app.add_subcommand("make", "make a clip of a generated scene: " + known_scenes());
+    auto* make = app.add_subcommand("make", "make a clip of a generated scene: " + listed(scene_names()));
     auto words = std::make_shared<MakeWords>();
     SceneOptions& generator = words->options.generator;
-    make->add_option("SCENE", words->options.scene, "one of " + known_scenes())->required();
+    make->add_option("SCENE", words->options.scene, "one of " + listed(scene_names()))->required();
     add_file_option(*make, "OUT", words->options.out,
                     "the clip to write: .mkv, or .mp4 as the paper sends it")
         ->required();

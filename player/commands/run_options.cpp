@@ -6,6 +6,7 @@
 
 #include "device/drivers/device_catalog.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 
@@ -98,9 +99,7 @@ constexpr int largest_side = 8192;
 
 /// What other programs take a picture for by its name is what it is.
 std::string fault_of_name(const std::string& name) {
-    std::string ending = std::filesystem::path(name).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    const std::string ending = small_letters(std::filesystem::path(name).extension().string());
     return ending == ".png" ? "" : "'" + name + "' does not end in .png; a picture is a PNG file";
 }
 

@@ -573,8 +573,7 @@ std::span<const SurfaceEdges::Vertex> SurfaceEdges::row(int y) const {
 
 const SurfaceEdges::Vertex* SurfaceEdges::at(int x, int y) const {
     const auto vertices = row(y);
-    const auto found = std::ranges::lower_bound(
-        vertices, x, [](const Vertex& vertex, int column) { return vertex.x < column; });
+    const auto found = std::ranges::lower_bound(vertices, x, {}, &Vertex::x);
     return found != vertices.end() && found->x == x ? &*found : nullptr;
 }
 

@@ -331,10 +331,6 @@ double Overlays::Scale::share_of(double value) const {
     return least_is_light ? 1 - share : share;
 }
 
-std::string Overlays::Scale::title() const {
-    return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
-}
-
 std::string Overlays::Scale::everywhere() const {
     if (!classes.empty() || range.greatest > range.least) return "";
     const auto words = [this](double value) {

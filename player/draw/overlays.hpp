@@ -80,7 +80,9 @@ public:
         /// middle.
         double share_of(double value) const;
         /// "depth, mm: equalised", over the scale.
-        std::string title() const;
+        std::string title() const {
+            return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
+        }
         /// Says that it is the same everywhere, and whether the clip has a map of it; empty: it is not.
         std::string everywhere() const;
     };

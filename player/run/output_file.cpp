@@ -230,10 +230,6 @@ bool OutputFile::reader_lags() const {
     return standard_ && standard_->reader_lags();
 }
 
-std::string OutputFile::name() const {
-    return what_ + ' ' + (file_ ? file_->target().string() : "-");
-}
-
 Error OutputFile::failed(int why) const {
     return input_error(name() + ": cannot be written: " + std::generic_category().message(why));
 }

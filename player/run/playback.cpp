@@ -57,10 +57,6 @@ void PlaybackLog::take(std::int64_t tick) {
     taken_.store(asked, std::memory_order_release);
 }
 
-std::vector<PlaybackCommand> PlaybackLog::commands() const {
-    return {commands_.begin(), commands_.begin() + static_cast<std::ptrdiff_t>(size())};
-}
-
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command) {
     if (command.tick < tick_before)
         return "tick " + std::to_string(command.tick) + " is before " + std::to_string(tick_before) +
@@ -88,10 +84,6 @@ PlaybackClock::PlaybackClock(const FrameRate& rate, std::vector<PlaybackCommand>
 
 PlaybackClock::PlaybackClock(const FrameRate& rate, std::shared_ptr<const PlaybackLog> log)
     : rate_(rate), log_(std::move(log)), known_(log_->size()) {}
-
-void PlaybackClock::go_on_to(std::int64_t tick) {
-    while (tick_of_next_turn() <= tick) turn();
-}
 
 MediaMoment PlaybackClock::at(std::int64_t tick) {
     known_ = log_->size();
@@ -150,11 +142,6 @@ std::int64_t PlaybackClock::tick_of_loops_end() const {
     return state_.tick + (left + state_.ns_per_tick - 1) / state_.ns_per_tick;
 }
 
-/// Of the next command or end of a loop; `never` where there is neither.
-std::int64_t PlaybackClock::tick_of_next_turn() const {
-    return applied_ < known_ ? std::min((*log_)[applied_].tick, tick_of_loops_end()) : tick_of_loops_end();
-}
-
 /// What happens then: first the command.
 void PlaybackClock::turn() {
     const std::int64_t tick = tick_of_next_turn();
@@ -193,10 +180,6 @@ void PlaybackClock::apply(const PlaybackCommand& command) {
             state_.loop_end = never;
             break;
     }
-}
-
-void PlaybackClock::begin_epoch(std::int64_t start_ns) {
-    state_.moment = {state_.moment.epoch + 1, start_ns, start_ns};
 }
 
 }  // namespace touchable

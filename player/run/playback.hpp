@@ -54,7 +54,9 @@ public:
     std::size_t size() const { return taken_.load(std::memory_order_acquire); }
     /// Below `size`.
     const PlaybackCommand& operator[](std::size_t k) const { return commands_[k]; }
-    std::vector<PlaybackCommand> commands() const;
+    std::vector<PlaybackCommand> commands() const {
+        return {commands_.begin(), commands_.begin() + static_cast<std::ptrdiff_t>(size())};
+    }
 
 private:
     const bool is_open_;
@@ -135,13 +137,19 @@ private:
     };
     static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
-    void go_on_to(std::int64_t tick);
+    void go_on_to(std::int64_t tick) {
+        while (tick_of_next_turn() <= tick) turn();
+    }
     std::int64_t time_at(std::int64_t tick) const;
     std::int64_t tick_of_loops_end() const;
-    std::int64_t tick_of_next_turn() const;
+    /// Of the next command or end of a loop; `never` where there is neither.
+    std::int64_t tick_of_next_turn() const {
+        return applied_ < known_ ? std::min((*log_)[applied_].tick, tick_of_loops_end())
+                                 : tick_of_loops_end();
+    }
     void turn();
     void apply(const PlaybackCommand& command);
-    void begin_epoch(std::int64_t start_ns);
+    void begin_epoch(std::int64_t start_ns) { state_.moment = {state_.moment.epoch + 1, start_ns, start_ns}; }
 
     FrameRate rate_;
     std::shared_ptr<const PlaybackLog> log_;

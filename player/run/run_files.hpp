@@ -58,7 +58,7 @@ public:
     /// What is whole together or not there. After an error nothing more is taken.
     Result<void> write(std::string_view piece);
     /// For messages: "--forces f.csv", "the recording f.touch".
-    std::string name() const;
+    std::string name() const { return what_ + ' ' + (file_ ? file_->target().string() : "-"); }
     Pace pace() const { return pace_; }
     /// Gives the file its name. Nothing may be written after that. An error where anything is missing; by the
     /// wall clock the file is there nevertheless, with the pieces before, where there are two or more.

@@ -290,10 +290,6 @@ Result<bool> SurfaceFeed::build(const FedFrame& frame) {
     return true;
 }
 
-void SurfaceFeed::end_epoch(std::uint64_t epoch) {
-    if (epoch == built_epoch_) timeline_.end_epoch();
-}
-
 std::set<std::int64_t> SurfaceFeed::cuts() const {
     const std::lock_guard lock(figures_mutex_);
     return cuts_.found();

@@ -223,7 +223,9 @@ public:
     /// can be touched has changed; false while the timeline has no room.
     Result<bool> publish(const FedFrame& frame);
     /// By the thread that builds: of this epoch all has been given to it.
-    void end_epoch(std::uint64_t epoch);
+    void end_epoch(std::uint64_t epoch) {
+        if (epoch == built_epoch_) timeline_.end_epoch();
+    }
     SurfaceTimeline& timeline() { return timeline_; }
     /// Where there is an eye.
     WatchedPlanes& stored_planes() { return stored_planes_; }

@@ -96,9 +96,6 @@ void StatusLine::show(const std::string& text) {
     std::fprintf(stderr, "\r%s\033[K", text.c_str());
 }
 
-Progress::Progress(std::string what, std::int64_t total, InALog in_a_log)
-    : what_(std::move(what)), total_(total), in_a_log_(in_a_log) {}
-
 void Progress::at(std::int64_t done) {
     if (!line_.is_on_terminal() && in_a_log_ == InALog::nothing) return;
     const auto now = std::chrono::steady_clock::now();

@@ -62,7 +62,8 @@ public:
     /// Where the error stream is no terminal: nothing, or a line of its own every 10 seconds.
     enum class InALog { nothing, lines };
     /// `what`: "making frame". `total` <= 0: the end is not known.
-    Progress(std::string what, std::int64_t total, InALog in_a_log = InALog::nothing);
+    Progress(std::string what, std::int64_t total, InALog in_a_log = InALog::nothing)
+        : what_(std::move(what)), total_(total), in_a_log_(in_a_log) {}
     void at(std::int64_t done);
     /// Of an offline run, whose ticks count.
     Result<void> take(const TouchTick& tick) override;
