@@ -32,6 +32,7 @@
 #include <string_view>
 
 #include "capi/touchable.h"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
@@ -187,15 +188,13 @@ private:
 };
 
 /// A lock for one thread at a time; the second thread does not get it.
-class TryLock {
+class TryLock : NonCopyable {
 public:
     explicit TryLock(std::atomic_flag& flag)
         : flag_(flag), mine_(!flag.test_and_set(std::memory_order_acquire)) {}
     ~TryLock() {
         if (mine_) flag_.clear(std::memory_order_release);
     }
-    TryLock(const TryLock&) = delete;
-    TryLock& operator=(const TryLock&) = delete;
     explicit operator bool() const { return mine_; }
 
 private:

@@ -18,6 +18,7 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 
@@ -63,14 +64,11 @@ struct DeviceCapabilities {
 ///   device that looks for lost hardware by itself (DrivenDevice) gives positions that are not numbers until
 ///   it has found it.
 /// - A position older than `oldest_s` is never given: what is read in its place is not a number.
-class HapticDevice {
+class HapticDevice : NonCopyable {
 public:
     static constexpr double silence_s = 0.05;  ///< longest time a force outlives the call that wrote it
     static constexpr double oldest_s = 0.02;   ///< longest time a position is given after it was received
 
-    HapticDevice() = default;
-    HapticDevice(const HapticDevice&) = delete;
-    HapticDevice& operator=(const HapticDevice&) = delete;
     virtual ~HapticDevice() = default;  ///< a backend's destructor closes it
 
     virtual std::string name() const = 0;

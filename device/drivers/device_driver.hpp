@@ -13,6 +13,7 @@
 #include <span>
 
 #include "device/haptic_device.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {
@@ -44,11 +45,8 @@ using DriverClock = std::function<std::int64_t()>;
 
 /// Carries a device's bytes, whatever they mean. One thread's. A call that fails says why (ErrorKind::device)
 /// and what it was that failed; the device is taken for gone then.
-class Transport {
+class Transport : NonCopyable {
 public:
-    Transport() = default;
-    Transport(const Transport&) = delete;
-    Transport& operator=(const Transport&) = delete;
     virtual ~Transport() = default;
 
     /// All of it, or an error. A transport of messages (HID reports, WebSocket) sends one.
@@ -71,11 +69,8 @@ public:
 /// A backend: it knows one kind of hardware and its bytes. `DrivenDevice` makes a HapticDevice of it, keeps
 /// the safety contract, and calls it from one thread of its own, so it may wait where it says so. A call that
 /// fails says why in one line (ErrorKind::device); then comes `disconnect`, and perhaps another `connect`.
-class DeviceDriver {
+class DeviceDriver : NonCopyable {
 public:
-    DeviceDriver() = default;
-    DeviceDriver(const DeviceDriver&) = delete;
-    DeviceDriver& operator=(const DeviceDriver&) = delete;
     virtual ~DeviceDriver() = default;
 
     virtual std::string name() const = 0;

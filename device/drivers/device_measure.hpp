@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "device/drivers/device_catalog.hpp"
+#include "engine/base/non_copyable.hpp"
 
 namespace touchable {
 
@@ -33,7 +34,7 @@ struct HandleRest {
 
 /// A spring about the place where a device's first finger rests. It is nudged, and what it does then says
 /// whether it stays quiet.
-class SpringTrial {
+class SpringTrial : NonCopyable {
 public:
     static constexpr int ticks = 2000;
     static constexpr int nudge_ticks = 10;
@@ -48,8 +49,6 @@ public:
     /// `most_force` (N): of spring and nudge together; a third of it nudges. All of these outlive the trial.
     SpringTrial(HapticDevice& device, const TickPace& pace, double most_force);
     ~SpringTrial() { power_off(); }
-    SpringTrial(const SpringTrial&) = delete;
-    SpringTrial& operator=(const SpringTrial&) = delete;
 
     /// Waits, without force, until the handle stays where it is. Error (ErrorKind::device): it does not.
     Result<HandleRest> wait_for_rest();

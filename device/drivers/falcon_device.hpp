@@ -15,6 +15,7 @@
 #include <string_view>
 
 #include "device/drivers/device_driver.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {
@@ -46,11 +47,8 @@ struct FtdiCommand {
 
 /// A USB device that is one's own, whatever carries its packets. One thread's. A call that fails says why in
 /// one line (ErrorKind::device); the device is taken for gone then.
-class UsbPort {
+class UsbPort : NonCopyable {
 public:
-    UsbPort() = default;
-    UsbPort(const UsbPort&) = delete;
-    UsbPort& operator=(const UsbPort&) = delete;
     virtual ~UsbPort() = default;  ///< lets go of it
 
     static constexpr std::size_t packet_bytes = 64;  ///< most that come at once

@@ -9,6 +9,7 @@
 #include <deque>
 #include <vector>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
@@ -120,7 +121,7 @@ const lws_protocols service_protocols[] = {{"service", on_service_event, 0, 4096
                                            {nullptr, nullptr, 0, 0, 0, nullptr, 0}};
 
 /// A context of libwebsockets with one connection. It is used by one thread at a time.
-class ServiceConnection {
+class ServiceConnection : NonCopyable {
 public:
     ServiceConnection(std::uint16_t port, const char* path, const char* method) {
         lws_set_log_level(0, nullptr);
@@ -153,8 +154,6 @@ public:
     ~ServiceConnection() {
         if (context_) lws_context_destroy(context_);
     }
-    ServiceConnection(const ServiceConnection&) = delete;
-    ServiceConnection& operator=(const ServiceConnection&) = delete;
 
     ServiceLine& line() { return line_; }
     int descriptor() const {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "device/drivers/device_driver.hpp"
+#include "engine/base/non_copyable.hpp"
 
 namespace touchable {
 
@@ -85,11 +86,8 @@ std::vector<std::byte> web_socket_frame(std::string_view text, std::uint32_t mas
 
 /// A program on this machine that answers HTTP requests and exchanges messages over a WebSocket, both at one
 /// port. Errors are ErrorKind::device, and ErrorKind::interrupted where the caller has given up.
-class HaplyService {
+class HaplyService : NonCopyable {
 public:
-    HaplyService() = default;
-    HaplyService(const HaplyService&) = delete;
-    HaplyService& operator=(const HaplyService&) = delete;
     virtual ~HaplyService() = default;
 
     virtual std::string address() const = 0;  ///< "ws://localhost:10001"

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "device/drivers/device_catalog.hpp"
+#include "engine/base/non_copyable.hpp"
 
 namespace touchable {
 
@@ -60,12 +61,10 @@ const KnownDevice* known_device(std::uint16_t vendor, std::uint16_t product, std
 
 /// What Linux shows of devices and processes, /sys, /proc and /dev, below a folder that stands for "/". Paths
 /// begin with "/". What cannot be read is not there.
-class ConnectedSystem {
+class ConnectedSystem : NonCopyable {
 public:
     explicit ConnectedSystem(std::filesystem::path root = "/") : root_(std::move(root)) {}
     virtual ~ConnectedSystem() = default;
-    ConnectedSystem(const ConnectedSystem&) = delete;
-    ConnectedSystem& operator=(const ConnectedSystem&) = delete;
 
     const std::filesystem::path& root() const { return root_; }
     /// What is in a folder, sorted.

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "device/drivers/device_driver.hpp"
+#include "engine/base/non_copyable.hpp"
 
 namespace touchable {
 
@@ -65,11 +66,8 @@ struct UdpAddress {
 std::optional<UdpAddress> read_udp_address(const std::string& figures);
 
 /// Carries datagrams, and never blocks.
-class DatagramSocket {
+class DatagramSocket : NonCopyable {
 public:
-    DatagramSocket() = default;
-    DatagramSocket(const DatagramSocket&) = delete;
-    DatagramSocket& operator=(const DatagramSocket&) = delete;
     virtual ~DatagramSocket() = default;
 
     /// Of an address of this machine, in figures ("127.0.0.1", "::1", "0.0.0.0": any), and a port, 0: a free

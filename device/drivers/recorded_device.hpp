@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "device/drivers/device_driver.hpp"
+#include "engine/base/non_copyable.hpp"
 
 namespace touchable {
 
@@ -33,11 +34,8 @@ private:
 };
 
 /// The time that a replay goes by.
-class ReplayClock {
+class ReplayClock : NonCopyable {
 public:
-    ReplayClock() = default;
-    ReplayClock(const ReplayClock&) = delete;
-    ReplayClock& operator=(const ReplayClock&) = delete;
     virtual ~ReplayClock() = default;
     virtual std::chrono::nanoseconds now() = 0;
     virtual void wait_until(std::chrono::nanoseconds moment) = 0;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "device/drivers/device_driver.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 
@@ -78,7 +79,7 @@ struct WatchdogHeartbeats;
 /// stands still, because it is stopped, swapped out or dumped. The small process holds the devices'
 /// descriptors and the bytes that leave them unpowered. It sends those once the last other end of its socket
 /// is closed, or once a thread's heartbeat is missing. It does not help where the whole machine stops.
-class SafetyWatchdog {
+class SafetyWatchdog : NonCopyable {
 public:
     static constexpr int most_devices = 8;
     static constexpr std::size_t most_bytes = 512;  ///< of a packet
@@ -88,8 +89,6 @@ public:
     static Result<std::shared_ptr<SafetyWatchdog>> start();
     ~SafetyWatchdog();  ///< the process ends, in two seconds at most, and sends zero force to what it still
                         ///< keeps
-    SafetyWatchdog(const SafetyWatchdog&) = delete;
-    SafetyWatchdog& operator=(const SafetyWatchdog&) = delete;
 
     pid_t process() const { return process_; }
     /// Error (device): it is gone or stands still, which only a person or the system can have done.

@@ -275,12 +275,8 @@ private:
 /// a value is never read half-written: of three places one is the writer's, one the reader's, and each swaps
 /// its own for the one in between.
 template <class T>
-class NewestValue {
+class NewestValue : NonCopyable {
 public:
-    NewestValue() = default;
-    NewestValue(const NewestValue&) = delete;
-    NewestValue& operator=(const NewestValue&) = delete;
-
     /// Writer.
     void write(const T& value) {
         places_[writers_] = value;

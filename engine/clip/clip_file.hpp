@@ -21,6 +21,7 @@
 #include <system_error>
 
 #include "engine/base/files.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/picture/sound.hpp"
@@ -142,11 +143,9 @@ public:
 
 /// A folder with a hidden name for files that are to appear together; it goes again with all that is left in
 /// it.
-class HiddenFolder {
+class HiddenFolder : NonCopyable {
 public:
     explicit HiddenFolder(const std::filesystem::path& beside);
-    HiddenFolder(const HiddenFolder&) = delete;
-    HiddenFolder& operator=(const HiddenFolder&) = delete;
     ~HiddenFolder();
 
     const std::filesystem::path& path() const { return path_; }

@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"
@@ -24,7 +25,7 @@ std::optional<TrackDecoder::Picture> end_of_track() {
 
 /// Decodes a track of a file ahead of its reader: large pictures on a thread of its own, small ones when
 /// they are asked for. The same pictures and errors in the same order either way.
-class TrackThread {
+class TrackThread : NonCopyable {
 public:
     /// What is made of each decoded plane; `where` it is, for messages.
     using Fit = std::function<Result<Plane>(Plane, const std::string& where)>;
@@ -44,9 +45,6 @@ public:
         changed_.notify_all();
         if (thread_.joinable()) thread_.join();
     }
-
-    TrackThread(const TrackThread&) = delete;
-    TrackThread& operator=(const TrackThread&) = delete;
 
     PlaneRole role() const { return decoder_.role(); }
     int stream() const { return stream_; }

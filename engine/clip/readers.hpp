@@ -32,6 +32,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 
@@ -213,7 +214,7 @@ inline bool would_wait(int failure) {
 }
 
 /// Ends a wait by poll, from any thread; its descriptor is -1 where the system has none left.
-class Wake {
+class Wake : NonCopyable {
 public:
     int descriptor() const { return event_.get(); }
     void forget() const {

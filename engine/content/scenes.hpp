@@ -15,6 +15,7 @@
 #include <glm/vec3.hpp>
 #include <string_view>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/scene/frames.hpp"
@@ -44,7 +45,7 @@ struct SceneOptions {
 };
 
 /// A scene whose surface is known in closed form (docs/scenes.md). Everything is the same bits everywhere.
-class AnalyticScene {
+class AnalyticScene : NonCopyable {
 public:
     /// The surface's nearest point to a goal under it, and the outward unit normal there.
     struct Truth {
@@ -84,8 +85,6 @@ public:
 
 protected:
     explicit AnalyticScene(Scene scene) : scene_(std::move(scene)) {}
-    AnalyticScene(const AnalyticScene&) = delete;
-    AnalyticScene& operator=(const AnalyticScene&) = delete;
 
 private:
     /// Adds colour, haptic and height planes at time t, where the scene has them, whose depths are these.

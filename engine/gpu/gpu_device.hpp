@@ -21,6 +21,7 @@
 #include <span>
 #include <string_view>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {
@@ -81,10 +82,7 @@ class VulkanInstance;
 /// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
 /// shared_ptr to this, never to GpuDevice, so that it can be in flight there without keeping it alive for
 /// ever.
-struct VulkanDevice {
-    VulkanDevice() = default;
-    VulkanDevice(const VulkanDevice&) = delete;
-    VulkanDevice& operator=(const VulkanDevice&) = delete;
+struct VulkanDevice : NonCopyable {
     ~VulkanDevice();  ///< waits until the device is idle
 
     GpuFacts facts;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"
@@ -12,13 +13,10 @@
 namespace touchable {
 
 /// A command buffer with its own pool, so that any thread may record, its timestamps, and what it uses.
-struct GpuRecording {
+struct GpuRecording : NonCopyable {
     static constexpr std::uint32_t max_marks = 31;
 
     static Result<std::unique_ptr<GpuRecording>> create(std::shared_ptr<VulkanDevice> vulkan);
-    GpuRecording() = default;
-    GpuRecording(const GpuRecording&) = delete;
-    GpuRecording& operator=(const GpuRecording&) = delete;
     ~GpuRecording();
 
     /// Begins anew, after all that was submitted before and seeing what it wrote. Not while in flight.

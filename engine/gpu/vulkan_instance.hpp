@@ -8,15 +8,14 @@
 #include <memory>
 #include <mutex>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {
 
 /// Vulkan's features, as asked of a device and as asked for.
-struct GpuFeatures {
+struct GpuFeatures : NonCopyable {  // its parts point at each other
     GpuFeatures();
-    GpuFeatures(const GpuFeatures&) = delete;  // its parts point at each other
-    GpuFeatures& operator=(const GpuFeatures&) = delete;
 
     VkPhysicalDeviceFeatures2 core{};
     VkPhysicalDeviceVulkan11Features v11{};
@@ -53,15 +52,13 @@ private:
 };
 
 /// Vulkan itself, with the validation layer's watch where it was asked for.
-class VulkanInstance {
+class VulkanInstance : NonCopyable {
 public:
     /// Null where there is a loader but no driver. Fails (ErrorKind::gpu) where validation is asked for and
     /// not installed, and where Vulkan fails.
     /// `extensions`: wanted besides, such as a window system's; one that is not here is refused by name.
     static Result<std::unique_ptr<VulkanInstance>> create(bool validation,
                                                           const std::vector<std::string>& extensions = {});
-    VulkanInstance(const VulkanInstance&) = delete;
-    VulkanInstance& operator=(const VulkanInstance&) = delete;
     ~VulkanInstance();
 
     VkInstance handle() const { return instance_; }

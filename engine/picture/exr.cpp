@@ -4,6 +4,7 @@
 #include <cstring>
 #include <functional>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -152,15 +153,13 @@ private:
 };
 
 /// Unpacks channels of a part, chunk by chunk: rows, or a tile.
-class ExrChunks {
+class ExrChunks : NonCopyable {
 public:
     ExrChunks(exr_const_context_t context, const std::vector<const ExrChannel*>& channels)
         : context_(context), channels_(channels), numbers_(channels.size()) {}
     ~ExrChunks() {
         if (begun_) exr_decoding_destroy(context_, &pipeline_);
     }
-    ExrChunks(const ExrChunks&) = delete;
-    ExrChunks& operator=(const ExrChunks&) = delete;
 
     bool unpack(const exr_chunk_info_t& chunk) {
         if (chunk.width < 1 || chunk.height < 1 || chunk.width > largest_picture_side ||
@@ -234,14 +233,12 @@ struct ExrGrid {
 };
 
 /// An OpenEXR file in memory.
-class ExrFile {
+class ExrFile : NonCopyable {
 public:
     ExrFile(std::string_view bytes, const std::string& where) : bytes_{bytes, {}}, where_(where) {}
     ~ExrFile() {
         if (context_) exr_finish(&context_);
     }
-    ExrFile(const ExrFile&) = delete;
-    ExrFile& operator=(const ExrFile&) = delete;
 
     /// First: its channels, at most 1024, of all parts that are not deep.
     Result<void> open() {

@@ -22,6 +22,7 @@ extern "C" {
 #include <map>
 
 #include "engine/base/files.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {
@@ -174,12 +175,10 @@ Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end);
 /// A file that an FFmpeg muxer writes, which has room on its disk for what is still to come before it is
 /// written: the next pictures, and what a muxer puts at the end. So a writer that stops in time leaves a
 /// whole file on a disk that became full. File systems that cannot reserve room have none.
-class ReservedOutput {
+class ReservedOutput : NonCopyable {
 public:
     ReservedOutput() = default;
     ~ReservedOutput();
-    ReservedOutput(const ReservedOutput&) = delete;
-    ReservedOutput& operator=(const ReservedOutput&) = delete;
 
     /// A file that is there already, for `muxer`, which lives as long as this. Below 0: FFmpeg's error.
     int open(const std::filesystem::path& file, AVFormatContext& muxer);

@@ -1,6 +1,7 @@
 #include <zip.h>
 #include <limits>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -192,14 +193,12 @@ struct CloseMember {
 };
 
 /// An archive's own bytes, as libzip calls for them.
-class ArchiveBytes {
+class ArchiveBytes : NonCopyable {
 public:
     explicit ArchiveBytes(std::unique_ptr<ByteSource> bytes) : bytes_(std::move(bytes)) {
         zip_error_init(&error_);
     }
     ~ArchiveBytes() { zip_error_fini(&error_); }
-    ArchiveBytes(const ArchiveBytes&) = delete;
-    ArchiveBytes& operator=(const ArchiveBytes&) = delete;
 
     static zip_int64_t answer(void* own, void* data, zip_uint64_t length, zip_source_cmd_t command) {
         auto* const archive = static_cast<ArchiveBytes*>(own);

@@ -22,6 +22,7 @@
 #include <span>
 #include <thread>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/picture/sound.hpp"
 #include "player/audio/contact_sound.hpp"
@@ -45,12 +46,10 @@ private:
 
 /// The sound track of the clip in the window. A thread decodes it, from where it was read last to two seconds
 /// after that.
-class ClipSound {
+class ClipSound : NonCopyable {
 public:
     ClipSound() = default;
     ~ClipSound();
-    ClipSound(const ClipSound&) = delete;
-    ClipSound& operator=(const ClipSound&) = delete;
 
     /// From now on that of this file, if it has one, as it is now; the one before is silent at once. The
     /// window's thread.

@@ -2,6 +2,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/try.hpp"
 #include "player/run/run_files.hpp"
 
@@ -47,7 +48,7 @@ constexpr std::int64_t settling_ticks = 100;
 
 /// ALSA's "default", behind which PipeWire and PulseAudio stand too, on a thread of its own, which opens them
 /// at once. Nothing waits for them, and nothing fails where there are none.
-class WindowSound::Loudspeakers {
+class WindowSound::Loudspeakers : NonCopyable {
 public:
     explicit Loudspeakers(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
         shared_->ticks = std::move(ticks);
@@ -68,8 +69,6 @@ public:
         else
             thread_.detach();
     }
-    Loudspeakers(const Loudspeakers&) = delete;
-    Loudspeakers& operator=(const Loudspeakers&) = delete;
 
     /// "sound on", or why there is none. Any thread.
     std::string state() const {

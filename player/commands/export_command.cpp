@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "engine/base/files.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -34,11 +35,9 @@ Error unwritable(const fs::path& place, const std::error_code& why) {
 }
 
 /// Files of a folder that make room for others; they go back unless `discard` says that they are not needed.
-class Aside {
+class Aside : NonCopyable {
 public:
     explicit Aside(fs::path place) : place_(std::move(place)), folder_(hidden_name(place_)) {}
-    Aside(const Aside&) = delete;
-    Aside& operator=(const Aside&) = delete;
     ~Aside() {
         std::error_code ignored;
         for (const char* name : names_) fs::rename(folder_ / name, place_ / name, ignored);

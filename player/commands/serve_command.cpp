@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/files.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -83,7 +84,7 @@ struct ServedForm {
     std::unique_ptr<StreamMuxer> muxer;  // until the sender has it
 };
 
-class Serving {
+class Serving : NonCopyable {
 public:
     explicit Serving(const ServeOptions& options) : options_(options) {}
     ~Serving() {
@@ -91,8 +92,6 @@ public:
         if (thread_.joinable()) thread_.join();
     }
 
-    Serving(const Serving&) = delete;
-    Serving& operator=(const Serving&) = delete;
     Result<void> run() {
         TRY(open_clip());
         TRY(open_forms());

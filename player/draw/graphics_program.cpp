@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/try.hpp"
 
 // Images, buffers for uploads and graphics pipelines: Vulkan's objects, made once and kept by handles.
@@ -64,10 +65,8 @@ bool is_unused(const GpuBuffer& buffer) {
 constexpr VkShaderStageFlags both_stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
 /// Two shaders for as long as a pipeline is made of them.
-struct Shaders {
+struct Shaders : NonCopyable {
     explicit Shaders(VulkanDevice& device) : gpu(device) {}
-    Shaders(const Shaders&) = delete;
-    Shaders& operator=(const Shaders&) = delete;
     ~Shaders() {
         for (VkShaderModule each : modules)
             if (each) vkDestroyShaderModule(gpu.device, each, nullptr);

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/non_copyable.hpp"
 #include "player/run/playback.hpp"
 #include "player/run/surface_feed.hpp"
 
@@ -25,7 +26,7 @@ namespace touchable {
 /// decodes takes them back and goes at once to where the hand is. Frames of an epoch that the hand has left
 /// are not built. So a published frame always belongs to an epoch that was played, and no epoch's number is
 /// used twice.
-class FeedThreads {
+class FeedThreads : NonCopyable {
 public:
     /// Whether a frame that has just been published was needed before; asked by the thread that builds.
     using IsLate = std::function<bool(const RawFrame&)>;
@@ -40,8 +41,6 @@ public:
     FeedThreads(SurfaceFeed& feed, IsLate is_late)
         : FeedThreads(feed, std::move(is_late), PlaybackClock(FrameRate{}), [] { return MediaMoment{}; }) {}
     ~FeedThreads();  ///< stops them
-    FeedThreads(const FeedThreads&) = delete;
-    FeedThreads& operator=(const FeedThreads&) = delete;
 
     /// Once. An error where the machine has no thread left; none runs then.
     Result<void> start();

@@ -24,6 +24,7 @@
 
 #include "device/hand.hpp"
 #include "engine/base/files.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/same_bits.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
 #include "player/run/playback.hpp"
@@ -45,15 +46,13 @@ enum class Pace {
 /// the work that fills it, so that a place where nothing can be written is known at once, and has its name
 /// only when it is complete: whatever goes wrong leaves nothing behind, and an older file as it was. Where
 /// the disk is full, a run by the wall clock keeps the pieces that are whole by then.
-class OutputFile {
+class OutputFile : NonCopyable {
 public:
     /// `what`: the program's name for it in messages: "--forces", "the recording". An error of kind input
     /// where nothing can be written there.
     static Result<std::unique_ptr<OutputFile>> create(std::string what, const std::filesystem::path& file,
                                                       Existing existing, Pace pace = Pace::own);
     ~OutputFile();
-    OutputFile(const OutputFile&) = delete;
-    OutputFile& operator=(const OutputFile&) = delete;
 
     /// What is whole together or not there. After an error nothing more is taken.
     Result<void> write(std::string_view piece);

@@ -12,6 +12,7 @@
 #include <functional>
 
 #include "device/hand.hpp"
+#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "player/run/touch_session.hpp"
@@ -37,12 +38,10 @@ bool is_standard_output(const std::filesystem::path& name);
 Result<void> flush_standard_output();
 
 /// One line on the terminal's error stream that is drawn again and again; silent where that is no terminal.
-class StatusLine {
+class StatusLine : NonCopyable {
 public:
     StatusLine();
     ~StatusLine();  ///< clears the line
-    StatusLine(const StatusLine&) = delete;
-    StatusLine& operator=(const StatusLine&) = delete;
 
     /// Whether to `show` something: ten times a second at most.
     bool is_due() const;
