@@ -202,8 +202,7 @@ bool SimulatedDevice::write_forces(std::span<const glm::dvec3> newtons) {
 }
 
 Result<void> SimulatedDevice::health() const {
-    if (fault_)
-        return Error{ErrorKind::device, "simulated device " + std::string(fault_) + "; open it again"};
+    if (fault_) return device_error("simulated device " + std::string(fault_) + "; open it again");
     return {};
 }
 
@@ -308,7 +307,7 @@ Result<void> PointerDevice::open() {
 
 Result<void> PointerDevice::health() const {
     if (const char* fault = fault_.load(std::memory_order_relaxed))
-        return Error{ErrorKind::device, "pointer " + std::string(fault) + "; open it again"};
+        return device_error("pointer " + std::string(fault) + "; open it again");
     return {};
 }
 

@@ -179,7 +179,7 @@ std::vector<std::int64_t> DriveTimes::Ring::within(std::int64_t from_ns, std::in
 
 Error failure_of(const HapticDevice& device) {
     const auto health = device.health();
-    return health ? Error{ErrorKind::device, device.name() + ": does not answer any more"} : health.error();
+    return health ? device_error(device.name() + ": does not answer any more") : health.error();
 }
 
 Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times, const TickPace& pace,
@@ -225,8 +225,8 @@ Result<glm::dvec3> SpringTrial::read() {
     if (!device_.read_positions(metres_)) return failure_of(device_);
     if (std::isfinite(metres_[0].x + metres_[0].y + metres_[0].z)) return metres_[0];
     const std::string prompt = device_.prompt();
-    return Error{ErrorKind::device, device_.name() + ": lost its position while a spring was tried" +
-                                        (prompt.empty() ? "" : "; " + prompt)};
+    return device_error(device_.name() + ": lost its position while a spring was tried" +
+                        (prompt.empty() ? "" : "; " + prompt));
 }
 
 Result<void> SpringTrial::push(const glm::dvec3& newtons) {
@@ -264,9 +264,9 @@ Result<HandleRest> SpringTrial::wait_for_rest() {
             (farthest <= still_m && before > 0 && farthest >= no_quieter * before))
             return HandleRest{mean, figures.deviation_m};
     }
-    return Error{ErrorKind::device, device_.name() + ": its handle does not stay still by itself (it went " +
-                                        std::to_string(static_cast<int>(std::lround(farthest * 1e6))) +
-                                        " um in 0.3 s); lay it where it stays"};
+    return device_error(device_.name() + ": its handle does not stay still by itself (it went " +
+                        std::to_string(static_cast<int>(std::lround(farthest * 1e6))) +
+                        " um in 0.3 s); lay it where it stays");
 }
 
 Result<SpringTrial::Verdict> SpringTrial::try_spring(double stiffness, const HandleRest& rest) {

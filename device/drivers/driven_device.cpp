@@ -30,9 +30,9 @@ auto answer_of(const std::string& name, Call&& call) -> decltype(call()) {
     try {
         return call();
     } catch (const std::exception& thrown) {
-        return Error{ErrorKind::device, name + ": " + thrown.what()};
+        return device_error(name + ": " + thrown.what());
     } catch (...) {
-        return Error{ErrorKind::device, name + ": failed for an unknown reason"};
+        return device_error(name + ": failed for an unknown reason");
     }
 }
 
@@ -53,7 +53,7 @@ DrivenDevice::DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings 
 Result<void> DrivenDevice::open() {
     close();
     wake_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    if (wake_ < 0) return Error{ErrorKind::internal, "no eventfd can be had for the " + name_};
+    if (wake_ < 0) return internal_error("no eventfd can be had for the " + name_);
     stopping_ = std::stop_source();
     misuse_ = nullptr;
     latest_.write({});
@@ -129,8 +129,7 @@ std::string DrivenDevice::why_no_position() const {
 }
 
 Result<void> DrivenDevice::health() const {
-    if (const char* misuse = misuse_.load())
-        return Error{ErrorKind::device, name_ + " " + misuse + "; open it again"};
+    if (const char* misuse = misuse_.load()) return device_error(name_ + " " + misuse + "; open it again");
     const std::lock_guard lock(words_mutex_);
     if (fault_) return *fault_;
     return {};

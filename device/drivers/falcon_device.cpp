@@ -283,10 +283,10 @@ Result<bool> FalconDriver::answers() {
 Result<void> FalconDriver::load() {
     constexpr int most_goes = 4;
     if (settings_.firmware.empty())
-        return Error{ErrorKind::device,
-                     "Novint Falcon: has no firmware, which it loses with its power; name the file, "
-                     "which an owner finds as docs/devices.md says",
-                     {{Setting::device, "falcon:firmware=FILE"}}};
+        return device_error(
+            "Novint Falcon: has no firmware, which it loses with its power; name the file, "
+            "which an owner finds as docs/devices.md says",
+            {{Setting::device, "falcon:firmware=FILE"}});
     Error last;
     for (int go = 0; go < most_goes; ++go) {
         const auto loaded = load_falcon_firmware(*transport_, settings_.firmware, settings_.patience);
@@ -353,7 +353,7 @@ Result<bool> FalconDriver::receive(DeviceSample& sample, microseconds patience) 
         return true;
     }
     if (static_cast<double>(clock_() - received_ns_) * 1e-9 > silent_s)
-        return Error{ErrorKind::device, "Novint Falcon: does not answer any more; is its power plugged in?"};
+        return device_error("Novint Falcon: does not answer any more; is its power plugged in?");
     return false;
 }
 

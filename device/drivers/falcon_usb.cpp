@@ -28,8 +28,8 @@ constexpr int its_interface = 0;
 constexpr unsigned longest_transfer_ms = 50;  // HapticDevice::silence_s: a hand must not wait longer
 
 Error usb_error(const std::string& name, const std::string& doing, int code) {
-    if (code == LIBUSB_ERROR_NO_DEVICE) return {ErrorKind::device, name + ": was unplugged"};
-    return {ErrorKind::device, name + ": " + doing + " failed: " + libusb_strerror(code)};
+    if (code == LIBUSB_ERROR_NO_DEVICE) return device_error(name + ": was unplugged");
+    return device_error(name + ": " + doing + " failed: " + libusb_strerror(code));
 }
 
 /// A device's word for a number or an identity: the first word of a small file.
@@ -61,7 +61,7 @@ public:
         libusb_set_auto_detach_kernel_driver(handle_, 1);
         const int code = libusb_claim_interface(handle_, its_interface);
         if (code == LIBUSB_ERROR_BUSY)
-            return Error{ErrorKind::device, name_ + ": another program holds it; end that one"};
+            return device_error(name_ + ": another program holds it; end that one");
         if (code != 0) return usb_error(name_, "claiming it", code);
         claimed_ = true;
         for (const auto& each : readings_) {
@@ -171,10 +171,10 @@ Result<std::unique_ptr<UsbPort>> open_usb_port(const fs::path& node, const std::
     const std::string named = name + " at " + node.string();
     const int descriptor = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
     if (descriptor < 0 && (errno == EACCES || errno == EPERM))
-        return Error{ErrorKind::device,
-                     named + ": no permission; the program's rules of udev give it; then plug it in again",
-                     {{Setting::device_rules}}};
-    if (descriptor < 0) return Error{ErrorKind::device, named + ": " + std::strerror(errno)};
+        return device_error(
+            named + ": no permission; the program's rules of udev give it; then plug it in again",
+            {{Setting::device_rules}});
+    if (descriptor < 0) return device_error(named + ": " + std::strerror(errno));
     auto port = std::make_unique<LibusbPort>(named, descriptor);
     TRY(port->hold());
     return port;
@@ -196,7 +196,7 @@ constexpr std::array<std::byte, 4> welcome{std::byte{0x0a}, std::byte{0x44}, std
 constexpr std::array<std::byte, 1> begin_mark{std::byte{'A'}};
 
 Error load_error(const std::string& what) {
-    return {ErrorKind::device, "Novint Falcon: loading its firmware: " + what};
+    return device_error("Novint Falcon: loading its firmware: " + what);
 }
 
 Result<void> command_all(FtdiTransport& transport, std::initializer_list<FtdiCommand> commands) {
@@ -275,8 +275,8 @@ fs::path find_usb_device(const std::string& vendor, const std::string& product, 
 Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders) {
     const fs::path node = find_usb_device("0403", "cb48", folders);
     if (node.empty())
-        return Error{ErrorKind::device,
-                     "no Novint Falcon is plugged in (USB 0403:cb48); plug in its power, then its USB cable"};
+        return device_error(
+            "no Novint Falcon is plugged in (USB 0403:cb48); plug in its power, then its USB cable");
     return open_usb_port(node, "Novint Falcon");
 }
 

@@ -232,8 +232,7 @@ public:
         }
         const std::string message = std::move(line.messages.front());
         line.messages.pop_front();
-        if (message.size() > room.size())
-            return Error{ErrorKind::device, address_ + " sent a message too long"};
+        if (message.size() > room.size()) return device_error(address_ + " sent a message too long");
         std::memcpy(room.data(), message.data(), message.size());
         return message.size();
     }
@@ -244,7 +243,7 @@ private:
     Result<void> failure() const {
         const ServiceLine& line = connection_->line();
         if (line.state == ServiceLine::State::open) return {};
-        return Error{ErrorKind::device, "the Haply service at " + address_ + " is gone: " + line.failure};
+        return device_error("the Haply service at " + address_ + " is gone: " + line.failure);
     }
 
     std::unique_ptr<ServiceConnection> connection_;
@@ -254,11 +253,10 @@ private:
 /// "HS:" is what libwebsockets says of a server that answers, but not as a WebSocket.
 Error no_haply_service(const std::string& address, const std::string& why) {
     if (why.find("HS:") != std::string::npos || why.starts_with(no_answer))
-        return Error{ErrorKind::device, "what answers at " + address + " is no Haply service (" + why +
-                                            "); right would be inverse3:port=N with the service's port"};
-    return Error{ErrorKind::device,
-                 "no Haply service at " + address +
-                     "; start it (sudo systemctl start haply-inverse-service, or open Haply Hub)"};
+        return device_error("what answers at " + address + " is no Haply service (" + why +
+                            "); right would be inverse3:port=N with the service's port");
+    return device_error("no Haply service at " + address +
+                        "; start it (sudo systemctl start haply-inverse-service, or open Haply Hub)");
 }
 
 }  // namespace

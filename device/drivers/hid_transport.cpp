@@ -61,7 +61,7 @@ Error hid_not_opened(const std::string& node, int failure) {
     if (is_forbidden) words += "; the program's rules of udev permit it; then plug it in again";
     if (is_missing || failure == ENODEV || failure == ENXIO)
         words += "; right would be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
-    return {ErrorKind::device, std::move(words), is_forbidden ? Hints{{Setting::device_rules}} : Hints()};
+    return device_error(std::move(words), is_forbidden ? Hints{{Setting::device_rules}} : Hints());
 }
 
 }  // namespace
@@ -126,15 +126,14 @@ Result<std::unique_ptr<HidTransport>> HidTransport::open(const std::string& node
     // hidapi 0.13 frees what it does not own where a node turns out to be no HID device.
     if (int bytes = 0; ioctl(spare, HIDIOCGRDESCSIZE, &bytes) < 0) {
         ::close(spare);
-        return Error{ErrorKind::device,
-                     node + ": is no HID device; right would be a node such as /dev/hidraw0"};
+        return device_error(node + ": is no HID device; right would be a node such as /dev/hidraw0");
     }
     const std::lock_guard lock(hid_opening);
     if (hid_device* const device = hid_open_path(node.c_str()))
         return std::unique_ptr<HidTransport>(new HidTransport(node, device, spare));
     const std::string why = in_plain_letters(hid_error(nullptr));
     ::close(spare);
-    return Error{ErrorKind::device, node + ": hidapi cannot use it (" + why + ")"};
+    return device_error(node + ": hidapi cannot use it (" + why + ")");
 }
 
 HidTransport::~HidTransport() {
@@ -143,8 +142,8 @@ HidTransport::~HidTransport() {
 }
 
 Error HidTransport::gone(const char* doing) const {
-    return {ErrorKind::device, node_ + ": " + doing + " failed (" + in_plain_letters(hid_error(device_)) +
-                                   "); is it still plugged in?"};
+    return device_error(node_ + ": " + doing + " failed (" + in_plain_letters(hid_error(device_)) +
+                        "); is it still plugged in?");
 }
 
 Result<void> HidTransport::send(std::span<const std::byte> report) {

@@ -17,7 +17,7 @@ using nlohmann::json;
 constexpr std::size_t longest_inverse3_id = 64;
 
 Error no_inverse3_message(const std::string& what) {
-    return Error{ErrorKind::device, "the Haply service sent " + what + "; right would be a state in JSON"};
+    return device_error("the Haply service sent " + what + "; right would be a state in JSON");
 }
 
 /// A member of an object; null where there is none.
@@ -150,7 +150,7 @@ Result<Inverse3Version> parse_inverse3_version(std::string_view words) {
             (minor.ptr == end || *minor.ptr == '.' || *minor.ptr == '-'))
             return version;
     }
-    return Error{ErrorKind::device, in_quotes(words) + " is no version of the Haply service; one is \"3.5\""};
+    return device_error(in_quotes(words) + " is no version of the Haply service; one is \"3.5\"");
 }
 
 Result<Inverse3Version> decode_inverse3_version(std::string_view answer) {
@@ -162,15 +162,15 @@ Result<Inverse3Version> decode_inverse3_version(std::string_view answer) {
         if (auto version = parse_inverse3_version(words.get_ref<const std::string&>()); version)
             return version;
     }
-    return Error{ErrorKind::device, "the Haply service answered GET /version with " +
-                                        in_quotes(answer.substr(0, 80)) + ", which names no version"};
+    return device_error("the Haply service answered GET /version with " + in_quotes(answer.substr(0, 80)) +
+                        ", which names no version");
 }
 
 Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version) {
     if (version.major == 3 && version.minor >= 5) return Inverse3Dialect::vector;
     if (version.major == 3 && version.minor >= 1) return Inverse3Dialect::values;
-    return Error{ErrorKind::device, "Haply Inverse Service " + version_in_words(version) +
-                                        " is not known here; right would be 3.1 to any other 3.x"};
+    return device_error("Haply Inverse Service " + version_in_words(version) +
+                        " is not known here; right would be 3.1 to any other 3.x");
 }
 
 Result<Inverse3Message> decode_inverse3_message(std::string_view text) {
@@ -302,11 +302,10 @@ Result<void> Inverse3Driver::learn_version() {
         TRY_ASSIGN(const auto answer, service_->get("/version", connecting_patience));
         const auto version = decode_inverse3_version(answer);
         if (!version)
-            return Error{ErrorKind::device,
-                         service_->address() +
-                             " does not say which version it is (GET /version); right would be "
-                             "a Haply Inverse Service from 3.1 on, or its version, as "
-                             "inverse3:service=3.4"};
+            return device_error(service_->address() +
+                                " does not say which version it is (GET /version); right would be "
+                                "a Haply Inverse Service from 3.1 on, or its version, as "
+                                "inverse3:service=3.4");
         version_ = *version;
     }
     TRY_ASSIGN(const auto dialect, inverse3_dialect(version_));
@@ -327,8 +326,8 @@ Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Messa
         if (received && enough(*received)) return std::move(*received);
         const nanoseconds waited(ns_since(since));
         if (waited > connecting_patience)
-            return Error{ErrorKind::device, "the Haply service at " + service_->address() +
-                                                " does not tell the state of its devices; restart it"};
+            return device_error("the Haply service at " + service_->address() +
+                                " does not tell the state of its devices; restart it");
         if (waited > first_word && !std::exchange(asked, true))
             TRY(send_text(encode_inverse3_full_state_request()));
     }
@@ -338,25 +337,21 @@ Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
     const auto found =
         choice_.id.empty() ? arms.begin() : std::ranges::find(arms, choice_.id, &Inverse3Arm::id);
     if (arms.empty())
-        return Error{ErrorKind::device,
-                     "the Haply service knows of no Inverse3; plug it in and switch it on"};
+        return device_error("the Haply service knows of no Inverse3; plug it in and switch it on");
     if (choice_.id.empty() && arms.size() > 1)
-        return Error{ErrorKind::device,
-                     "there are several Inverse3, " + listed(arms, &Inverse3Arm::id) + ": choose one",
-                     {{Setting::device, "inverse3:id=" + arms.front().id}}};
+        return device_error("there are several Inverse3, " + listed(arms, &Inverse3Arm::id) + ": choose one",
+                            {{Setting::device, "inverse3:id=" + arms.front().id}});
     if (found == arms.end())
-        return Error{ErrorKind::device, "there is no Inverse3 '" + choice_.id +
-                                            "'; the Haply service knows of " +
-                                            listed(arms, &Inverse3Arm::id)};
+        return device_error("there is no Inverse3 '" + choice_.id + "'; the Haply service knows of " +
+                            listed(arms, &Inverse3Arm::id));
     if (found->settings) {
         const auto scale = settings_.force_scale;
         settings_ = *found->settings;
         settings_.force_scale = scale;
     }
     if (!settings_.basis.empty() && settings_.basis != "XYZ" && settings_.basis != "+X+Y+Z")
-        return Error{ErrorKind::device, "the Haply service turns the axes of " + found->id + " (basis " +
-                                            settings_.basis.substr(0, 12) +
-                                            "); right would be XYZ, set in Haply Hub"};
+        return device_error("the Haply service turns the axes of " + found->id + " (basis " +
+                            settings_.basis.substr(0, 12) + "); right would be XYZ, set in Haply Hub");
     id_ = found->id;
     return {};
 }
@@ -378,7 +373,7 @@ void Inverse3Driver::disconnect() noexcept {
 }
 
 Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
-    if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
+    if (!transport_) return device_error("the Inverse3 is not connected");
     const bool pushes = newtons[0] != glm::dvec3(0);
     if (unanswered_ >= most_unanswered && !(pushed_ && !pushes)) return {};
     std::this_thread::sleep_for(shortest_turn - nanoseconds(ns_since(said_ns_)));
@@ -413,7 +408,7 @@ Result<std::optional<Inverse3Message>> Inverse3Driver::receive_message(microseco
 
 /// The newest of what has come. Nonsense does not prolong the wait for it.
 Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience) {
-    if (!transport_) return Error{ErrorKind::device, "the Inverse3 is not connected"};
+    if (!transport_) return device_error("the Inverse3 is not connected");
     bool any = false;
     const std::int64_t since = clock_();
     for (int most = 64; most > 0; --most) {
@@ -427,8 +422,8 @@ Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience
         any = any || taken;
     }
     if (unanswered_ > 0 && nanoseconds(ns_since(answered_ns_)) > longest_answer)
-        return Error{ErrorKind::device, "the Haply service at " + service_->address() +
-                                            " has not answered for half a second; restart it"};
+        return device_error("the Haply service at " + service_->address() +
+                            " has not answered for half a second; restart it");
     return any;
 }
 
@@ -440,8 +435,7 @@ Result<void> Inverse3Driver::forget_what_came() {
 Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& sample) {
     const auto arm = std::ranges::find(message.arms, id_, &Inverse3Arm::id);
     if (arm == message.arms.end())
-        return Error{ErrorKind::device,
-                     "Inverse3 " + id_ + " is gone from the Haply service; plug it in again"};
+        return device_error("Inverse3 " + id_ + " is gone from the Haply service; plug it in again");
     trouble_.clear();
     if (arm->powered == false) trouble_ = "has no power: plug in its power supply";
     if (arm->ready == false) trouble_ = "is not ready: look at it in Haply Hub";

@@ -94,7 +94,7 @@ Result<void> check_packet(std::span<const std::byte> bytes) {
 // ---- Sockets
 
 Error socket_error(const std::string& where) {
-    return {ErrorKind::device, where + ": " + std::strerror(errno)};
+    return device_error(where + ": " + std::strerror(errno));
 }
 
 // ---- The driver
@@ -202,8 +202,7 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
     const std::string where = "UDP " + address + ":" + std::to_string(port);
     auto own = read_udp_address(address);
     if (!own)
-        return Error{ErrorKind::device,
-                     where + ": is no address in figures; right would be 127.0.0.1, 0.0.0.0 or ::1"};
+        return device_error(where + ": is no address in figures; right would be 127.0.0.1, 0.0.0.0 or ::1");
     descriptor_ = socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (descriptor_ < 0) return socket_error(where);
     const int off = 0;
@@ -264,8 +263,8 @@ Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) {
 Result<void> NetworkDriver::connect() {
     peer_.reset();
     if (!settings_.from.empty() && !from_)
-        return Error{ErrorKind::device, "network:from=" + settings_.from +
-                                            ": is no address in figures; right would be such as 192.168.1.7"};
+        return device_error("network:from=" + settings_.from +
+                            ": is no address in figures; right would be such as 192.168.1.7");
     TRY(socket_->bind(settings_.listen, settings_.port));
     const std::lock_guard lock(words_mutex_);
     listens_at_ = "UDP " + settings_.listen + ":" + std::to_string(socket_->port());

@@ -144,7 +144,7 @@ Result<void> ReplayDriver::connect() {
 }
 
 Result<void> ReplayDriver::send(std::span<const glm::dvec3>) {
-    if (!connected_) return Error{ErrorKind::device, "the replay of " + printable(file_) + " is closed"};
+    if (!connected_) return device_error("the replay of " + printable(file_) + " is closed");
     return {};
 }
 
@@ -154,7 +154,7 @@ nanoseconds ReplayDriver::time_of(std::size_t tick) const {
 
 /// The newest tick whose time has come; those that were missed are gone, as they are for a device.
 Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
-    if (!connected_) return Error{ErrorKind::device, "the replay of " + printable(file_) + " is closed"};
+    if (!connected_) return device_error("the replay of " + printable(file_) + " is closed");
     const nanoseconds until = clock_->now() + patience;
     if (next_ == log_.ticks()) {
         // The last tick's place stands as long as those before did: until another would have come.

@@ -231,8 +231,7 @@ std::span<char> own_command_line() {
 }
 
 Error not_started(const char* what) {
-    return {ErrorKind::internal,
-            std::string(what) + " that leaves devices unpowered: " + std::strerror(errno)};
+    return internal_error(std::string(what) + " that leaves devices unpowered: " + std::strerror(errno));
 }
 
 WatchdogOrder::Packet packet_of(const std::vector<std::byte>& bytes) {
@@ -295,18 +294,18 @@ SafetyWatchdog::~SafetyWatchdog() {
 Result<void> SafetyWatchdog::health() const {
     const bool is_gone = has_ended(socket_, 0);
     if (!is_gone && !stands_still_) return {};
-    return Error{ErrorKind::device,
-                 "the process that leaves devices unpowered when this program cannot (safety-watchdog, " +
-                     std::to_string(process_) + ") " + (is_gone ? "is gone" : "stands still") +
-                     "; there is no force without it: start the program again"};
+    return device_error(
+        "the process that leaves devices unpowered when this program cannot (safety-watchdog, " +
+        std::to_string(process_) + ") " + (is_gone ? "is gone" : "stands still") +
+        "; there is no force without it: start the program again");
 }
 
 Result<SafetyWatchdog::Kept> SafetyWatchdog::keep(std::shared_ptr<SafetyWatchdog> watchdog) {
     const std::lock_guard lock(watchdog->mutex_);
     const auto free = std::ranges::find(watchdog->taken_, false);
     if (free == std::end(watchdog->taken_))
-        return Error{ErrorKind::device,
-                     "no more than " + std::to_string(most_devices) + " devices can be used at a time"};
+        return device_error("no more than " + std::to_string(most_devices) +
+                            " devices can be used at a time");
     *free = true;
     const auto place = static_cast<std::size_t>(free - std::begin(watchdog->taken_));
     return Kept(std::move(watchdog), place);
@@ -339,7 +338,7 @@ Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket
     message.msg_iovlen = 1;
     if (packet) {
         if (std::max(packet->bytes.size(), packet->meanwhile.size()) > most_bytes)
-            return Error{ErrorKind::internal, "a device's last word is too long to be kept"};
+            return internal_error("a device's last word is too long to be kept");
         order.endpoint = packet->usb_endpoint ? *packet->usb_endpoint : -1;
         order.last = packet_of(packet->bytes);
         order.meanwhile = packet_of(packet->meanwhile);
@@ -358,8 +357,8 @@ Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket
     // Once it is done, a socket that was let go of is free for another.
     if (sent == static_cast<ssize_t>(sizeof order) && is_done(order.number)) return {};
     TRY(health());
-    return Error{ErrorKind::device, "the process that leaves devices unpowered (safety-watchdog, " +
-                                        std::to_string(process_) + ") does not answer"};
+    return device_error("the process that leaves devices unpowered (safety-watchdog, " +
+                        std::to_string(process_) + ") does not answer");
 }
 
 SafetyWatchdog::Kept& SafetyWatchdog::Kept::operator=(Kept&& other) noexcept {

@@ -15,9 +15,9 @@ constexpr std::size_t most_button_bytes = 4;
 constexpr std::chrono::microseconds spacemouse_turn{1000};  // a finger that moves is asked for at 1 kHz
 
 Error report_too_short(std::span<const std::byte> bytes, std::size_t right) {
-    return {ErrorKind::device, "a SpaceMouse's report " + std::to_string(std::to_integer<int>(bytes[0])) +
-                                   " has " + std::to_string(bytes.size()) + " bytes; right would be " +
-                                   std::to_string(right) + " or more"};
+    return device_error("a SpaceMouse's report " + std::to_string(std::to_integer<int>(bytes[0])) + " has " +
+                        std::to_string(bytes.size()) + " bytes; right would be " + std::to_string(right) +
+                        " or more");
 }
 
 constexpr SpaceMousePace standard_pace;  // of a puck
@@ -36,7 +36,7 @@ bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
 }
 
 Result<SpaceMouseReport> decode_spacemouse_report(std::span<const std::byte> bytes) {
-    if (bytes.empty()) return Error{ErrorKind::device, "a SpaceMouse's report has no bytes"};
+    if (bytes.empty()) return device_error("a SpaceMouse's report has no bytes");
     SpaceMouseReport report;
     switch (std::to_integer<int>(bytes[0])) {
         case 1:

@@ -205,8 +205,8 @@ std::array<std::int16_t, 3> wooden_currents(const WoodenParameters& build, const
 
 Result<WoodenReading> decode_wooden_reading(std::span<const std::byte> report) {
     if (report.size() != WoodenReading::bytes)
-        return Error{ErrorKind::device, "a report of " + std::to_string(report.size()) +
-                                            " bytes came; right would be the 14 of WoodenHaptics' firmware"};
+        return device_error("a report of " + std::to_string(report.size()) +
+                            " bytes came; right would be the 14 of WoodenHaptics' firmware");
     WoodenWords words;
     for (std::size_t word = 0; word < words.size(); ++word) words[word] = report_word(report, 2 * word);
     return WoodenReading{{words[0], words[1], words[2], words[3], words[4], words[5]}, words[6]};
@@ -261,7 +261,7 @@ Result<void> WoodenHapticsDriver::await_reading(const std::function<bool()>& is_
         TRY(transport_->send(encode_wooden_currents({})));
         TRY_ASSIGN(const auto came, read_newest(while_it_wakes));
         if (came && is_right()) return {};
-        if (clock_() - since > waking_ns) return Error{ErrorKind::device, build_.name + ": " + otherwise};
+        if (clock_() - since > waking_ns) return device_error(build_.name + ": " + otherwise);
     }
     return interrupted_error();
 }
@@ -296,8 +296,7 @@ Result<bool> WoodenHapticsDriver::receive(DeviceSample& sample, std::chrono::mic
     TRY_ASSIGN(const auto came, read_newest(patience));
     if (!came) {
         if (clock_() - read_ns_ > silent_ns)
-            return Error{ErrorKind::device,
-                         build_.name + ": has said nothing for a second; is its board still powered?"};
+            return device_error(build_.name + ": has said nothing for a second; is its board still powered?");
         return false;
     }
     look_at_button();

@@ -4,8 +4,8 @@
 //
 // A function that can fail returns Result<T>: a value, or an Error with one line for a person (what is wrong,
 // where, what would be right) and its kind, of which exit_code makes the program's. Ask it by `if (!result)`,
-// then use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. input_error and usage_error
-// make the errors of most functions, and error_at puts a place before one: a function that does not know its
+// then use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. input_error, usage_error and
+// the like make the errors, and error_at puts a place before one: a function that does not know its
 // file's name says what is wrong, and its caller says where. Nothing is thrown across a module's border.
 //
 // An Error may hint at a Setting: a library does not know what a program calls it, an option or a row of a
@@ -110,6 +110,16 @@ inline Error input_error(std::string message, Hints hints = {}) {
 }
 inline Error usage_error(std::string message, Hints hints = {}) {
     return {ErrorKind::usage, std::move(message), std::move(hints)};
+}
+inline Error device_error(std::string message, Hints hints = {}) {
+    return {ErrorKind::device, std::move(message), std::move(hints)};
+}
+inline Error gpu_error(std::string message, Hints hints = {}) {
+    return {ErrorKind::gpu, std::move(message), std::move(hints)};
+}
+/// A fault of this program, or of what it is made of.
+inline Error internal_error(std::string message) {
+    return {ErrorKind::internal, std::move(message)};
 }
 /// The same of a place: a file, a node, a device.
 inline Error error_at(const std::string& where, Error error) {

@@ -381,7 +381,7 @@ RawFrame resized_frame(const RawFrame& frame, int width, int height) {
 Result<void> FrameCheck::check(const RawFrame& frame, const Scene& scene) {
     const std::string number = std::to_string(frame.number);
     const auto misuse = [&](const std::string& what) {
-        return Error{ErrorKind::internal, "frame " + number + " given to the clip writer: " + what};
+        return internal_error("frame " + number + " given to the clip writer: " + what);
     };
     if (frame.number != frames_) return misuse("number " + std::to_string(frames_) + " was due");
     if (frame.depth.empty()) return misuse("it has no depth");

@@ -20,7 +20,7 @@ constexpr AVRational millisecond{1, 1000};
 Result<std::unique_ptr<ReadAlong>> ReadAlong::open(const TrackEncoder& encoder, PlaneRole role) {
     const MuxedClipWriter::Muxer container(avformat_alloc_context());
     AVStream* const stream = container ? avformat_new_stream(container.get(), nullptr) : nullptr;
-    if (!stream) return Error{ErrorKind::internal, "out of memory"};
+    if (!stream) return memory_error();
     TRY(encoder.describe(*stream->codecpar));
     TRY_ASSIGN(auto decoder, TrackDecoder::open(*stream, role, "what is written"));
     return std::unique_ptr<ReadAlong>(new ReadAlong(std::move(decoder)));
@@ -30,8 +30,7 @@ Result<std::unique_ptr<ReadAlong>> ReadAlong::open(const TrackEncoder& encoder, 
 Result<void> ReadAlong::add(const AVPacket& packet) {
     TRY(decoder_.send(&packet));
     TRY_ASSIGN(auto picture, decoder_.receive());
-    if (!picture)
-        return Error{ErrorKind::internal, decoder_.where() + ": is not decoded before the next one"};
+    if (!picture) return internal_error(decoder_.where() + ": is not decoded before the next one");
     newest_ = std::move(picture->plane);
     return {};
 }
@@ -63,8 +62,7 @@ Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
     TRY(output_.check());
     AVFormatContext* muxer = nullptr;
     int status = avformat_alloc_output_context2(&muxer, nullptr, format_, nullptr);
-    if (status < 0)
-        return Error{ErrorKind::internal, "muxer " + std::string(format_) + ": " + ffmpeg_text(status)};
+    if (status < 0) return internal_error("muxer " + std::string(format_) + ": " + ffmpeg_text(status));
     muxer_.reset(muxer);
     muxer_->flags |= AVFMT_FLAG_BITEXACT;  // no random identifiers, no dates: same frames, same bytes
     if (sound_ && avformat_query_codec(muxer_->oformat, sound_->codec().codec_id, FF_COMPLIANCE_NORMAL) != 1)
@@ -124,14 +122,13 @@ std::int64_t MuxedClipWriter::time_ms(std::int64_t frame) const {
 }
 
 Result<void> MuxedClipWriter::write_frame(const RawFrame& frame) {
-    if (over_)
-        return Error{ErrorKind::internal, "a frame is given to a clip that is finished, or has failed"};
+    if (over_) return internal_error("a frame is given to a clip that is finished, or has failed");
     TRY(check_.check(frame, scene_));
     return add(frame);
 }
 
 Result<void> MuxedClipWriter::end() {
-    if (over_) return Error{ErrorKind::internal, "the clip is finished already, or has failed"};
+    if (over_) return internal_error("the clip is finished already, or has failed");
     if (check_.frames() == 0) return refuse("not written: no frame was given");
     TRY(add_rest());
     TRY(write_sound(time_ms(check_.frames())));

@@ -83,7 +83,7 @@ std::optional<std::int64_t> ns_of(std::string_view line) {
 }
 
 Error no_memory() {
-    return {ErrorKind::internal, "out of memory"};
+    return memory_error();
 }
 
 }  // namespace

@@ -171,8 +171,7 @@ private:
         const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
         const auto box = mpeg4::first_box(**file, "moov", 0, end);
         if (!box) return refuse_for(box.error());
-        if (!*box || (*box)->end != end)
-            return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
+        if (!*box || (*box)->end != end) return internal_error("the movie box is not the MP4 file's last");
         const auto movie = mpeg4::bytes_at(**file, (*box)->content, end - (*box)->content);
         if (!movie) return refuse_for(movie.error());
         TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(*movie, scene_stream_, 1, (*box)->at));

@@ -42,7 +42,7 @@ const OwnCodec* own_codec(const AVCodecParameters& stored) {
 }
 
 Error encoder_error(const std::string& what) {
-    return {ErrorKind::internal, "encoder: " + what};
+    return internal_error("encoder: " + what);
 }
 
 /// How a picture is cut for FFV1: n x n slices, which decode side by side, none over 4 megapixels; 0 where

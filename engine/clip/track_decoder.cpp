@@ -128,7 +128,7 @@ std::string form_text(const AVFrame& frame) {
 }
 
 Error undecodable(const std::string& where, int status) {
-    if (status == AVERROR(ENOMEM)) return {ErrorKind::internal, where + ": out of memory"};
+    if (status == AVERROR(ENOMEM)) return internal_error(where + ": out of memory");
     return input_error(where + ": is damaged: " + ffmpeg_text(status));
 }
 
@@ -149,7 +149,7 @@ Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& strea
     if (!decoder)
         return input_error(where + ": has codec " + codec_name(stored) + ", which this FFmpeg cannot decode");
     CodecPtr codec(avcodec_alloc_context3(decoder));
-    if (!codec) return Error{ErrorKind::internal, "out of memory"};
+    if (!codec) return memory_error();
     int status = avcodec_parameters_to_context(codec.get(), &stored);
     // Slices of a picture side by side; frames side by side would come late.
     codec->thread_type = FF_THREAD_SLICE;
@@ -244,7 +244,7 @@ Result<void> TrackDecoder::send(const AVPacket* packet) {
 
 Result<FramePtr> TrackDecoder::decoded() {
     FramePtr frame(av_frame_alloc());
-    if (!frame) return Error{ErrorKind::internal, "out of memory"};
+    if (!frame) return memory_error();
     const int status = decoder_->receive(*frame);
     if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return FramePtr{};
     if (status < 0) return undecodable(where(), status);

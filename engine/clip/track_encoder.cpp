@@ -8,7 +8,7 @@ namespace touchable {
 namespace {
 
 Error track_error(PlaneRole role, const std::string& what) {
-    return {ErrorKind::internal, "encoder of track " + std::string(role_name(role)) + ": " + what};
+    return internal_error("encoder of track " + std::string(role_name(role)) + ": " + what);
 }
 
 /// What the codec is given: grey samples of two bytes go into H.264 as two pictures of bytes, one above the

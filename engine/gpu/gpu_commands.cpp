@@ -42,23 +42,20 @@ std::string range_text(std::size_t offset, std::size_t bytes, const GpuBuffer& b
 /// Why this binding of a storage buffer cannot be: it makes no sense, or is more than the device can.
 Result<void> check_storage(const GpuBinding& binding, std::size_t bytes, const GpuFacts::Limits& limits) {
     if (bytes == 0 || !is_within(binding.offset, bytes, binding.buffer.size()))
-        return Error{ErrorKind::internal,
-                     range_text(binding.offset, bytes, binding.buffer) + " are not there"};
+        return internal_error(range_text(binding.offset, bytes, binding.buffer) + " are not there");
     if (binding.offset % limits.min_storage_buffer_alignment != 0)
-        return Error{ErrorKind::internal, "starts at " + std::to_string(binding.offset) +
-                                              ", no multiple of " +
-                                              std::to_string(limits.min_storage_buffer_alignment)};
+        return internal_error("starts at " + std::to_string(binding.offset) + ", no multiple of " +
+                              std::to_string(limits.min_storage_buffer_alignment));
     if (bytes > limits.max_storage_buffer_range)
-        return Error{ErrorKind::gpu, range_text(binding.offset, bytes, binding.buffer) + ", at most " +
-                                         std::to_string(limits.max_storage_buffer_range) + " in one binding"};
+        return gpu_error(range_text(binding.offset, bytes, binding.buffer) + ", at most " +
+                         std::to_string(limits.max_storage_buffer_range) + " in one binding");
     return {};
 }
 
 Result<void> check_texels(const GpuBinding& binding) {
-    if (binding.offset != 0 || binding.bytes) return Error{ErrorKind::internal, "texels are a whole buffer"};
+    if (binding.offset != 0 || binding.bytes) return internal_error("texels are a whole buffer");
     if (!binding.texels())
-        return Error{ErrorKind::gpu,
-                     "buffer '" + binding.buffer.name() + "' has more texels than a view may"};
+        return gpu_error("buffer '" + binding.buffer.name() + "' has more texels than a view may");
     return {};
 }
 

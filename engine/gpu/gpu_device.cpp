@@ -205,8 +205,8 @@ Result<void> create_device(VulkanDevice& gpu, bool shows_pictures) {
     std::vector<const char*> extensions = extensions_to_enable(extensions_here);
     if (shows_pictures) {
         if (!has_extension(extensions_here, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
-            return Error{ErrorKind::gpu, gpu.facts.name + " has no " VK_KHR_SWAPCHAIN_EXTENSION_NAME
-                                                          " and cannot show pictures in a window"};
+            return gpu_error(gpu.facts.name + " has no " VK_KHR_SWAPCHAIN_EXTENSION_NAME
+                                              " and cannot show pictures in a window");
         extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     }
 
@@ -293,7 +293,7 @@ void free_finished_remains() {
 }
 
 Error lost_error(const VulkanDevice& gpu) {
-    return {ErrorKind::gpu, "the GPU " + gpu.facts.name + " was lost while it worked"};
+    return gpu_error("the GPU " + gpu.facts.name + " was lost while it worked");
 }
 
 }  // namespace
@@ -415,9 +415,8 @@ Result<void> GpuDevice::wait(std::uint64_t value, std::chrono::nanoseconds at_mo
     const VkResult result = wait_on(*vulkan_, timeline_, value, patience);
     if (result == VK_TIMEOUT) {
         vulkan_->lost = true;
-        return Error{ErrorKind::gpu, "the GPU " + vulkan_->facts.name + " has not finished after " +
-                                         std::to_string(patience.count() / 1'000'000) +
-                                         " ms and is given up"};
+        return gpu_error("the GPU " + vulkan_->facts.name + " has not finished after " +
+                         std::to_string(patience.count() / 1'000'000) + " ms and is given up");
     }
     TRY(vulkan_->checked("vkWaitSemaphores", result));
     if (lost()) return lost_error(*vulkan_);

@@ -31,15 +31,15 @@ int worth(VkMemoryPropertyFlags flags, GpuMemory use) {
 constexpr std::size_t texel_bytes = 16;  // rgba32ui
 
 Error refusal(const VulkanDevice& gpu, const std::string& name, std::size_t bytes, const std::string& why) {
-    return {ErrorKind::gpu, "GPU buffer '" + name + "' of " + std::to_string(bytes) + " bytes: " + why +
-                                " on " + gpu.facts.name};
+    return gpu_error("GPU buffer '" + name + "' of " + std::to_string(bytes) + " bytes: " + why + " on " +
+                     gpu.facts.name);
 }
 
 Result<void> checked(VulkanDevice& gpu, const std::string& name, std::size_t bytes, const char* call,
                      VkResult result) {
     if (result == VK_SUCCESS) return {};
-    return Error{ErrorKind::gpu, "GPU buffer '" + name + "' of " + std::to_string(bytes) +
-                                     " bytes: " + gpu.failed(call, result).message};
+    return gpu_error("GPU buffer '" + name + "' of " + std::to_string(bytes) +
+                     " bytes: " + gpu.failed(call, result).message);
 }
 
 std::uint64_t heap_bytes(const VulkanDevice& gpu, std::uint32_t memory_type) {

@@ -59,8 +59,8 @@ CurvePush pushed(const CodeCurve& curve) {
 }
 
 Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, const char* what) {
-    return {ErrorKind::gpu, "frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
-                                " are larger than " + what + " may be on " + device.facts().name};
+    return gpu_error("frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
+                     " are larger than " + what + " may be on " + device.facts().name);
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ std::string_view name_of(VkResult result) {
 }
 
 Error failure(const char* call, VkResult result) {
-    return {ErrorKind::gpu, std::string(call) + ": " + std::string(name_of(result))};
+    return gpu_error(std::string(call) + ": " + std::string(name_of(result)));
 }
 
 bool contains(std::string_view name, std::string_view part) {
@@ -131,7 +131,7 @@ std::string described(std::span<const GpuFacts> gpus) {
 }
 
 Error refusal(std::string why, std::span<const GpuFacts> gpus) {
-    return {ErrorKind::gpu, std::move(why) + "; " + described(gpus)};
+    return gpu_error(std::move(why) + "; " + described(gpus));
 }
 
 Result<std::size_t> only_if_usable(std::span<const GpuFacts> gpus, std::size_t index) {
@@ -179,8 +179,8 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(
     std::unique_ptr<VulkanInstance> made(new VulkanInstance);
     made->validates_ = validation || asked_by_environment();
     if (made->validates_ && !layer_is_here())
-        return Error{ErrorKind::gpu, "Vulkan's validation is asked for and " + std::string(validation_layer) +
-                                         " is not installed (Debian: vulkan-validationlayers)"};
+        return gpu_error("Vulkan's validation is asked for and " + std::string(validation_layer) +
+                         " is not installed (Debian: vulkan-validationlayers)");
 
     const VkValidationFeatureEnableEXT synchronisation =
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
@@ -212,7 +212,7 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(
     }
     for (const std::string& extension : wanted_extensions) {
         if (!extension_is_here(extension.c_str()))
-            return Error{ErrorKind::gpu, "Vulkan here has not " + extension + ", which a window needs"};
+            return gpu_error("Vulkan here has not " + extension + ", which a window needs");
         extensions.push_back(extension.c_str());
     }
     info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
@@ -265,7 +265,7 @@ VulkanDevice::~VulkanDevice() {
 
 Error VulkanDevice::failed(std::string_view call, VkResult result) {
     if (result == VK_ERROR_DEVICE_LOST) lost = true;
-    return {ErrorKind::gpu, std::string(call) + ": " + std::string(name_of(result)) + " on " + facts.name};
+    return gpu_error(std::string(call) + ": " + std::string(name_of(result)) + " on " + facts.name);
 }
 
 VkInstance VulkanDevice::instance_handle() const {

@@ -51,7 +51,7 @@ using ScalerPtr = std::unique_ptr<SwsContext, FfmpegDeleter>;
 using InputPtr = std::unique_ptr<AVFormatContext, FfmpegDeleter>;
 
 inline Error memory_error() {
-    return {ErrorKind::internal, "out of memory"};
+    return internal_error("out of memory");
 }
 
 /// What FFmpeg means by a negative return value.

@@ -153,7 +153,7 @@ Result<std::string> with_short_palette(std::string png, std::size_t count) {
     constexpr std::size_t whole = 3 * 256;
     const std::size_t name = png.find("PLTE");
     if (name == std::string::npos || name < 4 || png.size() < name + 8 + whole)
-        return Error{ErrorKind::internal, "PNG encoder: it wrote no palette of 256 colours"};
+        return internal_error("PNG encoder: it wrote no palette of 256 colours");
     std::string chunk = png.substr(name - 4, 4 + 4 + 3 * count + 4);  // length, name, colours, checksum
     auto* const bytes = reinterpret_cast<std::uint8_t*>(chunk.data());
     AV_WB32(bytes, static_cast<std::uint32_t>(3 * count));
@@ -165,7 +165,7 @@ Result<std::string> with_short_palette(std::string png, std::size_t count) {
 
 Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
     const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_PNG);
-    if (!codec) return Error{ErrorKind::internal, "this FFmpeg has no PNG encoder"};
+    if (!codec) return internal_error("this FFmpeg has no PNG encoder");
     CodecPtr encoder(avcodec_alloc_context3(codec));
     PacketPtr packet(av_packet_alloc());
     if (!encoder || !packet) return memory_error();
@@ -187,7 +187,7 @@ Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
     if (status >= 0) status = avcodec_send_frame(encoder.get(), &frame);
     if (status >= 0) status = avcodec_send_frame(encoder.get(), nullptr);
     if (status >= 0) status = avcodec_receive_packet(encoder.get(), packet.get());
-    if (status < 0) return Error{ErrorKind::internal, "PNG encoder: " + ffmpeg_text(status)};
+    if (status < 0) return internal_error("PNG encoder: " + ffmpeg_text(status));
     return std::string(reinterpret_cast<const char*>(packet->data), static_cast<std::size_t>(packet->size));
 }
 
@@ -309,7 +309,7 @@ Result<std::string> png_bytes(const PlaneView& image, PngEffort effort, PngColou
     silence_ffmpeg();
     if (image.empty() || image.width < 1 || image.height < 1 ||
         !(image.channels == 1 || (image.channels == 3 && image.bytes_per_sample == 1)))
-        return Error{ErrorKind::internal, "only grey and 8-bit RGB pictures are written as PNG"};
+        return internal_error("only grey and 8-bit RGB pictures are written as PNG");
     const bool may_be_indexed = colours == PngColours::indexed_if_few && image.channels == 3;
     const auto few = may_be_indexed ? few_colours(image) : std::vector<std::uint32_t>();
     TRY_ASSIGN(const auto frame, few.empty() ? png_input(image) : indexed_input(image, few));

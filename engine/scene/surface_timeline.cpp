@@ -76,7 +76,7 @@ void SurfaceTimeline::begin_epoch(std::uint64_t epoch) {
 }
 
 Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns) {
-    if (!acquired_) return Error{ErrorKind::internal, "timeline: publish without an acquired frame"};
+    if (!acquired_) return internal_error("timeline: publish without an acquired frame");
     TRY(check_later(number, time_ns));
     append(number, time_ns, *acquired_);
     acquired_.reset();
@@ -85,11 +85,10 @@ Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns)
 
 Result<bool> SurfaceTimeline::republish(std::int64_t number, std::int64_t time_ns) {
     const std::uint64_t published = published_.load(std::memory_order_relaxed);
-    if (!epoch_has_frames_)
-        return Error{ErrorKind::internal, "timeline: republish before the first frame of its epoch"};
+    if (!epoch_has_frames_) return internal_error("timeline: republish before the first frame of its epoch");
     // A reader that passed the epoch over has given its frames back.
     if (acquired_ == entry(published - 1).slot)
-        return Error{ErrorKind::internal, "timeline: republish of a frame that is being built anew"};
+        return internal_error("timeline: republish of a frame that is being built anew");
     TRY(check_later(number, time_ns));
     // One entry stays free, so that publishing an acquired slot never meets a full ring.
     const std::uint64_t held = published - reader_oldest_.load(std::memory_order_acquire);

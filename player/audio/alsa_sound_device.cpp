@@ -19,7 +19,7 @@ namespace {
 void say_nothing(const char*, int, const char*, int, const char*, ...) {}
 
 Error alsa_error(const char* what, int code) {
-    return {ErrorKind::device, std::string(what) + " (" + snd_strerror(code) + ")"};
+    return device_error(std::string(what) + " (" + snd_strerror(code) + ")");
 }
 
 class AlsaSoundDevice final : public SoundDevice {
@@ -90,7 +90,7 @@ Result<std::unique_ptr<SoundDevice>> SoundDevice::open() {
 namespace touchable {
 
 Result<std::unique_ptr<SoundDevice>> SoundDevice::open() {
-    return Error{ErrorKind::device, "built without it (ALSA: libasound2-dev)"};
+    return device_error("built without it (ALSA: libasound2-dev)");
 }
 
 }  // namespace touchable

@@ -59,7 +59,7 @@ Result<std::unique_ptr<Gamepad>> Gamepad::open() {
     SDL_SetMainReady();
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
     SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
-    if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0) return Error{ErrorKind::device, SDL_GetError()};
+    if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0) return device_error(SDL_GetError());
     return std::make_unique<SdlGamepad>();
 }
 
@@ -70,7 +70,7 @@ Result<std::unique_ptr<Gamepad>> Gamepad::open() {
 namespace touchable {
 
 Result<std::unique_ptr<Gamepad>> Gamepad::open() {
-    return Error{ErrorKind::device, "built without it (SDL2: libsdl2-dev)"};
+    return device_error("built without it (SDL2: libsdl2-dev)");
 }
 
 }  // namespace touchable

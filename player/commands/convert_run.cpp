@@ -524,9 +524,8 @@ private:
             progress.at(number + 1);
             TRY_ASSIGN(const auto now, written.next());
             if (!now || mark_of(*now) != marks_[static_cast<std::size_t>(number)])
-                return Error{ErrorKind::internal, options_.out.string() + ": not written: frame " +
-                                                      std::to_string(number) +
-                                                      " comes back otherwise than it was"};
+                return internal_error(options_.out.string() + ": not written: frame " +
+                                      std::to_string(number) + " comes back otherwise than it was");
         }
         return {};
     }

@@ -187,9 +187,8 @@ Result<void> wait_for_position(HapticDevice& device, int seconds) {
         if (std::isfinite(metres[0].x + metres[0].y + metres[0].z)) return {};
         const std::string prompt = device.prompt();
         if (std::chrono::steady_clock::now() >= until)
-            return Error{ErrorKind::device,
-                         device.name() + ": no position within " + std::to_string(seconds) + " s" +
-                             (prompt.empty() ? "" : "; " + prompt) + " (--wait S waits longer)"};
+            return device_error(device.name() + ": no position within " + std::to_string(seconds) + " s" +
+                                (prompt.empty() ? "" : "; " + prompt) + " (--wait S waits longer)");
         if (line.is_due()) line.show(prompt.empty() ? "waiting for a position" : prompt);
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }

@@ -80,7 +80,7 @@ Result<void> run_plot_script(const std::vector<std::string>& words, const fs::pa
     command.insert(command.end(), words.begin(), words.end());
     std::array<int, 2> errors;
     if (pipe2(errors.data(), O_CLOEXEC) != 0)
-        return Error{ErrorKind::internal, std::string("no pipe to Python: ") + std::strerror(errno)};
+        return internal_error(std::string("no pipe to Python: ") + std::strerror(errno));
     pid_t child = 0;
     const int why = start(command, to, errors[1], child);
     close(errors[1]);
@@ -95,9 +95,8 @@ Result<void> run_plot_script(const std::vector<std::string>& words, const fs::pa
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
     if (said.find("ModuleNotFoundError") != std::string::npos)
         return input_error("Python lacks what `plot` needs (" + said + "); Debian: python3-matplotlib");
-    return WIFEXITED(status) && WEXITSTATUS(status) == 3
-               ? input_error(said)
-               : Error{ErrorKind::internal, "the plot failed: " + said};
+    return WIFEXITED(status) && WEXITSTATUS(status) == 3 ? input_error(said)
+                                                         : internal_error("the plot failed: " + said);
 }
 
 struct PlotOptions {

@@ -231,7 +231,7 @@ private:
     std::optional<Error> lost_camera() const {
         if (!options_.clip.plugged || !sender_->figures().clip_ended || stop_requested()) return std::nullopt;
         const auto remarks = sender_->remarks();
-        return Error{ErrorKind::device, remarks.empty() ? "the camera gives no more frames" : remarks.back()};
+        return device_error(remarks.empty() ? "the camera gives no more frames" : remarks.back());
     }
 
     /// Who takes what is left is given it; but the end does not wait longer than a listener may take, or SRT

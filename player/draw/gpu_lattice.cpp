@@ -245,8 +245,8 @@ void put_q(const HeightField& field, const GpuLattice& lattice, const GpuBuffer&
 
 Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const {
     if (bytes <= device_->facts().limits.max_storage_buffer_range) return {};
-    return Error{ErrorKind::gpu, std::string(name) + ": " + std::to_string(bytes) +
-                                     " bytes are more than a kernel may read on " + device_->facts().name};
+    return gpu_error(std::string(name) + ": " + std::to_string(bytes) +
+                     " bytes are more than a kernel may read on " + device_->facts().name);
 }
 
 void GpuLattices::set_size(int width, int height, GpuLattice& lattice) const {
@@ -419,7 +419,7 @@ Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
 Result<void> check_colour(const PlaneView& colour, int width, int height) {
     if (!colour.empty() && (colour.width != width || colour.height != height || colour.channels != 3 ||
                             colour.bytes_per_sample != 1))
-        return Error{ErrorKind::internal, "the colour of a surface is not RGB of 8 bits and its size"};
+        return internal_error("the colour of a surface is not RGB of 8 bits and its size");
     return {};
 }
 

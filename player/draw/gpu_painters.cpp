@@ -133,12 +133,11 @@ public:
         const std::size_t bytes =
             std::size_t{8} * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
         if (bytes > device_->facts().limits.max_storage_buffer_range)
-            return Error{ErrorKind::gpu,
-                         "a picture of " + std::to_string(camera.width) + "x" +
-                             std::to_string(camera.height) +
-                             " samples is too large for the painter raster on " + device_->facts().name +
-                             "; cpu and mesh draw it",
-                         {{Setting::painter, "mesh"}}};
+            return gpu_error("a picture of " + std::to_string(camera.width) + "x" +
+                                 std::to_string(camera.height) +
+                                 " samples is too large for the painter raster on " + device_->facts().name +
+                                 "; cpu and mesh draw it",
+                             {{Setting::painter, "mesh"}});
         TRY(reserve(bytes, SurfaceRaster::large_bytes(surface.width, surface.height)));
 
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "raster"));
@@ -234,10 +233,9 @@ void MeshPipeline::draw(GpuCommands& commands, const GpuLattice& lattice, const 
 
 Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
     if (!device.facts().int64_atomics)
-        return Error{ErrorKind::gpu,
-                     device.facts().name +
-                         " has no 64-bit atomics, which the painter raster needs; mesh and cpu do not",
-                     {{Setting::painter, "mesh"}}};
+        return gpu_error(device.facts().name +
+                             " has no 64-bit atomics, which the painter raster needs; mesh and cpu do not",
+                         {{Setting::painter, "mesh"}});
     SurfaceRaster made;
     const auto storage = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
     TRY_ASSIGN(made.raster_, GpuProgram::create(device, "raster", raster_spv,

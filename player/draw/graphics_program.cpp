@@ -211,15 +211,15 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
         gpu.physical, format, info.imageType, info.tiling, info.usage, info.flags, &most);
     if (result != VK_SUCCESS || state->extent.width > most.maxExtent.width ||
         state->extent.height > most.maxExtent.height)
-        return Error{ErrorKind::gpu, gpu.facts.name + " has no picture '" + name + "' of " +
-                                         std::to_string(width) + "x" + std::to_string(height)};
+        return gpu_error(gpu.facts.name + " has no picture '" + name + "' of " + std::to_string(width) + "x" +
+                         std::to_string(height));
 
     TRY(checked(gpu, "vkCreateImage", vkCreateImage(gpu.device, &info, nullptr, &state->image)));
     gpu.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<std::uint64_t>(state->image), name);
     VkMemoryRequirements needs;
     vkGetImageMemoryRequirements(gpu.device, state->image, &needs);
     const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, GpuMemory::device);
-    if (!type) return Error{ErrorKind::gpu, gpu.facts.name + " has no memory for picture '" + name + "'"};
+    if (!type) return gpu_error(gpu.facts.name + " has no memory for picture '" + name + "'");
     VkMemoryAllocateInfo memory{};
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
     memory.allocationSize = needs.size;

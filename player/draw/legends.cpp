@@ -70,8 +70,7 @@ Result<void> draw(Image& image, const std::string& name,
     drawing(context.get(), {image.width / scale, image.height / scale, scale});
     cairo_surface_flush(surface.get());
     if (const cairo_status_t status = cairo_status(context.get()); status != CAIRO_STATUS_SUCCESS)
-        return Error{ErrorKind::internal,
-                     "the " + name + " cannot be drawn: " + cairo_status_to_string(status)};
+        return internal_error("the " + name + " cannot be drawn: " + cairo_status_to_string(status));
     for (std::size_t k = 0; k < words.size(); ++k)
         for (std::size_t channel = 0; channel < 3; ++channel)
             image.samples[3 * k + channel] = static_cast<std::uint8_t>(words[k] >> (16 - 8 * channel) & 255U);

@@ -106,7 +106,7 @@ public:
                       const MarkSizes& sizes, const GpuImage& target) override {
         if (target.extent().width != static_cast<std::uint32_t>(camera.width) ||
             target.extent().height != static_cast<std::uint32_t>(camera.height))
-            return Error{ErrorKind::internal, "a picture is not of its camera's size"};
+            return internal_error("a picture is not of its camera's size");
         TRY(reserve(camera));
         if (raster_ && shown_.is_there_for(commands)) {
             TRY(draw_surface(commands, camera));
@@ -168,12 +168,11 @@ private:
                                    static_cast<std::size_t>(camera.height);
         const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
         if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
-            return Error{ErrorKind::gpu,
-                         "a picture of " + std::to_string(camera.width) + "x" +
-                             std::to_string(camera.height) +
-                             " pixels is too large for the painter raster on " + device_->facts().name +
-                             "; mesh draws it",
-                         {{Setting::painter, "mesh"}}};
+            return gpu_error("a picture of " + std::to_string(camera.width) + "x" +
+                                 std::to_string(camera.height) +
+                                 " pixels is too large for the painter raster on " + device_->facts().name +
+                                 "; mesh draws it",
+                             {{Setting::painter, "mesh"}});
         const struct {
             GpuBuffer& buffer;
             const char* name;
@@ -359,7 +358,7 @@ Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<G
             "painter " + std::string(painter) + " does not draw on a GPU; auto, raster and mesh do",
             {{Setting::painter}});
     if (!device->facts().draws_triangles)
-        return Error{ErrorKind::gpu, device->facts().name + " draws no triangles, which a window needs"};
+        return gpu_error(device->facts().name + " draws no triangles, which a window needs");
     TRY_ASSIGN(auto fingers, FingerDrawing::create(device));
     auto made = std::make_unique<DeviceDrawing>(std::move(device), std::move(fingers));
     TRY(made->prepare(painter));

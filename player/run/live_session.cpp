@@ -190,12 +190,11 @@ Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
 Result<void> LiveSession::conclude(const HapticLoop& loop, const Result<void>& taken) {
     facts_.loop = loop.facts();
     if (!facts_.failure && facts_.loop.port_failed)
-        facts_.failure =
-            Error{ErrorKind::device, "the device stopped answering in the middle of the session"};
+        facts_.failure = device_error("the device stopped answering in the middle of the session");
     if (!taken && facts_.loop.ticks == 0) return taken;
     if (!taken && !facts_.failure) facts_.failure = taken.error();
     if (facts_.loop.broke_off)
-        return Error{ErrorKind::internal, "the haptic thread met a fault of this program and ended"};
+        return internal_error("the haptic thread met a fault of this program and ended");
     if (facts_.loop.ticks == 0 && facts_.failure) return *facts_.failure;
     if (facts_.loop.ticks == 0 && facts_.interrupted) return interrupted_error();
     facts_.sinks_fell_behind = facts_.loop.lost > 0;
