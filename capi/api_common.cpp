@@ -141,7 +141,7 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
     if (!none)
         return plane_error("depth",
                            "is of floats, but every code of the scene is a depth, and none means no surface");
-    codes.resize(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
+    codes.resize(pixel_count(plane.width, plane.height));
     // As floats, which the far plane's depth has become as well. Beyond the last code there is no surface
     // either.
     const double half_step = scene.depth.kind == DepthCodingKind::metric ? scene.depth.scale / 2 : 0,

@@ -48,9 +48,7 @@ std::vector<std::uint8_t> level_steps(const CodePicture& codes, const Scene& sce
             if (row[x] < 0 || row[x + 1] < 0 || row[x] == row[x + 1]) continue;
             if (row[x - 1] != row[x] || row[x + 2] != row[x + 1]) continue;
             const double step = std::abs(depth(row[x + 1]) - depth(row[x]));
-            if (step < 1.6 * level_distance(scene, depth(row[x])))
-                marks[static_cast<std::size_t>(y) * static_cast<std::size_t>(codes.width) +
-                      static_cast<std::size_t>(x)] = 1;
+            if (step < 1.6 * level_distance(scene, depth(row[x]))) marks[pixel_place(x, y, codes.width)] = 1;
         }
     }
     return marks;
@@ -84,10 +82,7 @@ struct ColourEdges::Line {
     bool is_row;
 
     std::size_t index(int i) const {
-        return is_row ? static_cast<std::size_t>(fixed) * static_cast<std::size_t>(width) +
-                            static_cast<std::size_t>(i)
-                      : static_cast<std::size_t>(i) * static_cast<std::size_t>(width) +
-                            static_cast<std::size_t>(fixed);
+        return is_row ? pixel_place(i, fixed, width) : pixel_place(fixed, i, width);
     }
     bool has(int i) const { return i >= 0 && i < length; }
     float depth(int i) const { return depths[index(i)]; }
@@ -289,7 +284,7 @@ ClipQuality::FrameTimes FrameTimesEstimator::times() const {
 }
 
 void HapticValuesEstimator::add(const RawFrame& frame, ClipQuality::Where::Haptic* where) {
-    const std::size_t all = static_cast<std::size_t>(scene_.width) * static_cast<std::size_t>(scene_.height);
+    const std::size_t all = pixel_count(scene_.width, scene_.height);
     if (where != nullptr)
         for (auto* marks : {&where->too_stiff, &where->more_dynamic, &where->mixed}) marks->assign(all, 0);
     std::array<HapticProperties, 256> of_code;

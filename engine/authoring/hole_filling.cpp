@@ -81,7 +81,7 @@ CodedDepth::CodedDepth(const DepthCoding& coding)
 PlaneView CodedDepth::codes_of(const RawFrame& frame, std::vector<std::uint16_t>& codes) const {
     if (coding_.kind != DepthCodingKind::hue) return frame.depth;
     const PlaneView& depth = frame.depth;
-    codes.resize(static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height));
+    codes.resize(pixel_count(depth.width, depth.height));
     std::uint16_t* to = codes.data();
     for (int y = 0; y < depth.height; ++y)
         for (int x = 0; x < depth.width; ++x) *to++ = stored_code(depth, coding_, x, y);

@@ -93,9 +93,7 @@ using Background = std::vector<BackgroundPixel>;
 class BackgroundModel {
 public:
     BackgroundModel(const CodedDepth& depth, int width, int height)
-        : depth_(depth),
-          width_(width),
-          pixels_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+        : depth_(depth), width_(width), pixels_(pixel_count(width, height)) {}
     /// `codes` of CodedDepth::codes_of. Colour, where all frames have it, is of the same size; otherwise
     /// empty.
     void add(const PlaneView& codes, const PlaneView& colour, RowBands& bands);

@@ -214,7 +214,7 @@ std::string range_in_words(const ReliefRange& range) {
 }  // namespace
 
 SurfaceRuns::SurfaceRuns(int columns, int rows) : width(columns), height(rows) {
-    const auto pixels = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    const auto pixels = pixel_count(columns, rows);
     across.assign(pixels, {0, static_cast<std::int16_t>(columns - 1)});
     down.assign(pixels, {0, static_cast<std::int16_t>(rows - 1)});
 }

@@ -21,10 +21,7 @@ struct NumberField {
     std::vector<std::int32_t> numbers;
 
     NumberField() = default;
-    NumberField(int columns, int rows)
-        : width(columns),
-          height(rows),
-          numbers(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)) {}
+    NumberField(int columns, int rows) : width(columns), height(rows), numbers(pixel_count(columns, rows)) {}
     std::int32_t* row(int y) {
         return numbers.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     }

@@ -17,8 +17,7 @@ using Point = SegmentCut::Point;
 constexpr std::uint16_t not_seen = 0, on_stroke = 1, first_piece = 2;  // of a piece of the segment
 
 std::size_t place_of(const Point& point, int width) {
-    return static_cast<std::size_t>(point.y) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(point.x);
+    return pixel_place(point.x, point.y, width);
 }
 
 /// All pixels from one to the other, each a neighbour of the last by a side, so that no way of such steps

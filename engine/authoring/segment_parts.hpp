@@ -38,7 +38,7 @@ public:
           part_(part),
           width_(width),
           height_(height),
-          known_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+          known_(pixel_count(width, height)),
           known_box_{width, height, 0, 0} {}
 
     /// The frame in which it was drawn. False: the stroke does not part the segment, and nothing was changed.

@@ -34,8 +34,7 @@ struct FigureSums {
 };
 
 std::uint16_t label_at(const Segmentation& of, int x, int y) {
-    return of.labels[static_cast<std::size_t>(y) * static_cast<std::size_t>(of.width) +
-                     static_cast<std::size_t>(x)];
+    return of.labels[pixel_place(x, y, of.width)];
 }
 
 /// All the square around it, as its corners and the middles of its sides tell, is of the same segment.
@@ -160,7 +159,7 @@ std::vector<std::uint16_t> LabelMemory::name(const std::vector<RegionLook>& look
 }
 
 void SegmentFigures::find_deviations(const PlaneView& colour, int width, int height, RowBands& bands) {
-    const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const auto pixels = pixel_count(width, height);
     brightness_.resize(pixels);
     deviations_.assign(pixels, 0);
     const auto row_of = [&](auto& plane, int y) {
@@ -225,8 +224,7 @@ void SegmentFigures::find_means(const PlaneView& colour, Segmentation& of) const
             for (std::size_t c = 0; c < 3; ++c) sums.colour[c] += rgb[c];
             if (!is_within(of, x, y, blur_reach)) continue;
             ++sums.textured;
-            sums.deviation += deviations_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                          static_cast<std::size_t>(x)];
+            sums.deviation += deviations_[pixel_place(x, y, width)];
         }
     for (std::size_t k = 0; k < all.size(); ++k) {
         const FigureSums& sums = all[k];

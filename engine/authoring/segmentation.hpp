@@ -26,9 +26,7 @@ struct PixelFeatures {
     /// Logarithm of the planar depth, so that a share of it is a difference; `no_surface` in holes.
     std::vector<std::int32_t> depth;
 
-    std::size_t place(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    }
+    std::size_t place(int x, int y) const { return pixel_place(x, y, width); }
     bool has_surface(std::size_t k) const { return depth[k] != no_surface; }
 };
 

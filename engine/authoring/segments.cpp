@@ -111,8 +111,7 @@ Result<LabelNames> names_of_map(const SegmentMap& map, const Segmentation& frame
 /// Puts a name to the segment at one of its pixels.
 Result<void> take_name(const NamedPlace& place, const Segmentation& frame, LabelNames& by_pixel) {
     const NamedSegment& name = *place.name;
-    const auto at = static_cast<std::size_t>(place.at.y) * static_cast<std::size_t>(frame.width) +
-                    static_cast<std::size_t>(place.at.x);
+    const auto at = pixel_place(place.at.x, place.at.y, frame.width);
     const std::uint16_t label = frame.labels[at];
     if (label == 0)
         return refuse_name(name,

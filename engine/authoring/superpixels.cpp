@@ -85,7 +85,7 @@ std::int32_t FeatureReader::quantum(std::int32_t depth) const {
 }
 
 void FeatureReader::read(const RawFrame& frame, PixelFeatures& features, RowBands& bands) const {
-    const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    const std::size_t pixels = pixel_count(width_, height_);
     features.width = width_;
     features.height = height_;
     for (auto* plane : {&features.brightness, &features.red_green, &features.yellow_blue})
@@ -158,8 +158,8 @@ Superpixels::Superpixels(int width, int height, int side) : width_(width), heigh
         for (int y = row_ends_[static_cast<std::size_t>(row)];
              y < row_ends_[static_cast<std::size_t>(row) + 1]; ++y)
             row_of_y_.push_back(row);
-    all_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
-    of_pixels_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    all_.resize(pixel_count(columns_, rows_));
+    of_pixels_.resize(pixel_count(width, height));
 }
 
 void Superpixels::forget() {

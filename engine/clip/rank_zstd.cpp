@@ -14,10 +14,6 @@ using enum RankZstdMode;
 
 constexpr std::size_t possible_values = 65536;
 
-std::size_t samples_of(int width, int height) {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 /// Small numbers of either sign become small ones: 0, -1, 1, -2, ...
 std::uint16_t folded(int difference) {
     const bool negative = (difference & 0x8000) != 0;
@@ -145,7 +141,7 @@ void ZstdDeleter::operator()(ZSTD_DCtx* context) const {
 
 void RankZstdEncoder::take_samples(const PlaneView& plane) {
     width_ = plane.width;
-    samples_.resize(samples_of(plane.width, plane.height));
+    samples_.resize(pixel_count(plane.width, plane.height));
     const auto row = static_cast<std::size_t>(plane.width);
     for (int y = 0; y < plane.height; ++y)
         std::memcpy(samples_.data() + row * static_cast<std::size_t>(y), plane.row(y), 2 * row);
@@ -217,7 +213,7 @@ bool RankZstdDecoder::promises(std::span<const std::uint8_t> packet, std::size_t
 
 bool RankZstdDecoder::decode(std::span<const std::uint8_t> packet, int width, int height,
                              std::uint16_t* samples, std::ptrdiff_t stride) {
-    const std::size_t count = samples_of(width, height);
+    const std::size_t count = pixel_count(width, height);
     const auto head = head_of(packet, version_, count);
     if (!head) return false;
     if (!context_) context_.reset(ZSTD_createDCtx());

@@ -268,7 +268,7 @@ CellPicture cell_picture(const RawFrame& frame, const DepthCoding& coding) {
     CellPicture picture;
     picture.has_colour =
         !frame.colour.empty() && frame.colour.width == plane.width && frame.colour.height == plane.height;
-    picture.cells.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    picture.cells.resize(pixel_count(columns, rows));
     std::vector<std::int32_t> spreads(picture.cells.size());
     std::int32_t least = std::numeric_limits<std::int32_t>::max(), most = -1;
     for (std::size_t k = 0; k < picture.cells.size(); ++k) {

@@ -53,7 +53,7 @@ public:
         if (decoded_) return AVERROR(EAGAIN);
         ended_ = packet == nullptr;
         if (!packet) return 0;
-        const std::size_t samples = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+        const std::size_t samples = pixel_count(width_, height_);
         const std::span<const std::uint8_t> bytes(packet->data, static_cast<std::size_t>(packet->size));
         if (!decoder_.promises(bytes, samples)) return AVERROR_INVALIDDATA;
         if (!pool_) pool_.reset(av_buffer_pool_init(2 * samples, nullptr));

@@ -360,8 +360,7 @@ private:
         const int width = scene().width, height = scene().height;
         const auto beside = [&](int column, int row) {
             const int i = std::clamp(column, 0, width - 1), j = std::clamp(row, 0, height - 1);
-            return is_beside(depths[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
-                                    static_cast<std::size_t>(i)]);
+            return is_beside(depths[pixel_place(i, j, width)]);
         };
         const auto is_limb = [&](int x, bool outside) {
             for (int j = -1; j <= 1; ++j)
@@ -370,8 +369,7 @@ private:
             return false;
         };
         for (int x = 0; x < width; ++x) {
-            const std::size_t pixel =
-                static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+            const std::size_t pixel = pixel_place(x, y, width);
             const bool outside = is_beside(depths[pixel]), limb = is_limb(x, outside);
             glm::dvec3 colour{0};
             if (outside) {

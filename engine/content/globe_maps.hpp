@@ -27,8 +27,7 @@ struct GlobeMap {
     /// As stored; of numbers also NaN and infinity.
     double at(int x, int y, int channel) const {
         if (values.empty()) return samples.sample(x, y, channel);
-        return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                      static_cast<std::size_t>(x)];
+        return values[pixel_place(x, y, width)];
     }
 };
 

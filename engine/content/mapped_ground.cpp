@@ -235,9 +235,7 @@ public:
 
 private:
     bool is_lake(int x, int y) const {
-        return !lakes_.empty() &&
-               lakes_[static_cast<std::size_t>(y) * static_cast<std::size_t>(maps_.mask.width) +
-                      static_cast<std::size_t>(x)];
+        return !lakes_.empty() && lakes_[pixel_place(x, y, maps_.mask.width)];
     }
 
     const GlobeMaps& maps_;
@@ -274,7 +272,7 @@ int shape_pixels(const GlobeMaps& maps) {
 HeightGrid lowest_elevations(const GlobeMaps& maps, const MapReader& reader, RowBands& rows) {
     const int finest = std::max(maps.elevation.width, maps.mask.width);
     HeightGrid grid{shape_pixels(maps), shape_pixels(maps) / 2, {}};
-    grid.values.resize(static_cast<std::size_t>(grid.width) * static_cast<std::size_t>(grid.height));
+    grid.values.resize(pixel_count(grid.width, grid.height));
     const int taps = std::clamp((finest + grid.width - 1) / grid.width, 1, 4);
     rows.for_each_band(grid.height, 1, [&](const RowBand& band) {
         for (int y = band.first; y < band.last; ++y)
@@ -285,8 +283,7 @@ HeightGrid lowest_elevations(const GlobeMaps& maps, const MapReader& reader, Row
                                          (y + (tap / taps + 0.5) / taps) / grid.height};
                     lowest = std::min(lowest, reader.elevation(place));
                 }
-                grid.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) +
-                            static_cast<std::size_t>(x)] = static_cast<float>(lowest);
+                grid.values[pixel_place(x, y, grid.width)] = static_cast<float>(lowest);
             }
     });
     return grid;

@@ -193,7 +193,7 @@ GlobeSphere globe_sphere(CameraPreset preset, int width, int height) {
 
 std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows) {
     const int width = scene.scene().width, height = scene.scene().height;
-    std::vector<double> depths(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    std::vector<double> depths(pixel_count(width, height));
     rows.for_each_band(height, 1, [&](const RowBand& band) {
         double* out = &depths[static_cast<std::size_t>(band.first) * static_cast<std::size_t>(width)];
         for (int y = band.first; y < band.last; ++y, out += width) scene.row_depths(y, t, out);

@@ -429,9 +429,7 @@ public:
             const char* from = chunk.numbers[first + c].data();
             for (int row = 0; row < chunk.height; ++row) {
                 std::uint8_t* to =
-                    image_.samples.data() + c +
-                    3 * (static_cast<std::size_t>(chunk.y + row) * static_cast<std::size_t>(image_.width) +
-                         static_cast<std::size_t>(chunk.x));
+                    image_.samples.data() + c + 3 * (pixel_place(chunk.x, chunk.y + row, image_.width));
                 from = channels_[c]->format.bytes == 2 ? put_row<std::uint16_t>(from, chunk.width, to)
                                                        : put_row<float>(from, chunk.width, to);
             }

@@ -407,7 +407,7 @@ Error tiff_damage(const TiffBytes& file, const std::string& where) {
 
 NumberPicture::NumberPicture(int width, int height, const NumberFormat& format)
     : format_(format), codes_(format.kind != NumberFormat::Kind::floating) {
-    const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const auto count = pixel_count(width, height);
     picture_.image = {width, height, 2, 1, {}};
     const auto fill = [&](auto& memory, std::size_t each) {
         memory.reserve(count * each);
@@ -427,8 +427,7 @@ void NumberPicture::put_as(int x, int y, const NumberBlock& block) {
     const bool swapped = format_.big_endian != (std::endian::native == std::endian::big);
     for (int row = 0; row < block.height; ++row) {
         const char* from = block.first + block.row_step * row;
-        std::size_t at = static_cast<std::size_t>(y + row) * static_cast<std::size_t>(picture_.image.width) +
-                         static_cast<std::size_t>(x);
+        std::size_t at = pixel_place(x, y + row, picture_.image.width);
         for (int column = 0; column < block.width; ++column, ++at, from += block.column_step) {
             const auto number = number_at<Number>(from, swapped);
             if constexpr (is_code) {

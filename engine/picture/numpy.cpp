@@ -401,7 +401,7 @@ float number_at(const StoredImage& picture, std::size_t k) {
 }
 
 std::size_t pixels_of(const StoredImage& picture) {
-    return static_cast<std::size_t>(picture.image.width) * static_cast<std::size_t>(picture.image.height);
+    return pixel_count(picture.image.width, picture.image.height);
 }
 
 class NpyStack final : public ImageStack {

@@ -98,16 +98,13 @@ DepthSample FilteredVertices::at(int x, int y) const {
 
 TileDepths FilteredVertices::tile(int tx, int ty) const {
     const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
-    const TileBounds& bounds =
-        frame_.tiles[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
-                     static_cast<std::size_t>(tx)];
+    const TileBounds& bounds = frame_.tiles[pixel_place(tx, ty, grid.tiles_x)];
     return depths_of(bounds, frame_.coding);
 }
 
 ExactVertices::ExactVertices(int width, int height, std::vector<double> depths)
     : width_(std::max(width, 0)), height_(std::max(height, 0)), depths_(std::move(depths)) {
-    depths_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_),
-                   std::numeric_limits<double>::quiet_NaN());
+    depths_.resize(pixel_count(width_, height_), std::numeric_limits<double>::quiet_NaN());
     const TileGrid grid = TileGrid::of(width_, height_);
     tiles_.reserve(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
     for (int ty = 0; ty < grid.tiles_y; ++ty)
@@ -132,20 +129,18 @@ TileDepths ExactVertices::bound(int tx, int ty) const {
 }
 
 DepthSample ExactVertices::at(int x, int y) const {
-    const double depth =
-        depths_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+    const double depth = depths_[pixel_place(x, y, width_)];
     return {depth, std::isfinite(depth)};
 }
 
 TileDepths ExactVertices::tile(int tx, int ty) const {
     const TileGrid grid = TileGrid::of(width_, height_);
-    return tiles_[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
-                  static_cast<std::size_t>(tx)];
+    return tiles_[pixel_place(tx, ty, grid.tiles_x)];
 }
 
 bool has_size(const SurfaceFrame& frame, int width, int height) {
     if (frame.width != width || frame.height != height || !frame.vertices) return false;
-    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    const std::size_t pixels = pixel_count(width, height);
     return (frame.haptic.empty() || frame.haptic.size() == 3 * pixels) &&
            (frame.heights.empty() || frame.heights.size() == pixels);
 }

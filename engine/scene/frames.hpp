@@ -33,6 +33,15 @@
 
 namespace touchable {
 
+/// How many pixels a picture has that is kept row by row, and which of them, from 0, is that of column x and
+/// row y.
+inline std::size_t pixel_count(int width, int height) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+inline std::size_t pixel_place(int x, int y, int width) {
+    return pixel_count(width, y) + static_cast<std::size_t>(x);
+}
+
 /// Samples of one picture as they were decoded, which another object owns. Samples of two bytes are in host
 /// order.
 struct PlaneView {
@@ -313,9 +322,7 @@ struct SurfaceFrame {
     std::unique_ptr<VertexSource> vertices;  ///< how the solver reads this frame; set by the builder
 
     int validity_words_per_row() const { return (width + 31) / 32; }
-    std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    }
+    std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
     std::uint32_t* validity_row(int y) {
         return validity.data() + std::ptrdiff_t{y} * validity_words_per_row();
     }

@@ -13,8 +13,7 @@ struct ValidityBits {
 
     std::uint32_t word(int w, int y) const {
         if (w < 0 || w >= words_per_row || y < 0 || y >= height) return 0;
-        return words[static_cast<std::size_t>(y) * static_cast<std::size_t>(words_per_row) +
-                     static_cast<std::size_t>(w)];
+        return words[pixel_place(w, y, words_per_row)];
     }
     bool valid(int x, int y) const { return x >= 0 && (word(x >> 5, y) >> (x & 31)) & 1U; }
     /// The pixels of a word that have a valid one to their left or right, or are valid themselves.

@@ -30,11 +30,8 @@ struct BlockGrid {
         return {(width + BlockGrid::width - 1) / BlockGrid::width,
                 (height + BlockGrid::height - 1) / BlockGrid::height};
     }
-    std::size_t count() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
-    std::size_t index(int column, int row) const {
-        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
-               static_cast<std::size_t>(column);
-    }
+    std::size_t count() const { return pixel_count(columns, rows); }
+    std::size_t index(int column, int row) const { return pixel_place(column, row, columns); }
 };
 
 /// Which frame of which builder a slot holds; by default none. A builder keeps it beside the slot's vertices,

@@ -231,8 +231,7 @@ public:
     /// Over the raw codes of the tile and the filter's reach around it: wider than of the filtered codes.
     TileDepths tile(int tx, int ty) const override {
         const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
-        auto& kept = tiles_[static_cast<std::size_t>(ty) * static_cast<std::size_t>(grid.tiles_x) +
-                            static_cast<std::size_t>(tx)];
+        auto& kept = tiles_[pixel_place(tx, ty, grid.tiles_x)];
         // Relaxed: the word is the whole answer, and two readers who compute it at once compute the same.
         std::uint64_t word = kept.load(std::memory_order_relaxed);
         if (word == 0) {
@@ -283,8 +282,7 @@ private:
 
     std::optional<std::uint16_t> finer_code(int x, int y) const {
         const int bx = x / block_, by = y / block_;
-        auto& levelled = blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(blocks_x_) +
-                                 static_cast<std::size_t>(bx)];
+        auto& levelled = blocks_[pixel_place(bx, by, blocks_x_)];
         // Two readers who level a block at once write the same.
         if (!levelled.load(std::memory_order_acquire)) {
             level_block(bx, by);

@@ -195,7 +195,7 @@ CodePicture SmoothPatches::cropped(const CodePicture& picture) {
     if (width < side || height < side) return picture;
     CodePicture kept{kept_before(width, width), kept_before(height, height), {}};
     if (kept.width == width && kept.height == height) return picture;
-    kept.codes.reserve(static_cast<std::size_t>(kept.width) * static_cast<std::size_t>(kept.height));
+    kept.codes.reserve(pixel_count(kept.width, kept.height));
     for (int y = 0; y < height; ++y) {
         if (kept_before(y + 1, height) == kept_before(y, height)) continue;
         int end = 0;
@@ -324,9 +324,7 @@ void SmoothPatches::fit_to_all(Pictures pictures) {
 
 RawFrame SmoothPatches::mosaic(const CodePicture& picture) const {
     const int width = mosaic_scene_.width, height = mosaic_scene_.height, across = width / side;
-    const auto place = [width](int x, int y) {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    };
+    const auto place = [width](int x, int y) { return pixel_place(x, y, width); };
     const auto none = static_cast<std::uint16_t>(no_depth_);
     auto codes = std::make_shared<std::vector<std::uint16_t>>(place(0, height), none);
     for (int n = 0; n < static_cast<int>(patches_.size()); ++n) {

@@ -106,7 +106,7 @@ Result<void> check_raw_frame(const RawFrame& raw, const Scene& scene) {
 
 CodePicture code_picture(const PlaneView& depth, const DepthCoding& coding) {
     CodePicture picture{depth.width, depth.height, {}};
-    picture.codes.reserve(static_cast<std::size_t>(depth.width) * static_cast<std::size_t>(depth.height));
+    picture.codes.reserve(pixel_count(depth.width, depth.height));
     for (int y = 0; y < depth.height; ++y)
         for (int x = 0; x < depth.width; ++x) {
             const std::uint16_t code = stored_code(depth, coding, x, y);

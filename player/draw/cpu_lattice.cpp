@@ -407,7 +407,7 @@ void CpuLattices::q_of(const HeightField& field, const FramePair& pair, std::vec
         q = touchable::q_of(field);
         return;
     }
-    q.resize(static_cast<std::size_t>(field.width()) * static_cast<std::size_t>(field.height()));
+    q.resize(pixel_count(field.width(), field.height()));
     q_of(field, pair, q.data(), field.width());
 }
 
@@ -581,7 +581,7 @@ void Decimation::halve_frame(const SurfaceFrame& from, SurfaceFrame& to) {
     to.width = half_of(from.width);
     to.height = half_of(from.height);
     to.coding = from.coding;
-    const std::size_t vertices = static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height);
+    const std::size_t vertices = pixel_count(to.width, to.height);
     const bool has_heights = !from.heights.empty();
     to.codes.resize(vertices);
     to.heights.resize(has_heights ? vertices : 0);

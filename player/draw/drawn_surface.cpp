@@ -104,7 +104,7 @@ float drawn_q(const HeightField& field, int x, int y) {
 
 std::vector<float> q_of(const HeightField& field) {
     std::vector<float> q;
-    q.reserve(static_cast<std::size_t>(field.width()) * static_cast<std::size_t>(field.height()));
+    q.reserve(pixel_count(field.width(), field.height()));
     for (int y = 0; y < field.height(); ++y)
         for (int x = 0; x < field.width(); ++x) q.push_back(drawn_q(field, x, y));
     return q;

@@ -30,9 +30,7 @@ struct PicturePlanes {
     std::vector<float> z;
     std::vector<PackedColour> colours;  ///< undefined where nothing is drawn
 
-    std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    }
+    std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
 };
 
 /// clip_from_lattice as the shared header wants it.

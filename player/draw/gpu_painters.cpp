@@ -255,7 +255,7 @@ Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
 }
 
 std::size_t SurfaceRaster::large_bytes(int width, int height) {
-    return 4 * (RASTER_LARGE_HEADER + static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    return 4 * (RASTER_LARGE_HEADER + pixel_count(width, height));
 }
 
 void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera,

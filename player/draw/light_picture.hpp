@@ -26,9 +26,7 @@ struct LightPicture {
     std::vector<float> z;
     std::vector<glm::vec3> light;
 
-    std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    }
+    std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
 };
 
 /// Light of a colour of three bytes.

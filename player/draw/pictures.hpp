@@ -64,9 +64,7 @@ struct ViewSurface {
     Tiles tiles;
     std::shared_ptr<const GpuLattice> on_gpu;  ///< q and tiles once more, where they were made on a GPU
 
-    std::size_t index(int x, int y) const {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    }
+    std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
 };
 
 /// Draws the triangles of a surface that shaders/cut_rule.h keeps, at full resolution, both sides, nearest

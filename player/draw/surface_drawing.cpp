@@ -164,8 +164,7 @@ private:
     }
 
     Result<void> reserve_pixels(const ViewCamera& camera) {
-        const std::size_t pixels = static_cast<std::size_t>(SurfaceRaster::resolve_pitch(camera.width)) *
-                                   static_cast<std::size_t>(camera.height);
+        const std::size_t pixels = pixel_count(SurfaceRaster::resolve_pitch(camera.width), camera.height);
         const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
         if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
             return gpu_error("a picture of " + std::to_string(camera.width) + "x" +
