@@ -95,14 +95,10 @@ std::string percent_of(double share) {
     return formatted("%.3g %%", 100 * share);
 }
 
-class FilledReader final : public ReaderAround {
+class FilledReader final : public ChangedClip {
 public:
     FilledReader(std::unique_ptr<ClipReader> clip, Known known)
-        : ReaderAround(std::move(clip)),
-          known_(std::move(known)),
-          filling_(known_.depth),
-          notes_(inner().notes()) {}
-    const std::vector<std::string>& notes() const override { return notes_; }
+        : ChangedClip(std::move(clip)), known_(std::move(known)), filling_(known_.depth) {}
     Result<std::optional<RawFrame>> next() override {
         auto frame = ReaderAround::next();
         if (!frame || !*frame) return frame;
@@ -190,7 +186,6 @@ private:
 
     Known known_;
     HolesFromMotion filling_;
-    std::vector<std::string> notes_;
     std::int64_t measured_ = 0, holes_ = 0, filled_ = 0;  // frames; pixels of those
 };
 

@@ -131,34 +131,16 @@ private:
 };
 
 /// A clip with haptic pictures of these ranges in place of its own, which a class derived from this paints.
-class HapticTrackReader : public ReaderAround {
-public:
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-
+class HapticTrackReader : public ChangedClip {
 protected:
     /// `ranges` are valid (validate).
     HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges)
-        : ReaderAround(std::move(clip)),
-          scene_(inner().scene()),
-          tracks_(inner().tracks()),
-          notes_(inner().notes()) {
+        : ChangedClip(std::move(clip)) {
         scene_.haptic = ranges;
-        const std::string haptic(role_name(PlaneRole::haptic)), height(role_name(PlaneRole::height));
-        std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == haptic; });
-        const auto after = std::ranges::find(tracks_, height, &TrackInfo::role);
-        tracks_.insert(after, {haptic, "materials of segments", "rgb24", scene_.width, scene_.height, true});
-        const auto of_none = default_touch_note(false, inner().scene());
-        std::erase_if(notes_, [&](const std::string& note) {
-            return note.starts_with(haptic + " is ") || (of_none && note == *of_none);
-        });
+        replace_track(PlaneRole::haptic,
+                      {"", "materials of segments", "rgb24", scene_.width, scene_.height, true});
+        forget_notes_of(PlaneRole::haptic);
     }
-
-private:
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
 };
 
 class PaintedReader final : public HapticTrackReader {

@@ -93,25 +93,16 @@ Result<void> check_relief_colour(const RawFrame& frame, const ClipReader& clip) 
                        " has no colour, which relief is made of");
 }
 
-class ReliefReader final : public ReaderAround {
+class ReliefReader final : public ChangedClip {
 public:
     ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene, const ReliefSettings& settings,
                  const ReliefRange& range, std::vector<std::string> notes)
-        : ReaderAround(std::move(clip)),
-          scene_(scene),
-          tracks_(inner().tracks()),
-          notes_(inner().notes()),
-          filter_(settings, scene.depth),
-          heights_(range, settings.amount) {
-        const std::string height(role_name(PlaneRole::height));
-        std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == height; });
-        tracks_.push_back({height, "relief of colour", "gray", scene.width, scene.height, true});
+        : ChangedClip(std::move(clip)), filter_(settings, scene.depth), heights_(range, settings.amount) {
+        scene_ = scene;
+        replace_track(PlaneRole::height, {"", "relief of colour", "gray", scene.width, scene.height, true});
         std::move(notes.begin(), notes.end(), std::back_inserter(notes_));
     }
 
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override {
         auto frame = ReaderAround::next();
         if (frame && !*frame) add_flicker();
@@ -129,9 +120,6 @@ public:
     void leave_out_colour() override {}
 
 private:
-    const Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
     ReliefFilter filter_;
     ReliefHeights heights_;
     std::optional<RawFrame::Place> before_;

@@ -32,18 +32,14 @@ struct CodeLine {
     }
 };
 
-class AlignedReader final : public ReaderAround {
+class AlignedReader final : public ChangedClip {
 public:
     AlignedReader(std::unique_ptr<ClipReader> clip, Scene scene, std::vector<CodeLine> lines,
                   std::string note)
-        : ReaderAround(std::move(clip)),
-          scene_(std::move(scene)),
-          notes_(inner().notes()),
-          lines_(std::move(lines)) {
+        : ChangedClip(std::move(clip)), lines_(std::move(lines)) {
+        scene_ = std::move(scene);
         notes_.push_back(std::move(note));
     }
-    const Scene& scene() const override { return scene_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override {
         auto frame = ReaderAround::next();
         if (!frame || !*frame) return frame;
@@ -67,8 +63,6 @@ public:
     }
 
 private:
-    Scene scene_;
-    std::vector<std::string> notes_;
     std::vector<CodeLine> lines_;  // by frame; the last one for those that could not be read before
 };
 

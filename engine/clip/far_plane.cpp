@@ -98,18 +98,13 @@ private:
     int frames_ = 0;
 };
 
-class ClipWithFarPlane final : public ReaderAround {
+class ClipWithFarPlane final : public ChangedClip {
 public:
     ClipWithFarPlane(std::unique_ptr<ClipReader> clip, Scene scene, std::string note)
-        : ReaderAround(std::move(clip)), scene_(std::move(scene)), notes_(inner().notes()) {
+        : ChangedClip(std::move(clip)) {
+        scene_ = std::move(scene);
         notes_.push_back(std::move(note));
     }
-    const Scene& scene() const override { return scene_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-
-private:
-    const Scene scene_;
-    std::vector<std::string> notes_;
 };
 
 /// Whether there is such a frame.

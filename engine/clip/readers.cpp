@@ -121,14 +121,15 @@ Result<void> check_crop(const ClipPart::Crop& box, const Scene& scene) {
                        std::to_string(scene.height));
 }
 
-class StillPlanesReader final : public ReaderAround {
+class StillPlanesReader final : public ChangedClip {
 public:
-    StillPlanesReader(std::unique_ptr<ClipReader> clip, const Scene& scene)
-        : ReaderAround(std::move(clip)), scene_(scene), tracks_(inner().tracks()), notes_(inner().notes()) {}
+    StillPlanesReader(std::unique_ptr<ClipReader> clip, const Scene& scene) : ChangedClip(std::move(clip)) {
+        scene_ = scene;
+    }
     Result<void> lay(StillPlane still) {
         const std::string file = still.files.front().string();
         forget_notes_of(still.role);
-        const bool replaces = replace_track(still);
+        const bool replaces = replace_track(still.role, still.info);
         notes_.push_back(file + " is " + std::string(role_name(still.role)) +
                          (still.at ? ", frame by frame" : " of every frame") +
                          (replaces ? ", in place of the clip's own" : ""));
@@ -142,9 +143,6 @@ public:
         return {};
     }
 
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override {
         auto frame = ReaderAround::next();
         if (!frame || !*frame) return frame;
@@ -157,37 +155,31 @@ public:
     }
 
 private:
-    /// Puts its track where the order of roles has it. Whether one of the clip's own went.
-    bool replace_track(const StillPlane& still) {
-        const auto role = [](const TrackInfo& track) {
-            return role_named(track.role).value_or(PlaneRole::height);
-        };
-        const std::string name(role_name(still.role));
-        const bool had_one =
-            std::erase_if(tracks_, [&](const TrackInfo& track) { return track.role == name; });
-        const auto after =
-            std::ranges::find_if(tracks_, [&](const TrackInfo& track) { return role(track) > still.role; });
-        tracks_.insert(after, still.info)->role = name;
-        return had_one;
-    }
-
-    /// What was said of a plane that is not there any more, or of there being none.
-    void forget_notes_of(PlaneRole role) {
-        const std::string beginning = std::string(role_name(role)) + " is ";
-        const auto of_none =
-            role == PlaneRole::haptic ? default_touch_note(false, inner().scene()) : std::nullopt;
-        std::erase_if(notes_, [&](const std::string& note) {
-            return note.starts_with(beginning) || (of_none && note == *of_none);
-        });
-    }
-
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
     std::vector<StillPlane> planes_;
 };
 
 }  // namespace
+
+bool ChangedClip::replace_track(PlaneRole role, TrackInfo track) {
+    const auto role_of = [](const TrackInfo& each) {
+        return role_named(each.role).value_or(PlaneRole::height);
+    };
+    track.role = role_name(role);
+    const bool had_one =
+        std::erase_if(tracks_, [&](const TrackInfo& each) { return each.role == track.role; });
+    const auto after = std::ranges::find_if(tracks_, [&](const auto& each) { return role_of(each) > role; });
+    tracks_.insert(after, std::move(track));
+    return had_one;
+}
+
+void ChangedClip::forget_notes_of(PlaneRole role) {
+    const std::string beginning = std::string(role_name(role)) + " is ";
+    const auto of_none =
+        role == PlaneRole::haptic ? default_touch_note(false, inner().scene()) : std::nullopt;
+    std::erase_if(notes_, [&](const std::string& note) {
+        return note.starts_with(beginning) || (of_none && note == *of_none);
+    });
+}
 
 Result<std::unique_ptr<ClipReader>> part_of_clip(std::unique_ptr<ClipReader> clip, const ClipPart& part) {
     if (part.is_whole()) return clip;

@@ -5,8 +5,9 @@
 // A reader around another one takes it over and is itself a clip: a part of it, with planes that stay the
 // same under every frame, with a far plane that was found in its frames, with depth of one scale, or as a
 // camera would give it. part_of_clip, with_far_plane and with_aligned_depth hand the clip on unchanged
-// where nothing is to be done; a class of another module derives from ReaderAround and overrides what it
-// changes. Prefetch keeps the first frames that it read (up to 512 MiB), so that they are not decoded twice.
+// where nothing is to be done; a class of another module derives from ReaderAround, or from ChangedClip,
+// and overrides what it changes. Prefetch keeps the first frames that it read (up to 512 MiB), so that they
+// are not decoded twice.
 //
 // A LiveReader is the base of every source whose frames come as they are taken: a camera, a program that
 // sends framesets, a stream. Its sources turn bytes into frames; numbers, times, waiting, stopping, and what
@@ -70,6 +71,30 @@ protected:
 
 private:
     std::shared_ptr<ClipReader> reader_;
+};
+
+/// A reader around another one that tells of itself what a class derived from this changes: scene, tracks and
+/// notes begin as the other's.
+class ChangedClip : public ReaderAround {
+public:
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+
+protected:
+    explicit ChangedClip(std::unique_ptr<ClipReader> clip)
+        : ReaderAround(std::move(clip)),
+          scene_(inner().scene()),
+          tracks_(inner().tracks()),
+          notes_(inner().notes()) {}
+    /// Puts a track where the order of roles has it, in place of the one of its role. Whether there was one.
+    bool replace_track(PlaneRole role, TrackInfo track);
+    /// Forgets what was said of a plane that is not there any more, or of there being none.
+    void forget_notes_of(PlaneRole role);
+
+    Scene scene_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
 };
 
 /// Which frames and pixels of a clip.
