@@ -134,15 +134,7 @@ constexpr std::array<HandOptions::Key, 3> wooden_keys{{
 // ---- Parameter files
 
 Result<WoodenParameters> parse_wooden_parameters(std::string_view json, std::string_view where) {
-    const auto refused = [&](const std::string& why) { return input_error(std::string(where) + ": " + why); };
-    try {
-        const checked_json::Json text = checked_json::parse(json);
-        return read_build(Node(text, ""));
-    } catch (const checked_json::Refusal& reason) {
-        return refused(reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return refused(fault.what());
-    }
+    return checked_json::read_checked(json, checked_json::largest_text, where, read_build);
 }
 
 Result<WoodenParameters> read_wooden_parameters(const std::filesystem::path& file) {

@@ -71,15 +71,9 @@ BrushHistory read_history(const checked_json::Node& node, const std::string& whe
 
 /// Refused (ErrorKind::input, beginning with `where`) where it is no history.
 Result<BrushHistory> parse_brush_history(std::string_view text, const std::string& where) {
-    const auto refuse = [&](const std::string& why) { return input_error(where + ": " + why); };
-    try {
-        const checked_json::Json json = checked_json::parse(text, largest_segment_names);
-        return read_history(checked_json::Node(json, ""), where);
-    } catch (const checked_json::Refusal& reason) {
-        return refuse(reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return refuse(fault.what());
-    }
+    return checked_json::read_checked(
+        text, largest_segment_names, where,
+        [&](const checked_json::Node& node) { return read_history(node, where); });
 }
 
 std::string brush_history_to_json(const BrushHistory& history) {

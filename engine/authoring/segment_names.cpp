@@ -209,17 +209,9 @@ nlohmann::ordered_json write_cut(const SegmentCut& cut) {
 }
 
 Result<SegmentNames> parse_segment_names(std::string_view json, std::string_view where) {
-    const auto refusal = [&](const std::string& message) {
-        return input_error(std::string(where) + ": " + message);
-    };
-    try {
-        const checked_json::Json text = checked_json::parse(json, largest_segment_names);
-        return read_names(checked_json::Node(text, ""), where);
-    } catch (const checked_json::Refusal& reason) {
-        return refusal(reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return refusal(fault.what());
-    }
+    return checked_json::read_checked(
+        json, largest_segment_names, where,
+        [&](const checked_json::Node& node) { return read_names(node, where); });
 }
 
 std::string segment_names_to_json(const SegmentNames& names) {

@@ -6,9 +6,9 @@
 // functions give the value as what it must be, or throw a Refusal, which names the member by its path, its
 // value and what would be right. Members that are not known are refused by Node::allow_only.
 //
-// Here alone is thrown across functions: the one that reads a text catches a Refusal, and the library's own
-// exceptions, and makes an Error of it, so that none leaves a module. Include it only where JSON is read: it
-// brings nlohmann/json.
+// Here alone is thrown across functions: read_checked, or the one that reads a text, catches a Refusal, and
+// the library's own exceptions, and makes an Error of it, so that none leaves a module. Include it only where
+// JSON is read: it brings nlohmann/json.
 //
 // A Node refers to the Json that it is of. Pure functions, for any thread.
 
@@ -21,6 +21,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "engine/base/result.hpp"
 
 namespace touchable::checked_json {
 
@@ -86,5 +88,20 @@ private:
     const Json& value_;
     std::string path_;
 };
+
+/// What `read` makes of a text's whole value. What it or the text refuses is an error (ErrorKind::input)
+/// whose message begins with `where`.
+template <class Read>
+auto read_checked(std::string_view text, std::size_t largest, std::string_view where, Read read)
+    -> Result<decltype(read(std::declval<const Node&>()))> {
+    try {
+        const Json json = parse(text, largest);
+        return read(Node(json, ""));
+    } catch (const Refusal& reason) {
+        return input_error(std::string(where) + ": " + reason.message);
+    } catch (const Json::exception& fault) {
+        return input_error(std::string(where) + ": " + fault.what());
+    }
+}
 
 }  // namespace touchable::checked_json

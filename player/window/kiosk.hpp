@@ -138,18 +138,7 @@ inline constexpr std::size_t largest_kiosk_texts = std::size_t{64} << 10;
 /// text is one line (read_plain_line). Refused with ErrorKind::input; the message begins with `where`.
 Result<KioskTexts> parse_kiosk_texts(std::string_view json, std::string_view where);
 
-/// A value read from JSON of at most `largest` bytes. What `read_value` refuses by checked_json::Refusal is
-/// an error (ErrorKind::input) whose message begins with `where`.
-template <class Read>
-auto read_checked(std::string_view json, std::size_t largest, std::string_view where, Read read_value)
-    -> Result<decltype(read_value(std::declval<const checked_json::Node&>()))> {
-    try {
-        const checked_json::Json text = checked_json::parse(json, largest);
-        return read_value(checked_json::Node(text, ""));
-    } catch (const checked_json::Refusal& reason) {
-        return input_error(std::string(where) + ": " + reason.message);
-    }
-}
+using checked_json::read_checked;
 
 /// A line of text for visitors: not empty, up to 200 bytes of UTF-8, no control characters. Throws
 /// checked_json::Refusal.
