@@ -82,10 +82,6 @@ std::optional<std::int64_t> ns_of(std::string_view line) {
     return std::llround(ms * ns_a_ms);
 }
 
-Error no_memory() {
-    return memory_error();
-}
-
 }  // namespace
 
 namespace clip_tags {
@@ -135,7 +131,7 @@ Result<void> add_block_addition(AVPacket& packet, AVCodecID codec, std::int64_t 
                                 const std::optional<PictureLabel>& label) {
     const std::size_t size = label ? labelled_size : addition_size;
     std::uint8_t* data = av_packet_new_side_data(&packet, AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, size);
-    if (!data) return no_memory();
+    if (!data) return memory_error();
     AV_WB64(data, addition_id);
     AV_WB32(data + frames_at, static_cast<std::uint32_t>(frames));
     if (label) {
@@ -221,7 +217,7 @@ bool is_shown_by_players(PlaneRole role, const FrameCheck& check) {
 Result<void> add_plane_stream(AVFormatContext& muxer, const TrackEncoder& encoder, PlaneRole role,
                               TrackCoding coding, const FrameCheck& check, const Scene& scene) {
     AVStream* const stream = avformat_new_stream(&muxer, nullptr);
-    if (!stream) return no_memory();
+    if (!stream) return memory_error();
     TRY(encoder.describe(*stream->codecpar));
     stream->time_base = {1, 1000};
     stream->avg_frame_rate = {static_cast<int>(scene.rate.num), static_cast<int>(scene.rate.den)};
@@ -239,11 +235,11 @@ Result<void> add_plane_stream(AVFormatContext& muxer, const TrackEncoder& encode
 Result<void> attach_text(AVFormatContext& muxer, const char* name, const char* type,
                          const std::string& text) {
     AVStream* const stream = avformat_new_stream(&muxer, nullptr);
-    if (!stream) return no_memory();
+    if (!stream) return memory_error();
     stream->codecpar->codec_type = AVMEDIA_TYPE_ATTACHMENT;
     stream->codecpar->extradata =
         static_cast<std::uint8_t*>(av_mallocz(text.size() + AV_INPUT_BUFFER_PADDING_SIZE));
-    if (!stream->codecpar->extradata) return no_memory();
+    if (!stream->codecpar->extradata) return memory_error();
     std::memcpy(stream->codecpar->extradata, text.data(), text.size());
     stream->codecpar->extradata_size = static_cast<int>(text.size());
     av_dict_set(&stream->metadata, "filename", name, 0);
