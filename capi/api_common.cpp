@@ -8,16 +8,9 @@ namespace touchable::capi {
 namespace {
 
 touch_status status_of(ErrorKind kind) {
-    switch (kind) {
-        case ErrorKind::usage:
-            return TOUCH_USAGE;
-        case ErrorKind::input:
-            return TOUCH_INPUT;
-        case ErrorKind::interrupted:
-            return TOUCH_INTERRUPTED;
-        default:
-            return TOUCH_INTERNAL;
-    }
+    if (kind == ErrorKind::usage) return TOUCH_USAGE;
+    if (kind == ErrorKind::input) return TOUCH_INPUT;
+    return kind == ErrorKind::interrupted ? TOUCH_INTERRUPTED : TOUCH_INTERNAL;
 }
 
 /// As many bytes as there is room for, cut between characters.

@@ -28,29 +28,21 @@ namespace {
 
 /// The members of touch_clip_settings that state a setting; empty: none does.
 std::string_view members_of(Setting setting) {
-    switch (setting) {
-        case Setting::depth_unit:
-            return "metres_per_code";
-        case Setting::field_of_view:
-            return "fov_degrees";
-        case Setting::intrinsics:
-            return "fx_px and fy_px";
-        case Setting::preset:
-            return "preset";
-        case Setting::scene_file:
-            return "scene_file";
-        default:
-            return {};
-    }
+    constexpr std::pair<Setting, std::string_view> members[] = {{Setting::depth_unit, "metres_per_code"},
+                                                                {Setting::field_of_view, "fov_degrees"},
+                                                                {Setting::intrinsics, "fx_px and fy_px"},
+                                                                {Setting::preset, "preset"},
+                                                                {Setting::scene_file, "scene_file"}};
+    for (const auto& [stated, names] : members)
+        if (stated == setting) return names;
+    return {};
 }
 
 std::string members_of(const Hints& hints) {
-    std::string members;
-    for (const Hint& hint : hints) {
-        const std::string_view member = members_of(hint.setting);
-        if (!member.empty()) members.append(members.empty() ? "" : " or ").append(member);
-    }
-    return members;
+    std::vector<std::string_view> members;
+    for (const Hint& hint : hints)
+        if (const auto member = members_of(hint.setting); !member.empty()) members.push_back(member);
+    return listed(members, {}, " or ");
 }
 
 /// An error's line with the members of touch_clip_settings that would help.

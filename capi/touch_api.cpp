@@ -414,32 +414,21 @@ uint32_t touch_version(void) {
 }
 
 const char* touch_status_name(touch_status status) {
-    switch (status) {
-        case TOUCH_OK:
-            return "done";
-        case TOUCH_INTERNAL:
-            return "internal fault";
-        case TOUCH_USAGE:
-            return "bad argument";
-        case TOUCH_INPUT:
-            return "bad input";
-        case TOUCH_INTERRUPTED:
-            return "interrupted";
-        case TOUCH_STALE:
-            return "stale handle";
-        case TOUCH_BUSY:
-            return "busy";
-        case TOUCH_FULL:
-            return "full";
-        case TOUCH_END:
-            return "no more frames";
-        case TOUCH_NO_MEMORY:
-            return "not enough memory";
-        case TOUCH_FORKED:
-            return "belongs to the parent process";
-        default:
-            return "unknown status";
-    }
+    constexpr std::pair<touch_status, const char*> names[] = {
+        {TOUCH_OK, "done"},
+        {TOUCH_INTERNAL, "internal fault"},
+        {TOUCH_USAGE, "bad argument"},
+        {TOUCH_INPUT, "bad input"},
+        {TOUCH_INTERRUPTED, "interrupted"},
+        {TOUCH_STALE, "stale handle"},
+        {TOUCH_BUSY, "busy"},
+        {TOUCH_FULL, "full"},
+        {TOUCH_END, "no more frames"},
+        {TOUCH_NO_MEMORY, "not enough memory"},
+        {TOUCH_FORKED, "belongs to the parent process"}};
+    for (const auto& [known, name] : names)
+        if (known == status) return name;
+    return "unknown status";
 }
 
 touch_status touch_camera_defaults(touch_camera* camera, uint32_t struct_size) {

@@ -234,15 +234,8 @@ void tick_scaled(const HeightField& field, const TouchSettings& settings, double
 }  // namespace
 
 std::string_view name_of(TouchMetric metric) {
-    switch (metric) {
-        case TouchMetric::world:
-            return "world";
-        case TouchMetric::pixel:
-            return "pixel";
-        case TouchMetric::scaled:
-            return "scaled";
-    }
-    return {};
+    constexpr std::string_view names[] = {"world", "pixel", "scaled"};
+    return names[static_cast<std::size_t>(metric)];
 }
 
 Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings& settings) {

@@ -86,23 +86,7 @@ struct Error {
 /// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130
 /// interrupted.
 constexpr int exit_code(ErrorKind kind) {
-    switch (kind) {
-        case ErrorKind::internal:
-            return 1;
-        case ErrorKind::usage:
-            return 2;
-        case ErrorKind::input:
-            return 3;
-        case ErrorKind::gpu:
-            return 4;
-        case ErrorKind::device:
-            return 5;
-        case ErrorKind::check:
-            return 6;
-        case ErrorKind::interrupted:
-            return 130;
-    }
-    return 1;
+    return kind == ErrorKind::interrupted ? 130 : 1 + static_cast<int>(kind);
 }
 
 inline Error input_error(std::string message, Hints hints = {}) {

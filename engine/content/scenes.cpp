@@ -48,17 +48,9 @@ struct Preset {
     double globe_distance;
 };
 
-constexpr Preset numbers(CameraPreset preset) {
-    switch (preset) {
-        case CameraPreset::a:
-            return {6.983, 0.00123, 10, 200, 105};
-        case CameraPreset::a_prime:
-            return {6.983, 0.0123, 10, 200, 105};
-        case CameraPreset::b:
-            break;
-    }
-    return {4.7, 0.0112, 40, 180, 110};
-}
+/// Of CameraPreset a, a_prime and b.
+constexpr Preset presets[] = {
+    {6.983, 0.00123, 10, 200, 105}, {6.983, 0.0123, 10, 200, 105}, {4.7, 0.0112, 40, 180, 110}};
 
 double pixel_width(const Preset& preset, int width) {
     return preset.pixel_width * 720.0 / width;
@@ -173,7 +165,7 @@ Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const S
 }
 
 void apply_preset(CameraPreset preset, Scene& scene) {
-    const Preset p = numbers(preset);
+    const Preset& p = presets[static_cast<std::size_t>(preset)];
     scene.camera =
         camera_from_focal_length(p.focal_length, pixel_width(p, scene.width), scene.width, scene.height);
     scene.depth.kind = DepthCodingKind::linear;
@@ -185,7 +177,7 @@ void apply_preset(CameraPreset preset, Scene& scene) {
 }
 
 GlobeSphere globe_sphere(CameraPreset preset, int width, int height) {
-    const Preset p = numbers(preset);
+    const Preset& p = presets[static_cast<std::size_t>(preset)];
     // R = D sin(atan(h)), h = 0.8 tan(VFOV/2) = 0.8 (H/2) / fy; sin(atan(h)) = h / sqrt(1 + h^2).
     const double h = 0.8 * (0.5 * height) * pixel_width(p, width) / p.focal_length;
     return {{0, 0, -p.globe_distance}, p.globe_distance * (h / std::sqrt(1.0 + h * h))};

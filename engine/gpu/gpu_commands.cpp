@@ -12,23 +12,15 @@ struct Scope {
     VkAccessFlags2 writes, uses;
 };
 
-Scope scope_of(GpuStage stage) {
-    switch (stage) {
-        case GpuStage::compute:
-            return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_WRITE_BIT,
-                    VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT};
-        case GpuStage::transfer:
-            return {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                    VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-        case GpuStage::indirect:
-            return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_NONE,
-                    VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
-        case GpuStage::graphics:
-            break;
-    }
-    return {VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
-            VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
-}
+/// Of GpuStage compute, transfer, indirect and graphics.
+constexpr Scope scopes[] = {
+    {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_WRITE_BIT,
+     VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT},
+    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+     VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT},
+    {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_NONE, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT},
+    {VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
+     VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT}};
 
 bool is_within(std::size_t offset, std::size_t bytes, std::size_t size) {
     return offset <= size && bytes <= size - offset;
@@ -209,7 +201,7 @@ void GpuCommands::fill(const GpuBuffer& buffer, std::uint32_t value, std::size_t
 }
 
 void GpuCommands::barrier(GpuStage from, GpuStage to) {
-    const Scope before = scope_of(from), after = scope_of(to);
+    const Scope before = scopes[static_cast<std::size_t>(from)], after = scopes[static_cast<std::size_t>(to)];
     record_barrier(recording_->commands, before.stage, before.writes, after.stage, after.uses);
 }
 

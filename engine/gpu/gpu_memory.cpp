@@ -132,15 +132,10 @@ Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
 }  // namespace
 
 VkDescriptorType descriptor_type(GpuBindingKind kind) {
-    switch (kind) {
-        case GpuBindingKind::storage_buffer:
-            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        case GpuBindingKind::uniform_texels:
-            return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-        case GpuBindingKind::storage_texels:
-            break;
-    }
-    return VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+    constexpr VkDescriptorType types[] = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                          VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+                                          VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER};
+    return types[static_cast<std::size_t>(kind)];
 }
 
 std::optional<std::uint32_t> choose_memory_type(const VkPhysicalDeviceMemoryProperties& memory,

@@ -26,19 +26,11 @@ struct KernelSource {
     std::span<const std::uint32_t> spirv;
 };
 
-KernelSource source_of(StripKernel kernel) {
-    switch (kernel) {
-        case StripKernel::decode:
-            return {"decode", decode_spv};
-        case StripKernel::median3:
-            return {"median3", median3_spv};
-        case StripKernel::median5:
-            return {"median5", median5_spv};
-        case StripKernel::fill_holes:
-            break;
-    }
-    return {"fill_holes", fill_holes_spv};
-}
+/// By StripKernel.
+const KernelSource strip_kernels[] = {{"decode", decode_spv},
+                                      {"median3", median3_spv},
+                                      {"median5", median5_spv},
+                                      {"fill_holes", fill_holes_spv}};
 
 static_assert(sizeof(TileBounds) == 8 && offsetof(TileBounds, least) == 0 &&
               offsetof(TileBounds, greatest) == 2 && offsetof(TileBounds, any_invalid) == 4);
@@ -100,7 +92,7 @@ Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstant
     const auto constants = std::bit_cast<Constants>(c);
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
     layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 4, buffer);
-    const KernelSource source = source_of(kernel);
+    const KernelSource& source = strip_kernels[static_cast<std::size_t>(kernel)];
     return made(strips_[{kernel, constants}], source.name, source.spirv, std::move(layout), constants);
 }
 

@@ -295,19 +295,8 @@ void leave_for_good(std::shared_ptr<const void> what) {
 }
 
 std::string_view name_of(GpuKind kind) {
-    switch (kind) {
-        case GpuKind::discrete:
-            return "discrete";
-        case GpuKind::integrated:
-            return "integrated";
-        case GpuKind::virtualised:
-            return "virtual";
-        case GpuKind::software:
-            return "software";
-        case GpuKind::other:
-            break;
-    }
-    return "other";
+    constexpr std::string_view names[] = {"discrete", "integrated", "virtual", "software", "other"};
+    return names[static_cast<std::size_t>(kind)];
 }
 
 std::string_view nickname_of(std::string_view device_name) {

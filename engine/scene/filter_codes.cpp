@@ -230,18 +230,11 @@ double step_of_code(const DepthCoding& coding, std::uint16_t code) {
 }
 
 DepthLength code_step(const DepthCoding& coding) {
-    switch (coding.kind) {
-        case DepthCodingKind::metric:
-            return {coding.scale, 0};
-        case DepthCodingKind::inverse:
-            return {0, (1 / coding.near - 1 / coding.far) / coding.code_max};
-        case DepthCodingKind::log:
-            return length_along_depth(coding.log_span() / coding.code_max, coding.shift, coding.near,
-                                      coding.far);
-        case DepthCodingKind::linear:
-        case DepthCodingKind::hue:
-            break;
-    }
+    if (coding.kind == DepthCodingKind::metric) return {coding.scale, 0};
+    if (coding.kind == DepthCodingKind::inverse)
+        return {0, (1 / coding.near - 1 / coding.far) / coding.code_max};
+    if (coding.kind == DepthCodingKind::log)
+        return length_along_depth(coding.log_span() / coding.code_max, coding.shift, coding.near, coding.far);
     return {(coding.far - coding.near) / coding.code_max, 0};
 }
 

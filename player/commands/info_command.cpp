@@ -27,19 +27,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const char* kind_name(DepthCodingKind kind) {
-    switch (kind) {
-        case DepthCodingKind::linear:
-            return "linear";
-        case DepthCodingKind::inverse:
-            return "inverse";
-        case DepthCodingKind::metric:
-            return "metric";
-        case DepthCodingKind::hue:
-            return "hue";
-        case DepthCodingKind::log:
-            return "log";
-    }
-    return "";
+    constexpr const char* names[] = {"linear", "inverse", "metric", "hue", "log"};
+    return names[static_cast<std::size_t>(kind)];
 }
 
 const char* semantics_name(DepthSemantics semantics) {
