@@ -14,6 +14,23 @@ namespace touchable {
 
 namespace {
 
+/// What belongs to globes alone.
+struct GlobeWords {
+    GlobeMapFiles maps;
+    std::optional<double> seconds_per_turn{}, axial_tilt{}, longitude{};
+};
+
+/// A generated clip as it is asked for.
+struct MakeOptions {
+    std::string scene;                   ///< of scene_names()
+    std::filesystem::path out;           ///< a name that ends in .mkv or .mp4
+    Existing existing = Existing::keep;  ///< what becomes of an earlier file of that name
+    std::int64_t frames = 90;            ///< 1 to 1 000 000
+    ClipStorage storage{};
+    SceneOptions generator;
+    GlobeMapFiles maps;
+};
+
 GlobeMap map_of(const StoredImage& picture) {
     const Image& image = picture.image;
     if (!picture.values.empty()) return {{}, picture.values, image.width, image.height, 1};
@@ -98,108 +115,6 @@ Result<std::unique_ptr<AnalyticScene>> make_source(const MakeOptions& options, s
 
 constexpr std::int64_t most_frames = 1'000'000;
 
-/// Options as typed; what was not typed stays with the scene's own default.
-struct MakeWords {
-    MakeOptions options;
-    GlobeWords globe;
-    std::string size, preset, frames = "90", rate = "30", seed = "1", archive = "fast";
-    bool properties = false, plain = false;
-    const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
-                      *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
-};
-
-/// Under another name other programs would take a clip for what it is not.
-Result<void> check_name(const std::filesystem::path& out) {
-    const std::string ending = small_letters(out.extension().string());
-    if (ending == ".mkv" || ending == ".mp4") return {};
-    return usage_error("OUT '" + out.string() +
-                       "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
-}
-
-Result<void> read_preset(const std::string& text, SceneOptions& out) {
-    if (text == "A")
-        out.preset = CameraPreset::a;
-    else if (text == "A'")
-        out.preset = CameraPreset::a_prime;
-    else if (text == "B")
-        out.preset = CameraPreset::b;
-    else
-        return usage_error("--preset '" + text + "' is not known; there are A, A' and B");
-    return {};
-}
-
-/// Scenes whose pixels know nothing of each other; published at 128x128.
-bool without_shape(std::string_view scene) {
-    return scene == "noise" || scene == "cliffs" || scene == "grain";
-}
-
-/// An option that the scene would ignore is refused rather than ignored.
-Result<void> refuse_idle_options(const MakeWords& words) {
-    const std::string& scene = words.options.scene;
-    const auto only = [&](bool given, const char* option, bool fits, const char* scenes) -> Result<void> {
-        if (!given || fits) return {};
-        return usage_error(std::string(option) + " does nothing for '" + scene + "'; it belongs to " +
-                           scenes);
-    };
-    const auto typed = [](const CLI::Option* option) { return option->count() > 0; };
-    const bool globe = scene == "globe", plane = scene == "plane", random = without_shape(scene);
-    for (const Result<void>& checked :
-         {only(typed(words.preset_typed), "--preset", globe, "globe"),
-          only(words.properties, "--properties", globe, "globe"),
-          only(words.plain, "--plain", globe, "globe"),
-          only(words.options.storage.exact_colour, "--exact-colour", globe && !words.plain,
-               "a globe that turns"),
-          only(typed(words.tilt_typed), "--tilt", plane, "plane"),
-          only(typed(words.tilt_direction_typed), "--tilt-direction", plane, "plane"),
-          only(typed(words.seed_typed), "--seed",
-               random || (globe && !words.plain && !words.globe.maps.any()),
-               "noise, cliffs, grain and the planet of globe")})
-        if (!checked) return checked;
-    return check_globe_words(words.globe, scene, words.plain);
-}
-
-Result<Archive> read_archive(const std::string& text) {
-    if (text == "fast") return Archive::fast;
-    if (text == "small") return Archive::small;
-    return usage_error("--archive '" + text + "' is not known; there are fast and small");
-}
-
-Result<MakeOptions> read_words(const MakeWords& words) {
-    TRY(check_name(words.options.out));
-    if (words.options.storage.fragmented && !is_mp4_name(words.options.out))
-        return usage_error(std::string("--fragmented is for ") + fragmented_names);
-    TRY(refuse_idle_options(words));
-    MakeOptions options = words.options;
-    SceneOptions& generator = options.generator;
-    if (without_shape(options.scene)) generator.width = generator.height = 128;
-    if (words.size_typed->count() > 0) {
-        TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, 2, 16384));
-        generator.width = size.width;
-        generator.height = size.height;
-    }
-    if (words.preset_typed->count() > 0) TRY(read_preset(words.preset, generator));
-    TRY_ASSIGN(options.frames, read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames));
-    TRY_ASSIGN(generator.rate, read_frame_rate("--rate", words.rate));
-    TRY_ASSIGN(options.storage.archive, read_archive(words.archive));
-    TRY_ASSIGN(generator.seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
-                                                                std::numeric_limits<std::uint64_t>::max()));
-    generator.properties = options.scene == "globe" && !words.plain;
-    take_motion(words.globe, generator);
-    options.maps = words.globe.maps;
-    return options;
-}
-
-}  // namespace
-
-std::vector<NamedFile> GlobeMapFiles::files() const {
-    std::vector<NamedFile> named;
-    const std::pair<const char*, const std::filesystem::path*> all[] = {
-        {"--colour", &colour}, {"--elevation", &elevation}, {"--mask", &mask}, {"--haptic", &haptic}};
-    for (const auto& [name, path] : all)
-        if (!path->empty()) named.push_back({name, *path});
-    return named;
-}
-
 void add_globe_options(CLI::App& make, GlobeWords& words) {
     GlobeMapFiles& maps = words.maps;
     add_file_option(
@@ -235,23 +150,80 @@ void add_globe_options(CLI::App& make, GlobeWords& words) {
                       180);
 }
 
-Result<void> check_globe_words(const GlobeWords& words, const std::string& scene, bool plain) {
-    const GlobeMapFiles& maps = words.maps;
-    const bool turns = scene == "globe" && !plain;
+void take_motion(const GlobeWords& words, SceneOptions& options) {
+    if (words.seconds_per_turn) options.seconds_per_turn = *words.seconds_per_turn;
+    options.axial_tilt_degrees = words.axial_tilt;
+    options.first_longitude_degrees = words.longitude;
+    if (!words.maps.any()) return;
+    constexpr double tilt_of_the_earth = 23.4, himalaya = 80;
+    options.axial_tilt_degrees = words.axial_tilt.value_or(tilt_of_the_earth);
+    options.first_longitude_degrees = words.longitude.value_or(himalaya);
+}
+
+/// Options as typed; what was not typed stays with the scene's own default.
+struct MakeWords {
+    MakeOptions options;
+    GlobeWords globe;
+    std::string size, preset, frames = "90", rate = "30", seed = "1", archive = "fast";
+    bool properties = false, plain = false;
+    const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
+                      *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
+};
+
+/// Under another name other programs would take a clip for what it is not.
+Result<void> check_name(const std::filesystem::path& out) {
+    const std::string ending = small_letters(out.extension().string());
+    if (ending == ".mkv" || ending == ".mp4") return {};
+    return usage_error("OUT '" + out.string() +
+                       "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
+}
+
+Result<void> read_preset(const std::string& text, SceneOptions& out) {
+    if (text == "A")
+        out.preset = CameraPreset::a;
+    else if (text == "A'")
+        out.preset = CameraPreset::a_prime;
+    else if (text == "B")
+        out.preset = CameraPreset::b;
+    else
+        return usage_error("--preset '" + text + "' is not known; there are A, A' and B");
+    return {};
+}
+
+/// Scenes whose pixels know nothing of each other; published at 128x128.
+bool without_shape(std::string_view scene) {
+    return scene == "noise" || scene == "cliffs" || scene == "grain";
+}
+
+/// An option that the scene would ignore is refused rather than ignored, and so are maps that lack another.
+Result<void> refuse_idle_options(const MakeWords& words) {
+    const std::string& scene = words.options.scene;
+    const GlobeMapFiles& maps = words.globe.maps;
     const auto only = [&](bool given, const char* option, bool fits, const char* whose) -> Result<void> {
         if (!given || fits) return {};
-        return usage_error(std::string(option) + " does nothing for '" + scene + (plain ? "' --plain" : "'") +
-                           "; it belongs to " + whose);
+        return usage_error(std::string(option) + " does nothing for '" + scene +
+                           (words.plain ? "' --plain" : "'") + "; it belongs to " + whose);
     };
+    const auto typed = [](const CLI::Option* option) { return option->count() > 0; };
+    const bool globe = scene == "globe", plane = scene == "plane", random = without_shape(scene);
+    const bool turns = globe && !words.plain;
     const char* const turning = "a globe that turns";
     const char* const of_maps = "a globe of maps (--colour and --elevation)";
     for (const Result<void>& checked :
-         {only(!maps.colour.empty(), "--colour", turns, turning),
+         {only(typed(words.preset_typed), "--preset", globe, "globe"),
+          only(words.properties, "--properties", globe, "globe"),
+          only(words.plain, "--plain", globe, "globe"),
+          only(words.options.storage.exact_colour, "--exact-colour", turns, turning),
+          only(typed(words.tilt_typed), "--tilt", plane, "plane"),
+          only(typed(words.tilt_direction_typed), "--tilt-direction", plane, "plane"),
+          only(typed(words.seed_typed), "--seed", random || (turns && !maps.any()),
+               "noise, cliffs, grain and the planet of globe"),
+          only(!maps.colour.empty(), "--colour", turns, turning),
           only(!maps.elevation.empty(), "--elevation", turns, turning),
           only(!maps.mask.empty(), "--mask", turns, turning),
-          only(words.seconds_per_turn.has_value(), "--turn", turns, turning),
-          only(words.axial_tilt.has_value(), "--axial-tilt", turns, turning),
-          only(words.longitude.has_value(), "--longitude", turns, turning),
+          only(words.globe.seconds_per_turn.has_value(), "--turn", turns, turning),
+          only(words.globe.axial_tilt.has_value(), "--axial-tilt", turns, turning),
+          only(words.globe.longitude.has_value(), "--longitude", turns, turning),
           only(!maps.haptic.empty(), "--haptic", maps.any(), of_maps),
           only(maps.sea_level.has_value(), "--sea-level", maps.any(), of_maps),
           only(maps.relief_percent.has_value(), "--relief", maps.any(), of_maps),
@@ -265,14 +237,65 @@ Result<void> check_globe_words(const GlobeWords& words, const std::string& scene
     return {};
 }
 
-void take_motion(const GlobeWords& words, SceneOptions& options) {
-    if (words.seconds_per_turn) options.seconds_per_turn = *words.seconds_per_turn;
-    options.axial_tilt_degrees = words.axial_tilt;
-    options.first_longitude_degrees = words.longitude;
-    if (!words.maps.any()) return;
-    constexpr double tilt_of_the_earth = 23.4, himalaya = 80;
-    options.axial_tilt_degrees = words.axial_tilt.value_or(tilt_of_the_earth);
-    options.first_longitude_degrees = words.longitude.value_or(himalaya);
+Result<Archive> read_archive(const std::string& text) {
+    if (text == "fast") return Archive::fast;
+    if (text == "small") return Archive::small;
+    return usage_error("--archive '" + text + "' is not known; there are fast and small");
+}
+
+Result<MakeOptions> read_words(const MakeWords& words) {
+    TRY(check_name(words.options.out));
+    if (words.options.storage.fragmented && !is_mp4_name(words.options.out))
+        return usage_error(std::string("--fragmented is for ") + fragmented_names);
+    TRY(refuse_idle_options(words));
+    MakeOptions options = words.options;
+    SceneOptions& generator = options.generator;
+    if (without_shape(options.scene)) generator.width = generator.height = 128;
+    if (words.size_typed->count() > 0) {
+        TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, 2, 16384));
+        generator.width = size.width;
+        generator.height = size.height;
+    }
+    if (words.preset_typed->count() > 0) TRY(read_preset(words.preset, generator));
+    TRY_ASSIGN(options.frames, read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames));
+    TRY_ASSIGN(generator.rate, read_frame_rate("--rate", words.rate));
+    TRY_ASSIGN(options.storage.archive, read_archive(words.archive));
+    TRY_ASSIGN(generator.seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
+                                                                std::numeric_limits<std::uint64_t>::max()));
+    generator.properties = options.scene == "globe" && !words.plain;
+    take_motion(words.globe, generator);
+    options.maps = words.globe.maps;
+    return options;
+}
+
+/// Writes the clip, and says so on standard output. The same options give the same file, byte for byte.
+Result<void> run_make(const MakeOptions& options) {
+    TRY(check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, options.maps.files()));
+    std::string remark;
+    TRY_ASSIGN(const auto scene, make_source(options, remark));
+    const AnalyticScene& source = *scene;
+    SceneDescription described(source.scene());
+    described.unstated.filters = all_unstated;  // what its frames ask for
+    TRY_ASSIGN(auto writer, create_named_clip(options.out, described, options.storage, options.existing));
+    TRY(write_frames(source, options.frames, *writer));
+    TRY(writer->finish());
+
+    const Scene& made = source.scene();
+    std::cout << options.out.string() << ": " << options.frames << " frames of " << options.scene << ", "
+              << made.width << 'x' << made.height << ", " << made.depth_bits << " bits\n";
+    if (!remark.empty()) std::cout << remark << '\n';
+    return {};
+}
+
+}  // namespace
+
+std::vector<NamedFile> GlobeMapFiles::files() const {
+    std::vector<NamedFile> named;
+    const std::pair<const char*, const std::filesystem::path*> all[] = {
+        {"--colour", &colour}, {"--elevation", &elevation}, {"--mask", &mask}, {"--haptic", &haptic}};
+    for (const auto& [name, path] : all)
+        if (!path->empty()) named.push_back({name, *path});
+    return named;
 }
 
 Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles& files) {
@@ -302,24 +325,6 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
     TRY_ASSIGN(maps.shore, find_shore(maps.elevation, maps.mask, sea_level));
     read->remark = shore_in_words(maps.shore, files.sea_level.has_value(), !files.mask.empty());
     return std::unique_ptr<const ReadGlobeMaps>(std::move(read));
-}
-
-Result<void> run_make(const MakeOptions& options) {
-    TRY(check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, options.maps.files()));
-    std::string remark;
-    TRY_ASSIGN(const auto scene, make_source(options, remark));
-    const AnalyticScene& source = *scene;
-    SceneDescription described(source.scene());
-    described.unstated.filters = all_unstated;  // what its frames ask for
-    TRY_ASSIGN(auto writer, create_named_clip(options.out, described, options.storage, options.existing));
-    TRY(write_frames(source, options.frames, *writer));
-    TRY(writer->finish());
-
-    const Scene& made = source.scene();
-    std::cout << options.out.string() << ": " << options.frames << " frames of " << options.scene << ", "
-              << made.width << 'x' << made.height << ", " << made.depth_bits << " bits\n";
-    if (!remark.empty()) std::cout << remark << '\n';
-    return {};
 }
 
 void add_make_command(CLI::App& app, Command& command) {

@@ -1,9 +1,5 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
-
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
@@ -24,17 +20,6 @@ struct GlobeMapFiles {
     std::vector<NamedFile> files() const;
 };
 
-/// What belongs to globes alone.
-struct GlobeWords {
-    GlobeMapFiles maps;
-    std::optional<double> seconds_per_turn{}, axial_tilt{}, longitude{};
-};
-void add_globe_options(CLI::App& make, GlobeWords& words);
-
-/// Refuses what would do nothing for `scene`, and maps that lack another.
-Result<void> check_globe_words(const GlobeWords& words, const std::string& scene, bool plain);
-void take_motion(const GlobeWords& words, SceneOptions& options);
-
 /// Maps with the pictures that they lie in.
 struct ReadGlobeMaps {
     StoredImage colour{}, elevation{}, mask{}, haptic{};
@@ -42,19 +27,5 @@ struct ReadGlobeMaps {
     std::string remark;  ///< one line: what was found of the sea level
 };
 Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles& files);
-
-/// A generated clip as it is asked for.
-struct MakeOptions {
-    std::string scene;                   ///< of scene_names()
-    std::filesystem::path out;           ///< a name that ends in .mkv or .mp4
-    Existing existing = Existing::keep;  ///< what becomes of an earlier file of that name
-    std::int64_t frames = 90;            ///< 1 to 1 000 000
-    ClipStorage storage{};
-    SceneOptions generator;
-    GlobeMapFiles maps;
-};
-
-/// Writes the clip, and says so on standard output. The same options give the same file, byte for byte.
-Result<void> run_make(const MakeOptions& options);
 
 }  // namespace touchable
