@@ -157,12 +157,7 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
         }
     lost = outside.count();
     TRY(check_lost(outside, kept, plane, scene, deepest));
-    return PlaneView{reinterpret_cast<const std::uint8_t*>(codes.data()),
-                     std::ptrdiff_t{2} * plane.width,
-                     plane.width,
-                     plane.height,
-                     2,
-                     1};
+    return plane_of_codes(codes.data(), plane.width, plane.height);
 }
 
 }  // namespace

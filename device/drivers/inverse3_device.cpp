@@ -208,10 +208,6 @@ std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id
     return message.dump(-1, ' ', false, Ordered::error_handler_t::replace);
 }
 
-std::string encode_inverse3_full_state_request() {
-    return R"({"session":{"force_render_full_state":{}}})";
-}
-
 std::string in_words(const Inverse3Settings& settings) {
     std::string words;
     const auto tell = [&words](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
@@ -329,7 +325,7 @@ Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Messa
             return device_error("the Haply service at " + service_->address() +
                                 " does not tell the state of its devices; restart it");
         if (waited > first_word && !std::exchange(asked, true))
-            TRY(send_text(encode_inverse3_full_state_request()));
+            TRY(send_text(R"({"session":{"force_render_full_state":{}}})"));  // a message with configurations
     }
 }
 

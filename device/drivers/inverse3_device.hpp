@@ -71,8 +71,6 @@ std::optional<double> decode_force_scale(std::string_view answer);
 
 /// A force, newtons, our axes, finite. The service answers it with one message.
 std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id, const glm::dvec3& newtons);
-/// Asks for a message with configurations.
-std::string encode_inverse3_full_state_request();
 
 /// The settings that a person should know of, in words; empty: none was said.
 std::string in_words(const Inverse3Settings& settings);

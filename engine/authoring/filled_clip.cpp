@@ -119,12 +119,7 @@ public:
         std::uint16_t* to = codes.data();
         for (int y = 0; y < depth.height; ++y)
             for (int x = 0; x < depth.width; ++x) *to++ = stored_code(depth, coding_, x, y);
-        return {reinterpret_cast<const std::uint8_t*>(codes.data()),
-                std::ptrdiff_t{2} * depth.width,
-                depth.width,
-                depth.height,
-                2,
-                1};
+        return plane_of_codes(codes.data(), depth.width, depth.height);
     }
 
     /// So that `put` has a pixel for each hue that was seen. `codes`: of that frame.

@@ -63,6 +63,11 @@ struct PlaneView {
     }
 };
 
+/// Codes of two bytes that are kept row by row, as a plane of one channel.
+inline PlaneView plane_of_codes(const std::uint16_t* codes, int width, int height) {
+    return {reinterpret_cast<const std::uint8_t*>(codes), std::ptrdiff_t{2} * width, width, height, 2, 1};
+}
+
 /// The planes of one moment as stored, all of the scene's width and height. Only depth is always there.
 struct RawFrame {
     std::int64_t number = 0;   ///< from 0

@@ -337,12 +337,7 @@ RawFrame SmoothPatches::mosaic(const CodePicture& picture) const {
         }
     }
     RawFrame raw;
-    raw.depth = {reinterpret_cast<const std::uint8_t*>(codes->data()),  // plane views are of bytes
-                 std::ptrdiff_t{2} * width,
-                 width,
-                 height,
-                 2,
-                 1};
+    raw.depth = plane_of_codes(codes->data(), width, height);
     raw.storage = std::move(codes);
     return raw;
 }

@@ -41,6 +41,9 @@ float limited(double value) {
 
 }  // namespace
 
+FadingTone::FadingTone(double fade_s, double rise_s)
+    : fade_(1 - 1 / (fade_s * rate)), rise_(1 / (rise_s * rate)) {}
+
 void FadingTone::strike(double level, double hertz) {
     level_ = std::max(level_, level);
     const double angle = 2 * pi * hertz / rate;

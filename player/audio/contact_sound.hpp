@@ -88,7 +88,7 @@ inline HeardTick going_on(HeardTick tick) {
 class FadingTone {
 public:
     /// `fade_s`: until 1/e of it is left; `rise_s`: until all but 1/e of it is there.
-    FadingTone(double fade_s, double rise_s) : fade_(1 - 1 / (fade_s * rate)), rise_(1 / (rise_s * rate)) {}
+    FadingTone(double fade_s, double rise_s);
     /// As loud as `level`, unless it is louder. `hertz` is that of all of it from now on.
     void strike(double level, double hertz);
     bool is_silent() const { return level_ == 0 && heard_ == 0; }

@@ -159,16 +159,6 @@ constexpr std::array<const char*, 9> frame_file_names{"colour.png", "depth.png",
                                                       "codes.json", "valid.png", "haptic.png",
                                                       "height.png", "mesh.ply",  "scene.json"};
 
-/// Codes as they lie in memory: two bytes each, host order.
-PlaneView codes_view(const SurfaceFrame& surface) {
-    return {reinterpret_cast<const std::uint8_t*>(surface.codes.data()),
-            static_cast<std::ptrdiff_t>(surface.width) * 2,
-            surface.width,
-            surface.height,
-            2,
-            1};
-}
-
 Image validity_image(const SurfaceFrame& surface) {
     Image image{surface.width, surface.height, 1, 1, {}};
     image.samples.reserve(surface.codes.size());
@@ -211,8 +201,12 @@ Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const 
                                const Scene& scene, bool with_mesh) {
     const Image validity = validity_image(surface);
     const std::pair<const char*, PlaneView> pictures[] = {
-        {"colour.png", raw.colour},     {"depth.png", raw.depth},   {"codes.png", codes_view(surface)},
-        {"valid.png", validity.view()}, {"haptic.png", raw.haptic}, {"height.png", raw.height}};
+        {"colour.png", raw.colour},
+        {"depth.png", raw.depth},
+        {"codes.png", plane_of_codes(surface.codes.data(), surface.width, surface.height)},
+        {"valid.png", validity.view()},
+        {"haptic.png", raw.haptic},
+        {"height.png", raw.height}};
     for (const auto& [name, plane] : pictures) {
         if (plane.empty()) continue;
         TRY(write_png(folder.add(name), plane));
