@@ -172,11 +172,6 @@ Result<void> SimulatedDevice::open() {
     return {};
 }
 
-void SimulatedDevice::close() {
-    power_off();
-    open_ = false;
-}
-
 bool SimulatedDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (!open_ || fault_) return false;
     assert(device_metres.size() == handles_.size());

@@ -125,7 +125,10 @@ public:
     DeviceLimits limits() const override { return limits_; }
     int fingers() const override { return static_cast<int>(exerted_.size()); }
     Result<void> open() override;
-    void close() override;
+    void close() override {
+        power_off();
+        open_ = false;
+    }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     Result<void> health() const override;

@@ -214,13 +214,6 @@ Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times,
 
 // ---- A spring
 
-SpringTrial::SpringTrial(HapticDevice& device, const TickPace& pace, double most_force)
-    : device_(device),
-      pace_(pace),
-      most_force_(most_force),
-      metres_(static_cast<std::size_t>(device.fingers())),
-      newtons_(metres_.size(), glm::dvec3(0)) {}
-
 Result<glm::dvec3> SpringTrial::read() {
     if (!device_.read_positions(metres_)) return failure_of(device_);
     if (std::isfinite(metres_[0].x + metres_[0].y + metres_[0].z)) return metres_[0];

@@ -47,7 +47,12 @@ public:
     };
 
     /// `most_force` (N): of spring and nudge together; a third of it nudges. All of these outlive the trial.
-    SpringTrial(HapticDevice& device, const TickPace& pace, double most_force);
+    SpringTrial(HapticDevice& device, const TickPace& pace, double most_force)
+        : device_(device),
+          pace_(pace),
+          most_force_(most_force),
+          metres_(static_cast<std::size_t>(device.fingers())),
+          newtons_(metres_.size(), glm::dvec3(0)) {}
     ~SpringTrial() { power_off(); }
 
     /// Waits, without force, until the handle stays where it is. Error (ErrorKind::device): it does not.

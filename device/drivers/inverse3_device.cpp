@@ -256,13 +256,6 @@ std::vector<std::byte> web_socket_frame(std::string_view text, std::uint32_t mas
 
 // ---- The driver
 
-Inverse3Driver::Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service,
-                               DriverClock clock)
-    : choice_(std::move(choice)),
-      service_(std::move(service)),
-      clock_(std::move(clock)),
-      room_(LocalHaplyService::longest_message) {}
-
 /// The reach is that of the sphere in which the service's tutorial on positions keeps its targets.
 DeviceCapabilities Inverse3Driver::capabilities() const {
     return {.reach = glm::dvec3(0.1),

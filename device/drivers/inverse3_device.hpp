@@ -133,7 +133,11 @@ public:
     static constexpr int most_nonsense = 50;  ///< messages one after the other that cannot be read
 
     Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service,
-                   DriverClock clock = steady_ns);
+                   DriverClock clock = steady_ns)
+        : choice_(std::move(choice)),
+          service_(std::move(service)),
+          clock_(std::move(clock)),
+          room_(LocalHaplyService::longest_message) {}
     ~Inverse3Driver() override { disconnect(); }
 
     std::string name() const override { return "Inverse3"; }

@@ -122,10 +122,6 @@ DeviceSample DeviceLog::sample(std::size_t tick) const {
 
 // ---- Replay
 
-ReplayDriver::ReplayDriver(std::string file, DeviceLog log, DeviceLimits limits,
-                           std::unique_ptr<ReplayClock> clock)
-    : file_(std::move(file)), log_(std::move(log)), limits_(limits), clock_(std::move(clock)) {}
-
 DeviceCapabilities ReplayDriver::capabilities() const {
     const std::size_t ticks = log_.ticks();
     const double length = log_.seconds(ticks - 1);

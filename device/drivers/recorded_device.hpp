@@ -45,7 +45,8 @@ public:
 /// nothing of the forces. Where a log has ended its positions are not numbers.
 class ReplayDriver final : public DeviceDriver {
 public:
-    ReplayDriver(std::string file, DeviceLog log, DeviceLimits limits, std::unique_ptr<ReplayClock> clock);
+    ReplayDriver(std::string file, DeviceLog log, DeviceLimits limits, std::unique_ptr<ReplayClock> clock)
+        : file_(std::move(file)), log_(std::move(log)), limits_(limits), clock_(std::move(clock)) {}
 
     std::string name() const override { return "recorded device"; }
     int fingers() const override { return log_.fingers(); }

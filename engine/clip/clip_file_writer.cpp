@@ -35,14 +35,6 @@ Result<void> ReadAlong::add(const AVPacket& packet) {
     return {};
 }
 
-MuxedClipWriter::MuxedClipWriter(const std::filesystem::path& path, const SceneDescription& described,
-                                 const ClipStorage& storage, Existing existing, const char* format)
-    : scene_(described.scene),
-      unstated_(described.unstated),
-      storage_(storage),
-      output_(path, existing),
-      format_(format) {}
-
 Result<void> MuxedClipWriter::keep(Result<void> result) {
     over_ = over_ || !result;
     return result;

@@ -109,13 +109,6 @@ private:
 
 }  // namespace
 
-ClipContainer::ClipContainer(const SourceFile& source, Words words)
-    : source_(source), file_(source.string()), words_(words) {}
-
-Error ClipContainer::refuse(const std::string& what, Hints hints) const {
-    return input_error(file_ + ": " + what, std::move(hints));
-}
-
 Result<FrameRate> ClipContainer::tagged_rate(const Demuxer& file,
                                              const std::optional<std::string>& own_times) const {
     const auto version = file.tag(clip_tags::version_tag);

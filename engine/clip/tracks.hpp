@@ -370,8 +370,11 @@ public:
     const Words& words() const { return words_; }
 
 protected:
-    ClipContainer(const SourceFile& source, Words words);
-    Error refuse(const std::string& what, Hints hints = {}) const;
+    ClipContainer(const SourceFile& source, Words words)
+        : source_(source), file_(source.string()), words_(words) {}
+    Error refuse(const std::string& what, Hints hints = {}) const {
+        return input_error(file_ + ": " + what, std::move(hints));
+    }
     /// By the file's tags and, of frames at times of their own, this text. An error where it is no clip of
     /// ours, or of a version to come.
     Result<FrameRate> tagged_rate(const Demuxer& file, const std::optional<std::string>& own_times) const;
@@ -428,7 +431,12 @@ public:
 protected:
     /// `format`: the container, as FFmpeg calls it.
     MuxedClipWriter(const std::filesystem::path& path, const SceneDescription& described,
-                    const ClipStorage& storage, Existing existing, const char* format);
+                    const ClipStorage& storage, Existing existing, const char* format)
+        : scene_(described.scene),
+          unstated_(described.unstated),
+          storage_(storage),
+          output_(path, existing),
+          format_(format) {}
 
     /// What the container does with a frame that FrameCheck has passed.
     virtual Result<void> add(const RawFrame& frame) = 0;

@@ -182,9 +182,6 @@ MadeScene make_height_field(std::string_view name, const SceneOptions& options) 
     return std::make_unique<HeightFieldScene>(std::move(scene), relief);
 }
 
-GlobeStroke::GlobeStroke(CameraPreset preset, int width, int height)
-    : sphere_(globe_sphere(preset, width, height)), units_per_metre_(sphere_.radius / globe_device_radius) {}
-
 GlobeStroke::Goal GlobeStroke::at(int tick) const {
     assert(tick >= 0 && tick < approach_ticks + stroke_ticks);
     const int stroke_tick = std::max(0, tick - approach_ticks);

@@ -29,7 +29,9 @@ public:
     static constexpr int approach_ticks = 200, stroke_ticks = 20000;
 
     /// Of the globe without properties at this size.
-    GlobeStroke(CameraPreset preset, int width, int height);
+    GlobeStroke(CameraPreset preset, int width, int height)
+        : sphere_(globe_sphere(preset, width, height)),
+          units_per_metre_(sphere_.radius / globe_device_radius) {}
 
     struct Goal {
         glm::dvec3 goal;

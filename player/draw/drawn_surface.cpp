@@ -165,14 +165,6 @@ std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& s
     return colours;
 }
 
-DrawnLattice::DrawnLattice(const HeightField& field, bool is_turned)
-    : width(field.width()),
-      height(field.height()),
-      field_(field),
-      is_turned_(is_turned),
-      vertices_(side * side),
-      edges_(is_turned ? side * side : 0) {}
-
 const DrawnLattice::Vertex& DrawnLattice::vertex(const glm::ivec2& at) const {
     Vertex& kept = vertices_[slot(at.x, at.y)];
     if (kept.x == at.x && kept.y == at.y) return kept;

@@ -95,7 +95,13 @@ public:
     /// `is_turned`: as every view but the clip's own has it. There shaders/edge_rule.h says where vertices at
     /// edges are, and depth steps are cut; in the clip's own all are at their pixels, and holes alone are
     /// cut.
-    DrawnLattice(const HeightField& field, bool is_turned);
+    DrawnLattice(const HeightField& field, bool is_turned)
+        : width(field.width()),
+          height(field.height()),
+          field_(field),
+          is_turned_(is_turned),
+          vertices_(side * side),
+          edges_(is_turned ? side * side : 0) {}
 
     struct Triangle {
         std::array<glm::dvec3, 3> corners;  ///< (x, y, q) where they are drawn

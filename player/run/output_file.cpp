@@ -246,9 +246,6 @@ Result<void> all_ok(const std::vector<Result<void>>& finished) {
     return fault ? Result<void>(*fault) : Result<void>();
 }
 
-DeviceTickLog::DeviceTickLog(int ticks, int fingers)
-    : ring_(std::vector<Slot>(static_cast<std::size_t>(ticks), Slot(static_cast<std::size_t>(fingers)))) {}
-
 void DeviceTickLog::push(const Tick& tick) {
     const bool has_room = ring_.push([&tick](Slot& slot) {
         slot.tick = tick;

@@ -79,9 +79,6 @@ bool leads_elsewhere(PlaybackVerb verb) {
     return verb != PlaybackVerb::play && verb != PlaybackVerb::pause && verb != PlaybackVerb::rate;
 }
 
-PlaybackClock::PlaybackClock(const FrameRate& rate, std::vector<PlaybackCommand> commands)
-    : PlaybackClock(rate, std::make_shared<const PlaybackLog>(std::move(commands))) {}
-
 PlaybackClock::PlaybackClock(const FrameRate& rate, std::shared_ptr<const PlaybackLog> log)
     : rate_(rate), log_(std::move(log)), known_(log_->size()) {}
 

@@ -104,7 +104,8 @@ struct ComingEpoch {
 class PlaybackClock {
 public:
     /// Of commands that `validate` passes; `rate` says how far a step goes.
-    explicit PlaybackClock(const FrameRate& rate, std::vector<PlaybackCommand> commands = {});
+    explicit PlaybackClock(const FrameRate& rate, std::vector<PlaybackCommand> commands = {})
+        : PlaybackClock(rate, std::make_shared<const PlaybackLog>(std::move(commands))) {}
     /// Of commands some of which may be still to come, with ticks that this clock has not been asked for.
     PlaybackClock(const FrameRate& rate, std::shared_ptr<const PlaybackLog> log);
 

@@ -152,7 +152,9 @@ public:
         std::span<const glm::dvec3> newtons{};  ///< as given to the device
     };
 
-    DeviceTickLog(int ticks, int fingers);
+    DeviceTickLog(int ticks, int fingers)
+        : ring_(std::vector<Slot>(static_cast<std::size_t>(ticks), Slot(static_cast<std::size_t>(fingers)))) {
+    }
 
     /// Haptic thread; neither waits nor allocates. One for which there is no room is lost, and counted.
     void push(const Tick& tick);
