@@ -6,6 +6,13 @@
 
 namespace touchable {
 
+/// A region of a frame, which is to have a label.
+struct RegionLook {
+    std::int64_t pixels = 0;
+    std::int32_t x = 0, y = 0;                                               ///< mean place
+    std::int32_t brightness = 0, red_green = 0, yellow_blue = 0, depth = 0;  ///< means
+};
+
 namespace {
 
 /// Of what was seen before, so many are remembered, the newest.
@@ -71,206 +78,243 @@ std::int32_t smallest_segment(const Scene& scene) {
 
 }  // namespace
 
-bool LabelMemory::are_alike(const RegionLook& a, const RegionLook& b) const {
-    const std::int64_t away = squared(a.x - b.x) + squared(a.y - b.y);
-    return colour_distance(a, b) <= colour_alike && std::abs(a.depth - b.depth) <= depth_alike &&
-           std::max(a.pixels, b.pixels) <= size_alike * std::min(a.pixels, b.pixels) &&
-           away * squared(place_alike) <= squared(width_) + squared(height_);
-}
+/// Gives regions their labels from frame to frame: that of which a region has most pixels, else that of one
+/// like it that was seen a while ago about there, else a new one.
+class LabelMemory {
+public:
+    LabelMemory(int width, int height) : width_(width), height_(height) {}
 
-/// Gives regions the labels that they are paired with, the closest pair first, as far as neither is taken.
-void LabelMemory::take(std::vector<Pair>& pairs, std::vector<std::uint16_t>& names) {
-    std::ranges::sort(pairs);
-    for (const Pair& pair : pairs) {
-        if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
-        names[pair.region] = known_[pair.known].label;
-        known_[pair.known].is_taken = true;
+    /// Labels of regions 0 to size - 1. `regions`: of each pixel, beyond the last: none. `labels`: of the
+    /// last frame. `follows`: this frame follows it; else a label has to be of one that looks alike.
+    std::vector<std::uint16_t> name(const std::vector<RegionLook>& looks,
+                                    const std::vector<std::uint16_t>& regions,
+                                    const std::vector<std::uint16_t>& labels, bool follows) {
+        ++frame_;
+        std::vector<std::uint16_t> names(looks.size());
+        for (Known& known : known_) known.is_taken = false;
+        take_by_overlap(looks, regions, labels, follows, names);
+        take_by_look(looks, names);
+        // After 65,535 segments there are no more labels: what is new then has none.
+        for (std::uint16_t& name : names)
+            if (name == 0 && newest_ < std::numeric_limits<std::uint16_t>::max()) name = ++newest_;
+        remember(looks, names);
+        return names;
     }
-}
 
-/// Pairs of a region and a label, those that share most pixels first. A pair has to share more than half of
-/// the smaller one.
-void LabelMemory::take_by_overlap(const std::vector<RegionLook>& looks,
-                                  const std::vector<std::uint16_t>& regions,
-                                  const std::vector<std::uint16_t>& labels, bool follows,
-                                  std::vector<std::uint16_t>& names) {
-    constexpr std::uint32_t unknown = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> place_of(std::size_t{newest_} + 1, unknown);
-    for (std::size_t k = 0; k < known_.size(); ++k) place_of[known_[k].label] = static_cast<std::uint32_t>(k);
-    std::vector<std::int64_t> shared(looks.size() * known_.size()), label_pixels(known_.size());
-    for (std::size_t k = 0; k < labels.size(); ++k) {
-        if (labels[k] == 0 || place_of[labels[k]] == unknown) continue;
-        ++label_pixels[place_of[labels[k]]];
-        if (regions[k] < looks.size()) ++shared[regions[k] * known_.size() + place_of[labels[k]]];
-    }
-    std::vector<Pair> pairs;
-    for (std::size_t region = 0; region < looks.size(); ++region)
-        for (std::size_t known = 0; known < known_.size(); ++known) {
-            const std::int64_t both = shared[region * known_.size() + known];
-            if (both * 2 > std::min(looks[region].pixels, label_pixels[known]) &&
-                (follows || are_alike(looks[region], known_[known].look)))
-                pairs.push_back({-both, region, known});
-        }
-    take(pairs, names);
-}
-
-void LabelMemory::take_by_look(const std::vector<RegionLook>& looks, std::vector<std::uint16_t>& names) {
-    std::vector<Pair> pairs;
-    for (std::size_t region = 0; region < looks.size(); ++region)
-        for (std::size_t known = 0; known < known_.size(); ++known) {
-            const RegionLook &look = looks[region], &before = known_[known].look;
-            if (names[region] == 0 && !known_[known].is_taken && are_alike(look, before))
-                pairs.push_back(
-                    {squared(look.x - before.x) + squared(look.y - before.y) + colour_distance(look, before),
-                     region, known});
-        }
-    take(pairs, names);
-}
-
-void LabelMemory::remember(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& names) {
-    for (std::size_t region = 0; region < looks.size(); ++region) {
-        if (names[region] == 0) continue;
-        const auto at = std::ranges::lower_bound(known_, names[region], {}, &Known::label);
-        if (at != known_.end() && at->label == names[region])
-            *at = {names[region], looks[region], frame_, false};
-        else
-            known_.insert(at, {names[region], looks[region], frame_, false});
-    }
-    while (known_.size() > most_known) {
-        const auto oldest = std::ranges::min_element(known_, {}, &Known::seen);
-        if (oldest->seen == frame_) break;
-        known_.erase(oldest);
-    }
-}
-
-std::vector<std::uint16_t> LabelMemory::name(const std::vector<RegionLook>& looks,
-                                             const std::vector<std::uint16_t>& regions,
-                                             const std::vector<std::uint16_t>& labels, bool follows) {
-    ++frame_;
-    std::vector<std::uint16_t> names(looks.size());
-    for (Known& known : known_) known.is_taken = false;
-    take_by_overlap(looks, regions, labels, follows, names);
-    take_by_look(looks, names);
-    // After 65,535 segments there are no more labels: what is new then has none.
-    for (std::uint16_t& name : names)
-        if (name == 0 && newest_ < std::numeric_limits<std::uint16_t>::max()) name = ++newest_;
-    remember(looks, names);
-    return names;
-}
-
-void SegmentFigures::find_deviations(const PlaneView& colour, int width, int height, RowBands& bands) {
-    const auto pixels = pixel_count(width, height);
-    brightness_.resize(pixels);
-    deviations_.assign(pixels, 0);
-    const auto row_of = [&](auto& plane, int y) {
-        return plane.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+private:
+    struct Known {
+        std::uint16_t label;
+        RegionLook look;
+        std::int64_t seen;  ///< number of the frame
+        bool is_taken;
     };
-    bands.for_each_band(height, 1, [&](const RowBand& band) {
-        for (int y = band.first; y < band.last; ++y)
+    struct Pair {
+        std::int64_t distance;  ///< what is closest is least
+        std::size_t region, known;
+        auto operator<=>(const Pair&) const = default;
+    };
+    /// Gives regions the labels that they are paired with, the closest pair first, as far as neither is
+    /// taken.
+    void take(std::vector<Pair>& pairs, std::vector<std::uint16_t>& names) {
+        std::ranges::sort(pairs);
+        for (const Pair& pair : pairs) {
+            if (names[pair.region] != 0 || known_[pair.known].is_taken) continue;
+            names[pair.region] = known_[pair.known].label;
+            known_[pair.known].is_taken = true;
+        }
+    }
+
+    /// Pairs of a region and a label, those that share most pixels first. A pair has to share more than half
+    /// of the smaller one.
+    void take_by_overlap(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& regions,
+                         const std::vector<std::uint16_t>& labels, bool follows,
+                         std::vector<std::uint16_t>& names) {
+        constexpr std::uint32_t unknown = std::numeric_limits<std::uint32_t>::max();
+        std::vector<std::uint32_t> place_of(std::size_t{newest_} + 1, unknown);
+        for (std::size_t k = 0; k < known_.size(); ++k)
+            place_of[known_[k].label] = static_cast<std::uint32_t>(k);
+        std::vector<std::int64_t> shared(looks.size() * known_.size()), label_pixels(known_.size());
+        for (std::size_t k = 0; k < labels.size(); ++k) {
+            if (labels[k] == 0 || place_of[labels[k]] == unknown) continue;
+            ++label_pixels[place_of[labels[k]]];
+            if (regions[k] < looks.size()) ++shared[regions[k] * known_.size() + place_of[labels[k]]];
+        }
+        std::vector<Pair> pairs;
+        for (std::size_t region = 0; region < looks.size(); ++region)
+            for (std::size_t known = 0; known < known_.size(); ++known) {
+                const std::int64_t both = shared[region * known_.size() + known];
+                if (both * 2 > std::min(looks[region].pixels, label_pixels[known]) &&
+                    (follows || are_alike(looks[region], known_[known].look)))
+                    pairs.push_back({-both, region, known});
+            }
+        take(pairs, names);
+    }
+
+    void take_by_look(const std::vector<RegionLook>& looks, std::vector<std::uint16_t>& names) {
+        std::vector<Pair> pairs;
+        for (std::size_t region = 0; region < looks.size(); ++region)
+            for (std::size_t known = 0; known < known_.size(); ++known) {
+                const RegionLook &look = looks[region], &before = known_[known].look;
+                if (names[region] == 0 && !known_[known].is_taken && are_alike(look, before))
+                    pairs.push_back({squared(look.x - before.x) + squared(look.y - before.y) +
+                                         colour_distance(look, before),
+                                     region, known});
+            }
+        take(pairs, names);
+    }
+
+    bool are_alike(const RegionLook& a, const RegionLook& b) const {
+        const std::int64_t away = squared(a.x - b.x) + squared(a.y - b.y);
+        return colour_distance(a, b) <= colour_alike && std::abs(a.depth - b.depth) <= depth_alike &&
+               std::max(a.pixels, b.pixels) <= size_alike * std::min(a.pixels, b.pixels) &&
+               away * squared(place_alike) <= squared(width_) + squared(height_);
+    }
+
+    void remember(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& names) {
+        for (std::size_t region = 0; region < looks.size(); ++region) {
+            if (names[region] == 0) continue;
+            const auto at = std::ranges::lower_bound(known_, names[region], {}, &Known::label);
+            if (at != known_.end() && at->label == names[region])
+                *at = {names[region], looks[region], frame_, false};
+            else
+                known_.insert(at, {names[region], looks[region], frame_, false});
+        }
+        while (known_.size() > most_known) {
+            const auto oldest = std::ranges::min_element(known_, {}, &Known::seen);
+            if (oldest->seen == frame_) break;
+            known_.erase(oldest);
+        }
+    }
+
+    const int width_, height_;
+    std::vector<Known> known_;  ///< by label, ascending
+    std::uint16_t newest_ = 0;
+    std::int64_t frame_ = 0;
+};
+
+/// Fills in `segments` from `labels` and the frame they are of.
+class SegmentFigures {
+public:
+    void find(const RawFrame& frame, Segmentation& of, RowBands& bands) {
+        if (!frame.colour.empty()) find_deviations(frame.colour, of.width, of.height, bands);
+        list_segments(of);
+        find_means(frame.colour, of);
+        find_middles(of);
+        for (const Segment& segment : of.segments) place_of_[segment.label] = no_place;
+    }
+
+private:
+    void find_deviations(const PlaneView& colour, int width, int height, RowBands& bands) {
+        const auto pixels = pixel_count(width, height);
+        brightness_.resize(pixels);
+        deviations_.assign(pixels, 0);
+        const auto row_of = [&](auto& plane, int y) {
+            return plane.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        };
+        bands.for_each_band(height, 1, [&](const RowBand& band) {
+            for (int y = band.first; y < band.last; ++y)
+                for (int x = 0; x < width; ++x) {
+                    const std::uint8_t* rgb = colour_at(colour, x, y, width, height);
+                    row_of(brightness_, y)[x] =
+                        static_cast<std::uint16_t>((77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2] + 8) / 16);
+                }
+        });
+        bands.for_each_band(height, 1, [&](const RowBand& band) {
+            std::vector<std::int32_t> columns(static_cast<std::size_t>(width));
+            for (int y = std::max(band.first, blur_reach); y < std::min(band.last, height - blur_reach);
+                 ++y) {
+                std::fill(columns.begin(), columns.end(), 0);
+                for (int from = y - blur_reach; from <= y + blur_reach; ++from)
+                    for (int x = 0; x < width; ++x)
+                        columns[static_cast<std::size_t>(x)] += row_of(brightness_, from)[x];
+                std::int32_t sum = 0;
+                for (int x = 0; x < width; ++x) {
+                    sum += columns[static_cast<std::size_t>(x)];
+                    if (x < blur_side - 1) continue;
+                    const int middle = x - blur_reach;
+                    row_of(deviations_, y)[middle] = static_cast<std::uint16_t>(
+                        std::abs(row_of(brightness_, y)[middle] - sum / (blur_side * blur_side)));
+                    sum -= columns[static_cast<std::size_t>(x - blur_side + 1)];
+                }
+            }
+        });
+    }
+
+    /// By label; `place_of_` leads to each.
+    void list_segments(Segmentation& of) {
+        place_of_.resize(std::size_t{1} << 16, no_place);
+        of.segments.clear();
+        for (const std::uint16_t label : of.labels) {
+            if (label == 0 || place_of_[label] != no_place) continue;
+            place_of_[label] = 0;
+            of.segments.push_back({label, 0, {}, 0, 0, 0});
+        }
+        std::ranges::sort(of.segments, {}, &Segment::label);
+        for (std::size_t k = 0; k < of.segments.size(); ++k)
+            place_of_[of.segments[k].label] = static_cast<std::uint32_t>(k);
+    }
+
+    /// All figures, with the mean place.
+    void find_means(const PlaneView& colour, Segmentation& of) const {
+        const int width = of.width, height = of.height;
+        std::vector<FigureSums> all(of.segments.size());
+        for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
+                const std::uint16_t label = label_at(of, x, y);
+                if (label == 0) continue;
+                FigureSums& sums = all[place_of_[label]];
+                ++sums.pixels;
+                sums.x += x;
+                sums.y += y;
+                if (colour.empty()) continue;
                 const std::uint8_t* rgb = colour_at(colour, x, y, width, height);
-                row_of(brightness_, y)[x] =
-                    static_cast<std::uint16_t>((77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2] + 8) / 16);
+                for (std::size_t c = 0; c < 3; ++c) sums.colour[c] += rgb[c];
+                if (!is_within(of, x, y, blur_reach)) continue;
+                ++sums.textured;
+                sums.deviation += deviations_[pixel_place(x, y, width)];
             }
-    });
-    bands.for_each_band(height, 1, [&](const RowBand& band) {
-        std::vector<std::int32_t> columns(static_cast<std::size_t>(width));
-        for (int y = std::max(band.first, blur_reach); y < std::min(band.last, height - blur_reach); ++y) {
-            std::fill(columns.begin(), columns.end(), 0);
-            for (int from = y - blur_reach; from <= y + blur_reach; ++from)
-                for (int x = 0; x < width; ++x)
-                    columns[static_cast<std::size_t>(x)] += row_of(brightness_, from)[x];
-            std::int32_t sum = 0;
-            for (int x = 0; x < width; ++x) {
-                sum += columns[static_cast<std::size_t>(x)];
-                if (x < blur_side - 1) continue;
-                const int middle = x - blur_reach;
-                row_of(deviations_, y)[middle] = static_cast<std::uint16_t>(
-                    std::abs(row_of(brightness_, y)[middle] - sum / (blur_side * blur_side)));
-                sum -= columns[static_cast<std::size_t>(x - blur_side + 1)];
+        for (std::size_t k = 0; k < all.size(); ++k) {
+            const FigureSums& sums = all[k];
+            Segment& segment = of.segments[k];
+            segment.pixels = static_cast<std::int32_t>(sums.pixels);
+            segment.x = static_cast<std::int32_t>(sums.x / sums.pixels);
+            segment.y = static_cast<std::int32_t>(sums.y / sums.pixels);
+            for (std::size_t c = 0; c < 3; ++c)
+                segment.colour[c] =
+                    static_cast<std::uint8_t>((sums.colour[c] + sums.pixels / 2) / sums.pixels);
+            if (sums.textured > 0)
+                segment.contrast =
+                    static_cast<std::int32_t>((sums.deviation + sums.textured / 2) / sums.textured);
+        }
+    }
+
+    /// In place of the mean place the pixel next to it, one inside if there is one.
+    void find_middles(Segmentation& of) const {
+        struct Nearest {
+            std::int64_t rank = std::numeric_limits<std::int64_t>::max();
+            std::int32_t x = 0, y = 0;
+        };
+        std::vector<Nearest> all(of.segments.size());
+        for (int y = 0; y < of.height; ++y)
+            for (int x = 0; x < of.width; ++x) {
+                const std::uint16_t label = label_at(of, x, y);
+                if (label == 0) continue;
+                Nearest& nearest = all[place_of_[label]];
+                const Segment& segment = of.segments[place_of_[label]];
+                const std::int64_t dx = x - segment.x, dy = y - segment.y, away = dx * dx + dy * dy;
+                if (away >= nearest.rank) continue;
+                const std::int64_t rank = away + (is_within(of, x, y, inside) ? 0 : outside);
+                if (rank < nearest.rank) nearest = {rank, x, y};
             }
+        for (std::size_t k = 0; k < all.size(); ++k) {
+            of.segments[k].x = all[k].x;
+            of.segments[k].y = all[k].y;
         }
-    });
-}
-
-/// By label; `place_of_` leads to each.
-void SegmentFigures::list_segments(Segmentation& of) {
-    place_of_.resize(std::size_t{1} << 16, no_place);
-    of.segments.clear();
-    for (const std::uint16_t label : of.labels) {
-        if (label == 0 || place_of_[label] != no_place) continue;
-        place_of_[label] = 0;
-        of.segments.push_back({label, 0, {}, 0, 0, 0});
     }
-    std::ranges::sort(of.segments, {}, &Segment::label);
-    for (std::size_t k = 0; k < of.segments.size(); ++k)
-        place_of_[of.segments[k].label] = static_cast<std::uint32_t>(k);
-}
 
-/// All figures, with the mean place.
-void SegmentFigures::find_means(const PlaneView& colour, Segmentation& of) const {
-    const int width = of.width, height = of.height;
-    std::vector<FigureSums> all(of.segments.size());
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const std::uint16_t label = label_at(of, x, y);
-            if (label == 0) continue;
-            FigureSums& sums = all[place_of_[label]];
-            ++sums.pixels;
-            sums.x += x;
-            sums.y += y;
-            if (colour.empty()) continue;
-            const std::uint8_t* rgb = colour_at(colour, x, y, width, height);
-            for (std::size_t c = 0; c < 3; ++c) sums.colour[c] += rgb[c];
-            if (!is_within(of, x, y, blur_reach)) continue;
-            ++sums.textured;
-            sums.deviation += deviations_[pixel_place(x, y, width)];
-        }
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        const FigureSums& sums = all[k];
-        Segment& segment = of.segments[k];
-        segment.pixels = static_cast<std::int32_t>(sums.pixels);
-        segment.x = static_cast<std::int32_t>(sums.x / sums.pixels);
-        segment.y = static_cast<std::int32_t>(sums.y / sums.pixels);
-        for (std::size_t c = 0; c < 3; ++c)
-            segment.colour[c] = static_cast<std::uint8_t>((sums.colour[c] + sums.pixels / 2) / sums.pixels);
-        if (sums.textured > 0)
-            segment.contrast =
-                static_cast<std::int32_t>((sums.deviation + sums.textured / 2) / sums.textured);
-    }
-}
-
-/// In place of the mean place the pixel next to it, one inside if there is one.
-void SegmentFigures::find_middles(Segmentation& of) const {
-    struct Nearest {
-        std::int64_t rank = std::numeric_limits<std::int64_t>::max();
-        std::int32_t x = 0, y = 0;
-    };
-    std::vector<Nearest> all(of.segments.size());
-    for (int y = 0; y < of.height; ++y)
-        for (int x = 0; x < of.width; ++x) {
-            const std::uint16_t label = label_at(of, x, y);
-            if (label == 0) continue;
-            Nearest& nearest = all[place_of_[label]];
-            const Segment& segment = of.segments[place_of_[label]];
-            const std::int64_t dx = x - segment.x, dy = y - segment.y, away = dx * dx + dy * dy;
-            if (away >= nearest.rank) continue;
-            const std::int64_t rank = away + (is_within(of, x, y, inside) ? 0 : outside);
-            if (rank < nearest.rank) nearest = {rank, x, y};
-        }
-    for (std::size_t k = 0; k < all.size(); ++k) {
-        of.segments[k].x = all[k].x;
-        of.segments[k].y = all[k].y;
-    }
-}
-
-void SegmentFigures::find(const RawFrame& frame, Segmentation& of, RowBands& bands) {
-    if (!frame.colour.empty()) find_deviations(frame.colour, of.width, of.height, bands);
-    list_segments(of);
-    find_means(frame.colour, of);
-    find_middles(of);
-    for (const Segment& segment : of.segments) place_of_[segment.label] = no_place;
-}
+    std::vector<std::uint16_t> brightness_, deviations_;
+    std::vector<std::uint32_t> place_of_;
+};
 
 struct Segmenter::State {
     State(const Scene& scene, int threads)

@@ -47,9 +47,6 @@ GlobeSphere globe_sphere(CameraPreset preset, int width, int height);
 /// The device radius of the globe, in metres: S = globe_device_radius / radius.
 inline constexpr double globe_device_radius = 0.032;
 
-/// Analytic depths of a whole picture at time t, row-major, scene units.
-std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows);
-
 /// Writes each depth's nearest code as the scene's plane of 8 or 16 bits.
 void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows,
               AnalyticScene::Planes& planes);

@@ -67,6 +67,17 @@ PlaneView plane(const void* data, bool present, const Scene& scene, int bytes_pe
             channels};
 }
 
+/// Analytic depths of a whole picture at time t, row-major, scene units.
+std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows) {
+    const int width = scene.scene().width, height = scene.scene().height;
+    std::vector<double> depths(pixel_count(width, height));
+    rows.for_each_band(height, 1, [&](const RowBand& band) {
+        double* out = &depths[static_cast<std::size_t>(band.first) * static_cast<std::size_t>(width)];
+        for (int y = band.first; y < band.last; ++y, out += width) scene.row_depths(y, t, out);
+    });
+    return depths;
+}
+
 }  // namespace
 
 int AnalyticScene::threads_of_a_frame() const {
@@ -181,16 +192,6 @@ GlobeSphere globe_sphere(CameraPreset preset, int width, int height) {
     // R = D sin(atan(h)), h = 0.8 tan(VFOV/2) = 0.8 (H/2) / fy; sin(atan(h)) = h / sqrt(1 + h^2).
     const double h = 0.8 * (0.5 * height) * pixel_width(p, width) / p.focal_length;
     return {{0, 0, -p.globe_distance}, p.globe_distance * (h / std::sqrt(1.0 + h * h))};
-}
-
-std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands& rows) {
-    const int width = scene.scene().width, height = scene.scene().height;
-    std::vector<double> depths(pixel_count(width, height));
-    rows.for_each_band(height, 1, [&](const RowBand& band) {
-        double* out = &depths[static_cast<std::size_t>(band.first) * static_cast<std::size_t>(width)];
-        for (int y = band.first; y < band.last; ++y, out += width) scene.row_depths(y, t, out);
-    });
-    return depths;
 }
 
 void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows,

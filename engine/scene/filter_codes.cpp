@@ -185,20 +185,7 @@ double gate_per_noise(int median) {
     return median == 3 ? 4.0 / 3.0 : 2;
 }
 
-}  // namespace
-
-DepthLength length_along_depth(double share, double shift, double near, double far) {
-    // As long as it at both ends, and too short in between.
-    const double quadratic = share / (far + near);
-    const DepthLength chord{share * (near + shift) - quadratic * near * near, quadratic};
-    double least = 1;
-    for (int part = 1; part < 64; ++part) {
-        const double depth = near + (far - near) * part / 64;
-        least = std::min(least, chord.at(depth) / (share * (depth + shift)));
-    }
-    return chord.times(2 / (1 + least));
-}
-
+/// `times` the length, in codes of `coding`.
 CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times) {
     CodeCurve curve;
     const int last = largest_code(coding);
@@ -217,6 +204,20 @@ CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, doubl
     curve.linear = coefficient(times * std::fabs(scaled->linear) * unit);
     curve.quadratic = coefficient(times * scaled->quadratic * unit * unit);
     return curve;
+}
+
+}  // namespace
+
+DepthLength length_along_depth(double share, double shift, double near, double far) {
+    // As long as it at both ends, and too short in between.
+    const double quadratic = share / (far + near);
+    const DepthLength chord{share * (near + shift) - quadratic * near * near, quadratic};
+    double least = 1;
+    for (int part = 1; part < 64; ++part) {
+        const double depth = near + (far - near) * part / 64;
+        least = std::min(least, chord.at(depth) / (share * (depth + shift)));
+    }
+    return chord.times(2 / (1 + least));
 }
 
 int largest_code(const DepthCoding& coding) {

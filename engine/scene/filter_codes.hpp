@@ -22,9 +22,9 @@
 
 namespace touchable {
 
-/// A length (DepthLength) in the place of one that grows as depth does, `share` (z + shift): of those that are off it
-/// by the same factor at both ends of a range and in between. Of near:far 1:3 that factor is 1.07, 1:8 1.23,
-/// 1:30 1.5.
+/// A length (DepthLength) in the place of one that grows as depth does, `share` (z + shift): of those that
+/// are off it by the same factor at both ends of a range and in between. Of near:far 1:3 that factor is 1.07,
+/// 1:8 1.23, 1:30 1.5.
 DepthLength length_along_depth(double share, double shift, double near, double far);
 
 /// So twice as much has 16 bits.
@@ -52,9 +52,6 @@ struct CodeCurve {
     bool is_zero() const { return (constant | linear | quadratic) == 0; }
     bool operator==(const CodeCurve&) const = default;
 };
-/// `times` the length, in codes of `coding`.
-CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times);
-
 /// What stored codes become before terraces are removed and noise is averaged, so that a mean of two has
 /// somewhere to lie: `factor` times as many. Or, where these would not fit 15 bits, or be coarse where a hand
 /// is, codes of their own, looked up in a table: even steps of 1 / (depth + shift), which are about as fine

@@ -138,6 +138,16 @@ template <class Lanes, int Side>
     }
 }
 
+/// The lower median of the valid codes in each window of Side x Side, of a row of `width` codes; 0 where the
+/// centre is invalid. `lines`: the windows' rows from the upper one on, with reach Side / 2. Side: 3 or 5.
+template <int Side>
+void median_of_row(VectorUnit unit, const CodeLine* const (&lines)[Side], std::uint16_t* codes, int width) {
+    run_vectors(
+        unit, [&](auto kind) __attribute__((always_inline)) {
+            median_row<typename decltype(kind)::Lanes>(lines, codes, width);
+        });
+}
+
 template <int Side>
 void filter_band(const RowBand& band, const LineSource& source, std::vector<CodeLine>& ring, VectorUnit unit,
                  SurfaceFrame& out) {
@@ -156,30 +166,5 @@ void filter_band(const RowBand& band, const LineSource& source, std::vector<Code
 }
 
 }  // namespace
-
-template <int Side>
-void median_of_row(VectorUnit unit, const CodeLine* const (&lines)[Side], std::uint16_t* codes, int width) {
-    run_vectors(
-        unit, [&](auto kind) __attribute__((always_inline)) {
-            median_row<typename decltype(kind)::Lanes>(lines, codes, width);
-        });
-}
-
-template void median_of_row(VectorUnit, const CodeLine* const (&)[3], std::uint16_t*, int);
-template void median_of_row(VectorUnit, const CodeLine* const (&)[5], std::uint16_t*, int);
-
-void MedianFilter::begin(const RawFrame& raw, RowBands& bands) {
-    lines_->begin(raw, bands);
-    rings_.resize(static_cast<std::size_t>(bands.threads()));
-    for (std::vector<CodeLine>& ring : rings_) {
-        ring.resize(static_cast<std::size_t>(side_));
-        for (CodeLine& line : ring) line.resize(raw.depth.width, side_ / 2);
-    }
-}
-
-void MedianFilter::make(const RowBand& band, SurfaceFrame& out) {
-    const auto filter = side_ == 3 ? filter_band<3> : filter_band<5>;
-    filter(band, *lines_, rings_[static_cast<std::size_t>(band.thread)], unit_, out);
-}
 
 }  // namespace touchable

@@ -44,11 +44,6 @@ template <class Code>
     return median25(quad, columns[4]);
 }
 
-/// The lower median of the valid codes in each window of Side x Side, of a row of `width` codes; 0 where the
-/// centre is invalid. `lines`: the windows' rows from the upper one on, with reach Side / 2. Side: 3 or 5.
-template <int Side>
-void median_of_row(VectorUnit unit, const CodeLine* const (&lines)[Side], std::uint16_t* codes, int width);
-
 /// The lower median, in code order, of the valid codes in a window of 3x3 or 5x5 pixels; positions outside
 /// the picture replicate the border pixel, and an invalid centre stays invalid.
 class MedianFilter final : public BandSource {

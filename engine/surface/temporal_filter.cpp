@@ -117,12 +117,14 @@ struct RowSmoothing {
     }
 };
 
-}  // namespace
-
+/// One row of a frame, `width` codes and their validity: codes as many times finer, smoothed, 0 where
+/// invalid. The row that is remembered becomes the same.
 void smooth_row(VectorUnit unit, const TemporalFilter& filter, int width, std::uint16_t* codes,
                 std::uint32_t* validity, const TemporalRow& remembered) {
     run_vectors(unit, RowSmoothing{filter, width, codes, validity, remembered});
 }
+
+}  // namespace
 
 void TemporalSmoother::begin(const RawFrame& raw, RowBands& bands) {
     before_->begin(raw, bands);

@@ -16,11 +16,6 @@ struct TemporalRow {
     std::uint32_t *known, *held_low, *held_high;
 };
 
-/// One row of a frame, `width` codes and their validity: codes as many times finer, smoothed, 0 where
-/// invalid. The row that is remembered becomes the same.
-void smooth_row(VectorUnit unit, const TemporalFilter& filter, int width, std::uint16_t* codes,
-                std::uint32_t* validity, const TemporalRow& remembered);
-
 /// Averages noise from frame to frame (docs/conventions.md). Remembers one frame: it must see all of them, in
 /// order.
 class TemporalSmoother final : public BandSource {

@@ -156,8 +156,7 @@ void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const s
     for (int k = 0; k < count; ++k) codes[k] = static_cast<std::uint16_t>(codes[k] & masks[k]);
 }
 
-}  // namespace
-
+/// TerraceFilter::gate_at and most_at of each of `words` times 32 working codes.
 void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
                 std::int16_t* gates, std::int16_t* most) {
     run_vectors(unit, RowGates{filter, codes, words, gates, most});
@@ -170,6 +169,8 @@ void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here,
     else
         run_vectors(unit, RowLevelling<true>{above, here, below, words, pass, out});
 }
+
+}  // namespace
 
 void TerraceRemover::begin(const RawFrame& raw, RowBands& bands) {
     before_->make_all(raw, bands, with_terraces_);

@@ -23,10 +23,6 @@ constexpr int words_beyond(int tap) {
     return (tap + 31) / 32;
 }
 
-/// TerraceFilter::gate_at and most_at of each of `words` times 32 working codes.
-void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
-                std::int16_t* gates, std::int16_t* most);
-
 /// One pass over a row of `words` times 32 pixels: `above` and `below` are `step` rows away. Fills all of
 /// `out`; codes that do not count mean nothing. The last pass doubles codes, to 16 bits without a sign.
 struct TerracePass {
@@ -34,9 +30,6 @@ struct TerracePass {
     const TerraceFilter& filter;
     bool is_last;
 };
-void level_row(VectorUnit unit, const TerraceRow& above, const TerraceRow& here, const TerraceRow& below,
-               int words, const TerracePass& pass, std::int16_t* out);
-
 /// Takes the terraces off quantised depth (docs/conventions.md). The passes go down a band of rows together,
 /// each as far behind the one before it as its taps reach, so that a row is still in the cache when it is
 /// needed.

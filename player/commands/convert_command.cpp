@@ -140,6 +140,15 @@ Result<void> make_folder(const fs::path& folder) {
     return usage_error("'" + printable(folder.string()) + "' cannot be made: " + failure.message());
 }
 
+/// What a clip of this name is called in a folder: "a/b.bag" is "b.mkv", and so is "a/b/scene.json".
+fs::path name_in_folder(const fs::path& clip) {
+    std::error_code ignored;
+    fs::path whole = fs::absolute(clip, ignored).lexically_normal();
+    if (!whole.has_filename() || whole.filename() == "scene.json") whole = whole.parent_path();
+    std::string name = fs::is_directory(whole, ignored) ? whole.filename().string() : whole.stem().string();
+    return (name.empty() ? std::string("clip") : name) + ".mkv";
+}
+
 /// Where each clip goes.
 Result<std::vector<fs::path>> places(const std::vector<fs::path>& clips, const fs::path& folder) {
     std::map<fs::path, fs::path> taken;
@@ -157,14 +166,6 @@ Result<std::vector<fs::path>> places(const std::vector<fs::path>& clips, const f
 }
 
 }  // namespace
-
-fs::path name_in_folder(const fs::path& clip) {
-    std::error_code ignored;
-    fs::path whole = fs::absolute(clip, ignored).lexically_normal();
-    if (!whole.has_filename() || whole.filename() == "scene.json") whole = whole.parent_path();
-    std::string name = fs::is_directory(whole, ignored) ? whole.filename().string() : whole.stem().string();
-    return (name.empty() ? std::string("clip") : name) + ".mkv";
-}
 
 CLI::Option* ManyClips::add_option(CLI::App& sub, const std::string& out) {
     return add_file_option(sub, "OUT", rest,

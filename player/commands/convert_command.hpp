@@ -91,11 +91,6 @@ using PlaneLosses = std::array<PlaneLoss, all_roles.size()>;
 /// sizes may differ.
 void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses);
 
-/// The same of depth alone, whose values mean something else in each of both scenes (of one unit): what
-/// changes is a depth.
-void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
-                      PlaneLosses& losses);
-
 /// What was done, for a person.
 struct Converted {
     std::vector<std::string> notes;  ///< remarks on the clip that was read
@@ -128,8 +123,5 @@ struct ManyClips {
     /// others are done; then the error is the first one's, with their number.
     Result<void> for_each(const std::filesystem::path& first, Existing existing, const One& one) const;
 };
-
-/// What a clip of this name is called in a folder: "a/b.bag" is "b.mkv", and so is "a/b/scene.json".
-std::filesystem::path name_in_folder(const std::filesystem::path& clip);
 
 }  // namespace touchable

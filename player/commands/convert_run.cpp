@@ -282,6 +282,16 @@ ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions&
     return copied;
 }
 
+/// The same of depth alone, whose values mean something else in each of both scenes (of one unit): what
+/// changes is a depth.
+void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
+                      PlaneLosses& losses) {
+    PlaneLoss& loss = losses[static_cast<std::size_t>(PlaneRole::depth)];
+    loss.is_recoded = true;
+    loss.samples += std::int64_t{before.depth.width} * before.depth.height;
+    add_depths(before.depth, scene, now.depth, recoded, loss);
+}
+
 class Conversion {
 public:
     explicit Conversion(const ConvertOptions& options) : options_(options) {}
@@ -567,14 +577,6 @@ void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, P
         add_values(was, is, loss);
         if (role == PlaneRole::depth && !same_samples(was, is)) add_depths(was, scene, is, scene, loss);
     }
-}
-
-void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
-                      PlaneLosses& losses) {
-    PlaneLoss& loss = losses[static_cast<std::size_t>(PlaneRole::depth)];
-    loss.is_recoded = true;
-    loss.samples += std::int64_t{before.depth.width} * before.depth.height;
-    add_depths(before.depth, scene, now.depth, recoded, loss);
 }
 
 std::string report_to_text(const ConvertOptions& options, const Converted& done) {
