@@ -223,8 +223,7 @@ Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
     DepthEstimator estimator(clip.described.scene);
     Prefetch ahead(std::move(clip.reader));
     const auto looked = look_ahead(ahead, estimator);
-    TRY_ASSIGN(auto whole, ahead.finish());
-    clip.reader = std::move(whole);
+    TRY_ASSIGN(clip.reader, ahead.finish());
     if (clip.next_frame != 0) TRY(clip.reader->seek(clip.next_frame));
     if (!looked) return looked.error();
     return estimator.measured();

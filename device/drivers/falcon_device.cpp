@@ -406,8 +406,7 @@ Result<FalconSettings> read_falcon_settings(std::string_view keys) {
     FalconSettings settings;
     settings.limits = {given.number("force"), given.number("stiffness") * 1000};
     if (given.given("firmware")) {
-        TRY_ASSIGN(auto firmware, read_falcon_firmware(given.words("firmware")));
-        settings.firmware = std::move(firmware);
+        TRY_ASSIGN(settings.firmware, read_falcon_firmware(given.words("firmware")));
     }
     return settings;
 }

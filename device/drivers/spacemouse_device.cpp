@@ -79,8 +79,7 @@ glm::dvec3 SpaceMouseMotion::place(std::int64_t now_ns) {
 }
 
 Result<void> SpaceMouseDriver::connect() {
-    TRY_ASSIGN(auto opened, open_());
-    transport_ = std::move(opened);
+    TRY_ASSIGN(transport_, open_());
     motion_.emplace(pace_, clock_());
     buttons_ = 0;
     return {};

@@ -224,8 +224,7 @@ DeviceCapabilities WoodenHapticsDriver::capabilities() const {
 }
 
 Result<void> WoodenHapticsDriver::connect() {
-    TRY_ASSIGN(auto opened, open_());
-    transport_ = std::move(opened);
+    TRY_ASSIGN(transport_, open_());
     homed_ = Homed::no;
     pressed_ = 0;
     // A board that has just been plugged in loses reports.

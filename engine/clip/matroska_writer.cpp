@@ -297,8 +297,7 @@ private:
                     next = k;
             if (next == ahead_.size()) return {};
             TRY(write_picture_of(tracks_.size() + next, ahead_[next]));
-            TRY_ASSIGN(auto after, copy_->next(next));
-            ahead_[next] = std::move(after);
+            TRY_ASSIGN(ahead_[next], copy_->next(next));
         }
     }
 

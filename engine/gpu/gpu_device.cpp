@@ -340,8 +340,7 @@ Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
     TRY_ASSIGN(auto instance, VulkanInstance::create(options.validation, options.window_extensions));
     std::vector<VkPhysicalDevice> devices;
     if (instance) {
-        TRY_ASSIGN(auto found, instance->devices());
-        devices = std::move(found);
+        TRY_ASSIGN(devices, instance->devices());
     }
     const std::vector<GpuFacts> facts = all_facts(devices);
     TRY_ASSIGN(const auto chosen, choose_gpu(facts, options.request));

@@ -194,8 +194,7 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
                                                          Existing existing, std::string name) {
     std::unique_ptr<WindowSound> made(new WindowSound);
     if (file) {
-        TRY_ASSIGN(auto created, WavFile::create(*file, existing, std::move(name)));
-        made->file_ = std::move(created);
+        TRY_ASSIGN(made->file_, WavFile::create(*file, existing, std::move(name)));
     }
     if (loudspeakers) made->output_ = std::make_unique<Loudspeakers>(made->ticks_);
     return made;

@@ -423,7 +423,7 @@ private:
         if (codes_) described = codes_->scene();
         done_.scene = described.scene;
         say_what_mpeg4_cannot(described.scene);
-        TRY_ASSIGN(auto writer, [&]() -> Result<std::unique_ptr<ClipWriter>> {
+        TRY_ASSIGN(writer_, [&]() -> Result<std::unique_ptr<ClipWriter>> {
             const auto sound = chosen_sound();
             switch (options_.form) {
                 case ClipForm::folder:
@@ -448,7 +448,6 @@ private:
                                         options_.existing, sound);
             return create_named_clip(options_.out, described, storage, options_.existing, sound);
         }());
-        writer_ = std::move(writer);
         return {};
     }
 

@@ -29,8 +29,7 @@ Result<Columns> read_columns(const CsvTable& table) {
                                    "; right would be a file of forces that a run wrote",
                                {{Setting::forces}});
         TRY_ASSIGN(const auto at, table.column(column_names[c]));
-        TRY_ASSIGN(auto values, table.numbers(at));
-        columns[c] = std::move(values);
+        TRY_ASSIGN(columns[c], table.numbers(at));
     }
     return columns;
 }
