@@ -58,48 +58,60 @@ glm::dvec2 pixel_step(const glm::dvec2& direction, double metres, const Ground& 
     return glm::dvec2(direction.x, -direction.y) * metres / ground.metres_per_pixel;
 }
 
-/// The penetration of a hand that glides along: it breathes about its mean, each finger in its own phase, so
-/// that the force keeps changing and stays above zero.
-double breathing(double mean, double seconds, double phase) {
-    constexpr double hertz = 0.9;
-    constexpr double share = 3.0 / 7.0;
-    return mean * (1 + share * sine(2 * pi * hertz * seconds + phase));
-}
+/// A hand that glides along. Its penetration breathes about the mean, each finger in its own phase, so that
+/// the force keeps changing and stays above zero.
+class GlidingScript : public HandScript {
+public:
+    glm::dvec2 pixel() const final { return pixel_; }
+    bool moves() const final { return true; }
+    double penetration(int finger) const final {
+        constexpr double hertz = 0.9;
+        constexpr double share = 3.0 / 7.0;
+        return depth_ * (1 + share * sine(2 * pi * hertz * seconds_ + finger_phase(finger, fingers_)));
+    }
 
-struct WanderSettings {
-    double speed;  ///< m/s
-    double depth;  ///< mean, device metres
-    std::uint64_t seed;
+protected:
+    GlidingScript(double speed, double depth, int fingers, const HandArea& box)
+        : speed_(speed),
+          box_(box),
+          pixel_(0.5 * (box.least + box.greatest)),
+          depth_(depth),
+          fingers_(fingers) {}
+    void pass_tick() { seconds_ = static_cast<double>(++tick_) * tick_s; }
+
+    const double speed_;  // m/s
+    const HandArea box_;
+    glm::dvec2 pixel_;
+    double seconds_ = 0;
+
+private:
+    const double depth_;  // mean, device metres
+    const int fingers_;
+    std::int64_t tick_ = 0;
 };
+
 /// Follows a heading that turns smoothly, from the surface nearest to the picture's centre, reflected at the
 /// box. Having strayed too far over pixels without a surface it turns back to where it last had one.
-class Wander final : public HandScript {
+class Wander final : public GlidingScript {
 public:
-    Wander(const WanderSettings& settings, int fingers, const HandArea& box, const SurfaceProbe& probe)
-        : settings_(settings), fingers_(fingers), box_(box) {
-        const glm::dvec2 centre = 0.5 * (box.least + box.greatest);
-        const std::optional<SurfacePoint> start = nearest_surface(probe, centre, box);
-        pixel_ = home_ = start ? start->pixel : centre;
-        Random random(settings.seed);
+    Wander(double speed, double depth, std::uint64_t seed, int fingers, const HandArea& box,
+           const SurfaceProbe& probe)
+        : GlidingScript(speed, depth, fingers, box) {
+        if (const auto start = nearest_surface(probe, pixel_, box)) pixel_ = start->pixel;
+        home_ = pixel_;
+        Random random(seed);
         heading_ = 2 * pi * random.next();
         turn_phase_ = 2 * pi * random.next();
     }
-
-    glm::dvec2 pixel() const override { return pixel_; }
-    bool moves() const override { return true; }
 
     void advance(const Ground& ground, const SurfaceProbe&) override {
         keep_near_the_surface(ground);
         const double turn = 0.9 * sine(2 * pi * 0.37 * seconds_ + turn_phase_) + 0.4;  // rad/s
         heading_ += turn * tick_s;
-        pixel_ += pixel_step({cosine(heading_), sine(heading_)}, settings_.speed * tick_s, ground);
+        pixel_ += pixel_step({cosine(heading_), sine(heading_)}, speed_ * tick_s, ground);
         if (reflect(pixel_.x, box_.least.x, box_.greatest.x)) heading_ = pi - heading_;
         if (reflect(pixel_.y, box_.least.y, box_.greatest.y)) heading_ = -heading_;
-        seconds_ = static_cast<double>(++tick_) * tick_s;
-    }
-
-    double penetration(int finger) const override {
-        return breathing(settings_.depth, seconds_, finger_phase(finger, fingers_));
+        pass_tick();
     }
 
 private:
@@ -115,7 +127,7 @@ private:
             strayed_ = 0;
             return;
         }
-        strayed_ += settings_.speed * tick_s;
+        strayed_ += speed_ * tick_s;
         if (strayed_ < leash_) return;
         const glm::dvec2 way = (home_ - pixel_) * ground.metres_per_pixel;
         heading_ = arctangent2(-way.y, way.x);
@@ -130,59 +142,32 @@ private:
         return true;
     }
 
-    WanderSettings settings_;
-    int fingers_;
-    HandArea box_;
-    glm::dvec2 pixel_{0, 0};
     glm::dvec2 home_{0, 0};  // where there last was a surface
     double heading_ = 0;     // radians counter-clockwise from the right
     double turn_phase_ = 0;
     double leash_ = shortest_leash;
     double strayed_ = 0;  // device metres since home, or since the last turn
-    std::int64_t tick_ = 0;
-    double seconds_ = 0;
 };
 
-struct StrokeSettings {
-    double speed;  ///< m/s
-    double depth;  ///< mean, device metres
-    double angle;  ///< radians counter-clockwise from the picture's right
-};
 /// Goes back and forth in a straight line through the box's centre, turning at the box.
-class Stroke final : public HandScript {
+class Stroke final : public GlidingScript {
 public:
-    Stroke(const StrokeSettings& settings, int fingers, const HandArea& box)
-        : settings_(settings),
-          fingers_(fingers),
-          box_(box),
-          pixel_(0.5 * (box.least + box.greatest)),
-          direction_(cosine(settings.angle), sine(settings.angle)) {}
-
-    glm::dvec2 pixel() const override { return pixel_; }
-    bool moves() const override { return true; }
+    /// `angle`: radians counter-clockwise from the picture's right.
+    Stroke(double speed, double depth, double angle, int fingers, const HandArea& box)
+        : GlidingScript(speed, depth, fingers, box), direction_(cosine(angle), sine(angle)) {}
 
     void advance(const Ground& ground, const SurfaceProbe&) override {
-        glm::dvec2 step = pixel_step(direction_, settings_.speed * tick_s, ground);
+        glm::dvec2 step = pixel_step(direction_, speed_ * tick_s, ground);
         if (!box_.contains(pixel_ + step)) {
             direction_ = -direction_;
             step = -step;
         }
         if (box_.contains(pixel_ + step)) pixel_ += step;
-        seconds_ = static_cast<double>(++tick_) * tick_s;
-    }
-
-    double penetration(int finger) const override {
-        return breathing(settings_.depth, seconds_, finger_phase(finger, fingers_));
+        pass_tick();
     }
 
 private:
-    StrokeSettings settings_;
-    int fingers_;
-    HandArea box_;
-    glm::dvec2 pixel_;
     glm::dvec2 direction_;
-    std::int64_t tick_ = 0;
-    double seconds_ = 0;
 };
 
 struct PressSettings {
@@ -469,14 +454,10 @@ std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions
     const auto metres = [&](const Key& key) { return given.number(key.name) * millimetre; };
     const auto number = [&](const Key& key) { return given.number(key.name); };
     const auto whole = [&](const Key& key) { return static_cast<std::uint64_t>(given.number(key.name)); };
-    if (name == "wander") {
-        return std::make_unique<Wander>(WanderSettings{number(speed), metres(depth), whole(seed)}, fingers,
-                                        box, probe);
-    }
-    if (name == "stroke") {
-        return std::make_unique<Stroke>(
-            StrokeSettings{number(speed), metres(depth), number(angle) * pi / 180}, fingers, box);
-    }
+    if (name == "wander")
+        return std::make_unique<Wander>(number(speed), metres(depth), whole(seed), fingers, box, probe);
+    if (name == "stroke")
+        return std::make_unique<Stroke>(number(speed), metres(depth), number(angle) * pi / 180, fingers, box);
     const double period = given.number("period");
     if (name == "press") {
         const glm::dvec2 last(probe.width() - 1, probe.height() - 1);
