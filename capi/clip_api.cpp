@@ -549,14 +549,10 @@ touch_status touch_writer_finish(touch_writer writer, touch_error* error) {
             if (!use) return fail_without(use, error, "writer");
             object = use.shared();
         }
-        switch (writers().remove(writer.id)) {
-            case Removal::busy:
-                return fail(error, TOUCH_BUSY, "another thread is writing this clip");
-            case Removal::stale:  // another thread has ended it meanwhile
-                return fail_stale(error, "writer");
-            case Removal::removed:
-                break;
-        }
+        const Removal removal = writers().remove(writer.id);
+        if (removal == Removal::busy) return fail(error, TOUCH_BUSY, "another thread is writing this clip");
+        // Another thread has ended it meanwhile.
+        if (removal == Removal::stale) return fail_stale(error, "writer");
         if (auto finished = finish(*object); !finished) return fail(error, finished.error());
         return TOUCH_OK;
     });

@@ -17,15 +17,10 @@ int worth(VkMemoryPropertyFlags flags, GpuMemory use) {
     const auto has = [flags](VkMemoryPropertyFlags wanted) { return (flags & wanted) == wanted; };
     if (use == GpuMemory::device) return 2 * has(local) + !has(visible);
     if (!has(visible | coherent)) return -1;
-    switch (use) {
-        // Reading uncached memory is so slow that where it is comes second.
-        case GpuMemory::shared:
-            return has(cached) ? 2 + has(local) : !has(local);
-        case GpuMemory::readback:
-            return 2 * has(cached) + !has(local);
-        default:
-            return !has(local);  // upload: what the CPU may see of device memory can be small
-    }
+    // Reading uncached memory is so slow that where it is comes second.
+    if (use == GpuMemory::shared) return has(cached) ? 2 + has(local) : !has(local);
+    if (use == GpuMemory::readback) return 2 * has(cached) + !has(local);
+    return !has(local);  // upload: what the CPU may see of device memory can be small
 }
 
 constexpr std::size_t texel_bytes = 16;  // rgba32ui
