@@ -31,16 +31,10 @@ bool is_text(std::string_view line) {
 }
 
 const char* separator_name(char separator) {
-    switch (separator) {
-        case ';':
-            return "a semicolon";
-        case '\t':
-            return "a tab";
-        case ' ':
-            return "a blank";
-        default:
-            return "a comma";
-    }
+    return separator == ';'    ? "a semicolon"
+           : separator == '\t' ? "a tab"
+           : separator == ' '  ? "a blank"
+                               : "a comma";
 }
 
 }  // namespace
