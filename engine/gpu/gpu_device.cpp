@@ -211,16 +211,18 @@ Result<void> create_device(VulkanDevice& gpu, bool shows_pictures) {
     }
 
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                        .queueFamilyIndex = gpu.queue_family,
-                                        .queueCount = 1,
-                                        .pQueuePriorities = &priority};
-    const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                  .pNext = &wanted.core,
-                                  .queueCreateInfoCount = 1,
-                                  .pQueueCreateInfos = &queue,
-                                  .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
-                                  .ppEnabledExtensionNames = extensions.data()};
+    VkDeviceQueueCreateInfo queue{};
+    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
+    queue.queueFamilyIndex = gpu.queue_family;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    VkDeviceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
+    info.pNext = &wanted.core;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
     TRY(gpu.checked("vkCreateDevice", vkCreateDevice(gpu.physical, &info, nullptr, &gpu.device)));
 
     vkGetDeviceQueue(gpu.device, gpu.queue_family, 0, &gpu.queue);
@@ -234,9 +236,12 @@ Result<void> create_device(VulkanDevice& gpu, bool shows_pictures) {
 }
 
 Result<VkSemaphore> create_timeline(VulkanDevice& gpu) {
-    const VkSemaphoreTypeCreateInfo type{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO,
-                                         .semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE};
-    const VkSemaphoreCreateInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &type};
+    VkSemaphoreTypeCreateInfo type{};
+    type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
+    type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+    VkSemaphoreCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+    info.pNext = &type;
     VkSemaphore timeline = VK_NULL_HANDLE;
     TRY(gpu.checked("vkCreateSemaphore", vkCreateSemaphore(gpu.device, &info, nullptr, &timeline)));
     return timeline;
@@ -267,10 +272,11 @@ std::chrono::nanoseconds default_patience(GpuKind kind) {
 
 VkResult wait_on(const VulkanDevice& gpu, VkSemaphore timeline, std::uint64_t value,
                  std::chrono::nanoseconds timeout) {
-    const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
-                                   .semaphoreCount = 1,
-                                   .pSemaphores = &timeline,
-                                   .pValues = &value};
+    VkSemaphoreWaitInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
+    info.semaphoreCount = 1;
+    info.pSemaphores = &timeline;
+    info.pValues = &value;
     return vkWaitSemaphores(gpu.device, &info, static_cast<std::uint64_t>(timeout.count()));
 }
 
@@ -443,15 +449,17 @@ Result<std::uint64_t> GpuDevice::submit(std::unique_ptr<GpuRecording> recording)
     VkCommandBufferSubmitInfo commands{};
     commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO;
     commands.commandBuffer = recording->commands;
-    const VkSemaphoreSubmitInfo signal{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-                                       .semaphore = timeline_,
-                                       .value = submitted_ + 1,
-                                       .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT};
-    const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
-                             .commandBufferInfoCount = 1,
-                             .pCommandBufferInfos = &commands,
-                             .signalSemaphoreInfoCount = 1,
-                             .pSignalSemaphoreInfos = &signal};
+    VkSemaphoreSubmitInfo signal{};
+    signal.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO;
+    signal.semaphore = timeline_;
+    signal.value = submitted_ + 1;
+    signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    VkSubmitInfo2 info{};
+    info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2;
+    info.commandBufferInfoCount = 1;
+    info.pCommandBufferInfos = &commands;
+    info.signalSemaphoreInfoCount = 1;
+    info.pSignalSemaphoreInfos = &signal;
     VkResult result;
     {
         const std::lock_guard queue_lock(vulkan_->queue_mutex);

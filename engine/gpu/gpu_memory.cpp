@@ -62,17 +62,18 @@ std::string beyond(const GpuLayout& layout, const GpuFacts::Limits& limits) {
 Result<VkDescriptorSetLayout> make_set_layout(VulkanDevice& gpu, const GpuLayout& layout) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (const GpuBindingKind kind : layout.bindings) {
-        const VkDescriptorSetLayoutBinding binding{.binding = static_cast<std::uint32_t>(bindings.size()),
-                                                   .descriptorType = descriptor_type(kind),
-                                                   .descriptorCount = 1,
-                                                   .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+        VkDescriptorSetLayoutBinding binding{};
+        binding.binding = static_cast<std::uint32_t>(bindings.size());
+        binding.descriptorType = descriptor_type(kind);
+        binding.descriptorCount = 1;
+        binding.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
         bindings.push_back(binding);
     }
-    const VkDescriptorSetLayoutCreateInfo info{
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
-        .bindingCount = static_cast<std::uint32_t>(bindings.size()),
-        .pBindings = bindings.data()};
+    VkDescriptorSetLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    info.bindingCount = static_cast<std::uint32_t>(bindings.size());
+    info.pBindings = bindings.data();
     VkDescriptorSetLayout made = VK_NULL_HANDLE;
     TRY(gpu.checked("vkCreateDescriptorSetLayout",
                     vkCreateDescriptorSetLayout(gpu.device, &info, nullptr, &made)));
@@ -82,11 +83,12 @@ Result<VkDescriptorSetLayout> make_set_layout(VulkanDevice& gpu, const GpuLayout
 Result<VkPipelineLayout> make_pipeline_layout(VulkanDevice& gpu, VkDescriptorSetLayout set,
                                               std::uint32_t push_bytes) {
     const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
-    const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                          .setLayoutCount = 1,
-                                          .pSetLayouts = &set,
-                                          .pushConstantRangeCount = push_bytes > 0,
-                                          .pPushConstantRanges = &range};
+    VkPipelineLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &set;
+    info.pushConstantRangeCount = push_bytes > 0;
+    info.pPushConstantRanges = &range;
     VkPipelineLayout made = VK_NULL_HANDLE;
     TRY(gpu.checked("vkCreatePipelineLayout", vkCreatePipelineLayout(gpu.device, &info, nullptr, &made)));
     return made;
@@ -95,9 +97,10 @@ Result<VkPipelineLayout> make_pipeline_layout(VulkanDevice& gpu, VkDescriptorSet
 Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
                                  std::span<const std::uint32_t> spirv,
                                  std::span<const std::uint32_t> constants) {
-    const VkShaderModuleCreateInfo code{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                        .codeSize = spirv.size_bytes(),
-                                        .pCode = spirv.data()};
+    VkShaderModuleCreateInfo code{};
+    code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    code.codeSize = spirv.size_bytes();
+    code.pCode = spirv.data();
     VkShaderModule shader = VK_NULL_HANDLE;
     TRY(gpu.checked("vkCreateShaderModule", vkCreateShaderModule(gpu.device, &code, nullptr, &shader)));
 
@@ -164,13 +167,13 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
         return refusal(gpu, state->name, bytes, "at most " + std::to_string(most) + " in one piece");
     state->size = (bytes + texel_bytes - 1) / texel_bytes * texel_bytes;
 
-    const VkBufferCreateInfo info{
-        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = state->size,
-        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+    VkBufferCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+    info.size = state->size;
+    info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                  VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT};
+                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
     TRY(checked(gpu, state->name, bytes, "vkCreateBuffer",
                 vkCreateBuffer(gpu.device, &info, nullptr, &state->buffer)));
     gpu.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<std::uint64_t>(state->buffer), state->name);
@@ -184,9 +187,10 @@ Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_
     if (bytes > heap_bytes(gpu, memory_type))
         return refusal(gpu, state.name, state.bytes,
                        "the memory has only " + std::to_string(heap_bytes(gpu, memory_type)));
-    const VkMemoryAllocateInfo memory{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                      .allocationSize = bytes,
-                                      .memoryTypeIndex = memory_type};
+    VkMemoryAllocateInfo memory{};
+    memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    memory.allocationSize = bytes;
+    memory.memoryTypeIndex = memory_type;
     TRY(checked(gpu, state.name, state.bytes, "vkAllocateMemory",
                 vkAllocateMemory(gpu.device, &memory, nullptr, &state.memory)));
     TRY(checked(gpu, state.name, state.bytes, "vkBindBufferMemory",
@@ -200,10 +204,11 @@ Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_
                  {state.words, VK_FORMAT_R32_UINT, 4}};
     for (const auto& each : views) {
         if (state.size / each.texel_bytes > gpu.facts.limits.max_texel_buffer_elements) continue;
-        const VkBufferViewCreateInfo view{.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
-                                          .buffer = state.buffer,
-                                          .format = each.format,
-                                          .range = state.size};
+        VkBufferViewCreateInfo view{};
+        view.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+        view.buffer = state.buffer;
+        view.format = each.format;
+        view.range = state.size;
         TRY(checked(gpu, state.name, state.bytes, "vkCreateBufferView",
                     vkCreateBufferView(gpu.device, &view, nullptr, &each.view)));
     }

@@ -191,10 +191,13 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(
     checks.enabledValidationFeatureCount = 1;
     checks.pEnabledValidationFeatures = &synchronisation;
 
-    const VkApplicationInfo program{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                    .pApplicationName = "touchable",
-                                    .apiVersion = VK_API_VERSION_1_3};
-    VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &program};
+    VkApplicationInfo program{};
+    program.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    program.pApplicationName = "touchable";
+    program.apiVersion = VK_API_VERSION_1_3;
+    VkInstanceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    info.pApplicationInfo = &program;
     std::vector<const char*> extensions;
     if (made->validates_) {
         info.pNext = &checks;
@@ -276,10 +279,11 @@ Result<void> VulkanDevice::checked(std::string_view call, VkResult result) {
 
 void VulkanDevice::name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const {
     if (!set_name) return;
-    const VkDebugUtilsObjectNameInfoEXT info{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
-                                             .objectType = type,
-                                             .objectHandle = handle,
-                                             .pObjectName = name.c_str()};
+    VkDebugUtilsObjectNameInfoEXT info{};
+    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT;
+    info.objectType = type;
+    info.objectHandle = handle;
+    info.pObjectName = name.c_str();
     set_name(device, &info);  // a name that could not be given costs nothing but the name
 }
 

@@ -314,10 +314,11 @@ Result<void> DentPatches::record(GpuCommands& commands, std::span<const FingerMa
     for (const SurfaceDent& dent : dents_) {
         const auto bounds = bounds_in_sight(camera, dent.centre, dent.reach);
         if (!bounds) continue;
-        const VkBufferImageCopy region{.bufferOffset = bytes,
-                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                       .imageOffset = {bounds->x0, bounds->y0, 0},
-                                       .imageExtent = extent_of(*bounds)};
+        VkBufferImageCopy region{};
+        region.bufferOffset = bytes;
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageOffset = {bounds->x0, bounds->y0, 0};
+        region.imageExtent = extent_of(*bounds);
         bytes += std::size_t{4} * region.imageExtent.width * region.imageExtent.height;
         regions.push_back(region);
         drawn_in.push_back(*bounds);

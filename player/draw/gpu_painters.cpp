@@ -47,8 +47,9 @@ Result<GpuBuffer> make_tile_pattern(const GpuDevice& device) {
 
 /// The whole image, rows packed, once it has been drawn.
 void copy_from_image(GpuCommands& commands, const GpuImage& image, const GpuBuffer& buffer) {
-    const VkBufferImageCopy region{.imageSubresource = {image.aspect(), 0, 0, 1},
-                                   .imageExtent = {image.extent().width, image.extent().height, 1}};
+    VkBufferImageCopy region{};
+    region.imageSubresource = {image.aspect(), 0, 0, 1};
+    region.imageExtent = {image.extent().width, image.extent().height, 1};
     vkCmdCopyImageToBuffer(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                            buffer.handle(), 1, &region);
     commands.keep(buffer.keep_alive());

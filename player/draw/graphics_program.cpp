@@ -25,28 +25,30 @@ bool has_light(VkFormat format) {
 }
 
 VkImageCreateInfo image_info(VkExtent2D extent, VkFormat format) {
-    VkImageCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                           .imageType = VK_IMAGE_TYPE_2D,
-                           .format = format,
-                           .extent = {extent.width, extent.height, 1},
-                           .mipLevels = 1,
-                           .arrayLayers = 1,
-                           .samples = VK_SAMPLE_COUNT_1_BIT,
-                           .tiling = VK_IMAGE_TILING_OPTIMAL,
-                           .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                                    VK_IMAGE_USAGE_SAMPLED_BIT |
-                                    (is_depth(format) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
-                                                      : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)};
+    VkImageCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
+    info.imageType = VK_IMAGE_TYPE_2D;
+    info.format = format;
+    info.extent = {extent.width, extent.height, 1};
+    info.mipLevels = 1;
+    info.arrayLayers = 1;
+    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.tiling = VK_IMAGE_TILING_OPTIMAL;
+    info.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                 VK_IMAGE_USAGE_SAMPLED_BIT |
+                 (is_depth(format) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
+                                   : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
     if (has_light(format)) info.flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
     return info;
 }
 
 Result<VkImageView> make_view(VulkanDevice& gpu, VkImage image, VkFormat format, VkImageAspectFlags aspect) {
-    const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                     .image = image,
-                                     .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                     .format = format,
-                                     .subresourceRange = {aspect, 0, 1, 0, 1}};
+    VkImageViewCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+    info.image = image;
+    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    info.format = format;
+    info.subresourceRange = {aspect, 0, 1, 0, 1};
     VkImageView made = VK_NULL_HANDLE;
     TRY(checked(gpu, "vkCreateImageView", vkCreateImageView(gpu.device, &info, nullptr, &made)));
     return made;
@@ -70,9 +72,10 @@ struct Shaders : NonCopyable {
             if (each) vkDestroyShaderModule(gpu.device, each, nullptr);
     }
     Result<void> load(std::span<const std::uint32_t> words, VkShaderModule& made) {
-        const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                            .codeSize = words.size_bytes(),
-                                            .pCode = words.data()};
+        VkShaderModuleCreateInfo info{};
+        info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+        info.codeSize = words.size_bytes();
+        info.pCode = words.data();
         return checked(gpu, "vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made));
     }
 
@@ -81,14 +84,14 @@ struct Shaders : NonCopyable {
 };
 
 VkPipelineDepthStencilStateCreateInfo depth_state(DrawDepth depth) {
-    const VkPipelineDepthStencilStateCreateInfo state{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = depth != DrawDepth::ignored,
-        .depthWriteEnable = depth == DrawDepth::replaced || depth == DrawDepth::nearest,
-        .depthCompareOp = depth == DrawDepth::replaced  ? VK_COMPARE_OP_ALWAYS
-                          : depth == DrawDepth::nearest ? VK_COMPARE_OP_GREATER
-                          : depth == DrawDepth::behind  ? VK_COMPARE_OP_LESS
-                                                        : VK_COMPARE_OP_GREATER_OR_EQUAL};
+    VkPipelineDepthStencilStateCreateInfo state{};
+    state.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+    state.depthTestEnable = depth != DrawDepth::ignored;
+    state.depthWriteEnable = depth == DrawDepth::replaced || depth == DrawDepth::nearest;
+    state.depthCompareOp = depth == DrawDepth::replaced  ? VK_COMPARE_OP_ALWAYS
+                           : depth == DrawDepth::nearest ? VK_COMPARE_OP_GREATER
+                           : depth == DrawDepth::behind  ? VK_COMPARE_OP_LESS
+                                                         : VK_COMPARE_OP_GREATER_OR_EQUAL;
     return state;
 }
 
@@ -125,49 +128,51 @@ Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout la
 
     VkPipelineVertexInputStateCreateInfo input{};
     input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
-    const VkPipelineInputAssemblyStateCreateInfo assembly{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+    VkPipelineInputAssemblyStateCreateInfo assembly{};
+    assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     VkPipelineViewportStateCreateInfo viewport{};
     viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
     viewport.viewportCount = viewport.scissorCount = 1;
-    const VkPipelineRasterizationStateCreateInfo raster{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .polygonMode = VK_POLYGON_MODE_FILL,
-        .cullMode = VK_CULL_MODE_NONE,
-        .lineWidth = 1};
-    const VkPipelineMultisampleStateCreateInfo samples{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    VkPipelineRasterizationStateCreateInfo raster{};
+    raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+    raster.polygonMode = VK_POLYGON_MODE_FILL;
+    raster.cullMode = VK_CULL_MODE_NONE;
+    raster.lineWidth = 1;
+    VkPipelineMultisampleStateCreateInfo samples{};
+    samples.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
     const VkPipelineDepthStencilStateCreateInfo depth = depth_state(look.depth);
     const VkPipelineColorBlendAttachmentState blend = blend_state(look.blend);
-    const VkPipelineColorBlendStateCreateInfo blending{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-        .attachmentCount = 1,
-        .pAttachments = &blend};
+    VkPipelineColorBlendStateCreateInfo blending{};
+    blending.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+    blending.attachmentCount = 1;
+    blending.pAttachments = &blend;
     constexpr VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    const VkPipelineDynamicStateCreateInfo dynamic{
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-        .dynamicStateCount = 2,
-        .pDynamicStates = dynamic_states};
-    VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-                                            .colorAttachmentCount = 1,
-                                            .pColorAttachmentFormats = &look.colour_format};
+    VkPipelineDynamicStateCreateInfo dynamic{};
+    dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+    dynamic.dynamicStateCount = 2;
+    dynamic.pDynamicStates = dynamic_states;
+    VkPipelineRenderingCreateInfo rendering{};
+    rendering.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO;
+    rendering.colorAttachmentCount = 1;
+    rendering.pColorAttachmentFormats = &look.colour_format;
     if (look.depth != DrawDepth::ignored) rendering.depthAttachmentFormat = GraphicsLook::z_format;
 
-    const VkGraphicsPipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                            .pNext = &rendering,
-                                            .stageCount = 2,
-                                            .pStages = stages.data(),
-                                            .pVertexInputState = &input,
-                                            .pInputAssemblyState = &assembly,
-                                            .pViewportState = &viewport,
-                                            .pRasterizationState = &raster,
-                                            .pMultisampleState = &samples,
-                                            .pDepthStencilState = &depth,
-                                            .pColorBlendState = &blending,
-                                            .pDynamicState = &dynamic,
-                                            .layout = layout};
+    VkGraphicsPipelineCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
+    info.pNext = &rendering;
+    info.stageCount = 2;
+    info.pStages = stages.data();
+    info.pVertexInputState = &input;
+    info.pInputAssemblyState = &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pDepthStencilState = &depth;
+    info.pColorBlendState = &blending;
+    info.pDynamicState = &dynamic;
+    info.layout = layout;
     VkPipeline made = VK_NULL_HANDLE;
     TRY(checked(gpu, "vkCreateGraphicsPipelines",
                 vkCreateGraphicsPipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &made)));
@@ -215,9 +220,10 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
     vkGetImageMemoryRequirements(gpu.device, state->image, &needs);
     const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, GpuMemory::device);
     if (!type) return gpu_error(gpu.facts.name + " has no memory for picture '" + name + "'");
-    const VkMemoryAllocateInfo memory{.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                      .allocationSize = needs.size,
-                                      .memoryTypeIndex = *type};
+    VkMemoryAllocateInfo memory{};
+    memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    memory.allocationSize = needs.size;
+    memory.memoryTypeIndex = *type;
     TRY(checked(gpu, "vkAllocateMemory", vkAllocateMemory(gpu.device, &memory, nullptr, &state->memory)));
     TRY(checked(gpu, "vkBindImageMemory", vkBindImageMemory(gpu.device, state->image, state->memory, 0)));
 
@@ -259,19 +265,20 @@ Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes
     std::vector<VkDescriptorSetLayoutBinding> bindings;
     for (const VkDescriptorType type : state.bindings)
         bindings.push_back({static_cast<std::uint32_t>(bindings.size()), type, 1, both_stages, nullptr});
-    const VkDescriptorSetLayoutCreateInfo set{
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR,
-        .bindingCount = static_cast<std::uint32_t>(bindings.size()),
-        .pBindings = bindings.data()};
+    VkDescriptorSetLayoutCreateInfo set{};
+    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    set.bindingCount = static_cast<std::uint32_t>(bindings.size());
+    set.pBindings = bindings.data();
     TRY(checked(gpu, "vkCreateDescriptorSetLayout",
                 vkCreateDescriptorSetLayout(gpu.device, &set, nullptr, &state.set_layout)));
     const VkPushConstantRange push{both_stages, 0, push_bytes};
-    const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                          .setLayoutCount = 1,
-                                          .pSetLayouts = &state.set_layout,
-                                          .pushConstantRangeCount = push_bytes > 0,
-                                          .pPushConstantRanges = &push};
+    VkPipelineLayoutCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &state.set_layout;
+    info.pushConstantRangeCount = push_bytes > 0;
+    info.pPushConstantRanges = &push;
     return checked(gpu, "vkCreatePipelineLayout",
                    vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout));
 }
@@ -329,11 +336,12 @@ void begin_drawing(GpuCommands& commands, const DrawTarget& target) {
     const VkRenderingAttachmentInfo to_colour =
         attachment(target.as_light ? target.colour.light_view() : target.colour.view(),
                    VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, target.load);
-    VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                              .renderArea = {{0, 0}, extent},
-                              .layerCount = 1,
-                              .colorAttachmentCount = 1,
-                              .pColorAttachments = &to_colour};
+    VkRenderingInfo rendering{};
+    rendering.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
+    rendering.renderArea = {{0, 0}, extent};
+    rendering.layerCount = 1;
+    rendering.colorAttachmentCount = 1;
+    rendering.pColorAttachments = &to_colour;
     VkRenderingAttachmentInfo to_z{};
     if (target.z) {
         to_z = attachment(target.z->view(), VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, target.load);
@@ -364,9 +372,10 @@ void record_transition(GpuCommands& commands, const GpuImage& image, VkImageLayo
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.image = image.handle();
     barrier.subresourceRange = {image.aspect(), 0, 1, 0, 1};
-    const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                .imageMemoryBarrierCount = 1,
-                                .pImageMemoryBarriers = &barrier};
+    VkDependencyInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
     vkCmdPipelineBarrier2(commands.handle(), &info);
     commands.keep(image.keep_alive());
 }

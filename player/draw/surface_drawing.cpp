@@ -22,9 +22,10 @@ namespace {
 
 /// All of an image, from rows of 4 bytes a pixel.
 void copy_to_image(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image) {
-    const VkBufferImageCopy region{.bufferRowLength = static_cast<std::uint32_t>(pitch),
-                                   .imageSubresource = {image.aspect(), 0, 0, 1},
-                                   .imageExtent = {image.extent().width, image.extent().height, 1}};
+    VkBufferImageCopy region{};
+    region.bufferRowLength = static_cast<std::uint32_t>(pitch);
+    region.imageSubresource = {image.aspect(), 0, 0, 1};
+    region.imageExtent = {image.extent().width, image.extent().height, 1};
     vkCmdCopyBufferToImage(commands.handle(), pixels.handle(), image.handle(),
                            VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     commands.keep(pixels.keep_alive());
