@@ -150,6 +150,27 @@ std::vector<std::uint16_t> table_of(const DepthCoding& stored, const DepthCoding
 // largest factor and the most noise.
 static_assert(8 * ((5 * TerraceFilter::most_level + 3 * most_terrace_noise * 126) / 4) <= 32767);
 
+/// `times` the length, in codes of `coding`.
+CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times) {
+    CodeCurve curve;
+    const int last = largest_code(coding);
+    curve.last = static_cast<std::uint16_t>(last);
+    while (last << (curve.shift + 1) <= 65535) ++curve.shift;
+    const bool grows_with_depth = coding.kind != DepthCodingKind::inverse;
+    curve.from_last = coding.deeper_is_higher() != grows_with_depth;
+    const auto scaled = length_in_codes(coding, length, last);
+    if (!scaled) {
+        curve.constant = curve.linear = curve.quadratic = coefficient(most_coefficient);
+        return curve;
+    }
+    const double unit = 65536.0 / (last << curve.shift);  // of a share, in filled distances
+    curve.falls = scaled->linear < 0;
+    curve.constant = coefficient(times * scaled->constant);
+    curve.linear = coefficient(times * std::fabs(scaled->linear) * unit);
+    curve.quadratic = coefficient(times * scaled->quadratic * unit * unit);
+    return curve;
+}
+
 /// Of looked-up codes, whose steps differ: noise makes both lengths wider by three fifths of it, as it makes
 /// the gate.
 TerraceFilter looked_up_filter(const Scene& scene, const WorkingCodes& working) {
@@ -183,27 +204,6 @@ TerraceFilter multiplied_filter(const Scene& scene, const WorkingCodes& working)
 double gate_per_noise(int median) {
     if (median == 5) return 1;
     return median == 3 ? 4.0 / 3.0 : 2;
-}
-
-/// `times` the length, in codes of `coding`.
-CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, double times) {
-    CodeCurve curve;
-    const int last = largest_code(coding);
-    curve.last = static_cast<std::uint16_t>(last);
-    while (last << (curve.shift + 1) <= 65535) ++curve.shift;
-    const bool grows_with_depth = coding.kind != DepthCodingKind::inverse;
-    curve.from_last = coding.deeper_is_higher() != grows_with_depth;
-    const auto scaled = length_in_codes(coding, length, last);
-    if (!scaled) {
-        curve.constant = curve.linear = curve.quadratic = coefficient(most_coefficient);
-        return curve;
-    }
-    const double unit = 65536.0 / (last << curve.shift);  // of a share, in filled distances
-    curve.falls = scaled->linear < 0;
-    curve.constant = coefficient(times * scaled->constant);
-    curve.linear = coefficient(times * std::fabs(scaled->linear) * unit);
-    curve.quadratic = coefficient(times * scaled->quadratic * unit * unit);
-    return curve;
 }
 
 }  // namespace
