@@ -38,26 +38,19 @@ bool is_spacemouse(std::uint16_t vendor, std::uint16_t product) {
 Result<SpaceMouseReport> decode_spacemouse_report(std::span<const std::byte> bytes) {
     if (bytes.empty()) return device_error("a SpaceMouse's report has no bytes");
     SpaceMouseReport report;
-    switch (std::to_integer<int>(bytes[0])) {
-        case 1:
-            if (bytes.size() < 1 + three_axes) return report_too_short(bytes, 1 + three_axes);
-            report.translation =
-                glm::ivec3(report_word(bytes, 1), report_word(bytes, 3), report_word(bytes, 5));
-            return report;
-        case 2:
-            if (bytes.size() < 1 + three_axes) return report_too_short(bytes, 1 + three_axes);
-            return report;
-        case 3: {
-            if (bytes.size() < 2) return report_too_short(bytes, 2);
-            std::uint32_t buttons = 0;
-            for (std::size_t byte = 0; byte < std::min(bytes.size() - 1, most_button_bytes); ++byte)
-                buttons |= std::to_integer<std::uint32_t>(bytes[1 + byte]) << (8 * byte);
-            report.buttons = buttons;
-            return report;
-        }
-        default:
-            return report;
-    }
+    enum Kind { translation = 1, rotation = 2, buttons = 3 };
+    const int kind = std::to_integer<int>(bytes[0]);
+    const std::size_t least = kind == buttons                           ? 2
+                              : kind == translation || kind == rotation ? 1 + three_axes
+                                                                        : 1;
+    if (bytes.size() < least) return report_too_short(bytes, least);
+    if (kind == translation)
+        report.translation = glm::ivec3(report_word(bytes, 1), report_word(bytes, 3), report_word(bytes, 5));
+    if (kind != buttons) return report;
+    report.buttons = 0;
+    for (std::size_t byte = 0; byte < std::min(bytes.size() - 1, most_button_bytes); ++byte)
+        *report.buttons |= std::to_integer<std::uint32_t>(bytes[1 + byte]) << (8 * byte);
+    return report;
 }
 
 void SpaceMouseMotion::deflect(const glm::ivec3& counts, std::int64_t now_ns) {

@@ -57,18 +57,10 @@ std::string version_text(std::uint32_t version) {
 }
 
 GpuKind kind_of(VkPhysicalDeviceType type) {
-    switch (type) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-            return GpuKind::discrete;
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-            return GpuKind::integrated;
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-            return GpuKind::virtualised;
-        case VK_PHYSICAL_DEVICE_TYPE_CPU:
-            return GpuKind::software;
-        default:
-            return GpuKind::other;
-    }
+    if (type == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU) return GpuKind::discrete;
+    if (type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU) return GpuKind::integrated;
+    if (type == VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU) return GpuKind::virtualised;
+    return type == VK_PHYSICAL_DEVICE_TYPE_CPU ? GpuKind::software : GpuKind::other;
 }
 
 std::vector<VkQueueFamilyProperties> families_of(VkPhysicalDevice device) {

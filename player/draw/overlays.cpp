@@ -127,19 +127,14 @@ public:
                             static_cast<std::size_t>(field.height()));
         picture_.scale = {};
         if (kind == Overlay::normals || kind == Overlay::tiles) lattices_.q_of(field, pair, q_);
-        switch (kind) {
-            case Overlay::normals:
-                paint_normals(field);
-                break;
-            case Overlay::tiles:
-                paint_tiles(field);
-                break;
-            case Overlay::validity:
-                paint_validity(field, pair);
-                break;
-            default:
-                paint_values(kind, field, pair);
-        }
+        if (kind == Overlay::normals)
+            paint_normals(field);
+        else if (kind == Overlay::tiles)
+            paint_tiles(field);
+        else if (kind == Overlay::validity)
+            paint_validity(field, pair);
+        else
+            paint_values(kind, field, pair);
         return picture_;
     }
 

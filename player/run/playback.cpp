@@ -12,24 +12,16 @@ bool is_moment(std::int64_t ns) {
 
 /// What the command lacks; nothing where it is sound.
 const char* fault_of(const PlaybackCommand& command) {
-    switch (command.verb) {
-        case PlaybackVerb::play:
-        case PlaybackVerb::pause:
-        case PlaybackVerb::step:
-        case PlaybackVerb::unloop:
-            return nullptr;
-        case PlaybackVerb::rate:
-            return command.first >= slowest_rate && command.first <= fastest_rate ? nullptr
-                                                                                  : "rate must be 0.001 to 8";
-        case PlaybackVerb::seek:
-            return is_moment(command.first) ? nullptr : "a moment to seek must be 0 to 1e6 s";
-        case PlaybackVerb::loop:
-            if (!is_moment(command.first) || !is_moment(command.second))
-                return "a loop's ends must be 0 to 1e6 s";
-            return command.second - command.first >= shortest_loop_ns ? nullptr
-                                                                      : "a loop must be 0.1 s or longer";
-    }
-    return "is no command that this program knows";
+    using enum PlaybackVerb;
+    if (command.verb > unloop) return "is no command that this program knows";
+    if (command.verb == rate && (command.first < slowest_rate || command.first > fastest_rate))
+        return "rate must be 0.001 to 8";
+    if (command.verb == seek && !is_moment(command.first)) return "a moment to seek must be 0 to 1e6 s";
+    if (command.verb == loop && !(is_moment(command.first) && is_moment(command.second)))
+        return "a loop's ends must be 0 to 1e6 s";
+    if (command.verb == loop && command.second - command.first < shortest_loop_ns)
+        return "a loop must be 0.1 s or longer";
+    return nullptr;
 }
 
 }  // namespace
