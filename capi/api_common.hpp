@@ -32,7 +32,6 @@
 #include <string_view>
 
 #include "capi/touchable.h"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"

@@ -18,7 +18,6 @@
 #include <glm/vec3.hpp>
 #include <span>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 

@@ -13,7 +13,6 @@
 #include <span>
 
 #include "device/haptic_device.hpp"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {

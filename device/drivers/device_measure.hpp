@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "device/drivers/device_catalog.hpp"
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

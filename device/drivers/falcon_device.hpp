@@ -15,7 +15,6 @@
 #include <string_view>
 
 #include "device/drivers/device_driver.hpp"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {

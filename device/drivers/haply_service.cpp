@@ -9,7 +9,7 @@
 #include <deque>
 #include <vector>
 
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 

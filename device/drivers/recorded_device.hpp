@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "device/drivers/device_driver.hpp"
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 
 namespace touchable {
 

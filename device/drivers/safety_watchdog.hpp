@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "device/drivers/device_driver.hpp"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 

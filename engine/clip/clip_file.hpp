@@ -21,7 +21,6 @@
 #include <system_error>
 
 #include "engine/base/files.hpp"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/picture/sound.hpp"

@@ -4,7 +4,7 @@
 #include <deque>
 #include <functional>
 
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"

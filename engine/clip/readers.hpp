@@ -33,7 +33,6 @@
 #include <span>
 #include <utility>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 

@@ -15,7 +15,6 @@
 #include <glm/vec3.hpp>
 #include <string_view>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/scene/frames.hpp"

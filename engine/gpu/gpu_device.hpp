@@ -21,7 +21,6 @@
 #include <span>
 #include <string_view>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {

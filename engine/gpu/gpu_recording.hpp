@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <memory>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"

@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {

@@ -4,7 +4,6 @@
 #include <cstring>
 #include <functional>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

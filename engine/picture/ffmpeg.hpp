@@ -22,7 +22,6 @@ extern "C" {
 #include <map>
 
 #include "engine/base/files.hpp"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {

@@ -22,7 +22,6 @@
 #include <span>
 #include <thread>
 
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/picture/sound.hpp"
 #include "player/audio/contact_sound.hpp"

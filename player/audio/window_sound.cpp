@@ -2,7 +2,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "player/run/run_files.hpp"
 

@@ -6,7 +6,6 @@
 #include <system_error>
 
 #include "engine/base/files.hpp"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 
 // Images, buffers for uploads and graphics pipelines: Vulkan's objects, made once and kept by handles.

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 #include "player/run/playback.hpp"
 #include "player/run/surface_feed.hpp"
 

@@ -24,7 +24,7 @@
 
 #include "device/hand.hpp"
 #include "engine/base/files.hpp"
-#include "engine/base/non_copyable.hpp"
+#include "engine/base/result.hpp"
 #include "engine/base/same_bits.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
 #include "player/run/playback.hpp"

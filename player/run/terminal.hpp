@@ -12,7 +12,6 @@
 #include <functional>
 
 #include "device/hand.hpp"
-#include "engine/base/non_copyable.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "player/run/touch_session.hpp"
