@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <string>
 
@@ -39,22 +38,5 @@ inline bool is_touch(const InputEvent& event) {
     return event.kind == Kind::touch_began || event.kind == Kind::touch_moved ||
            event.kind == Kind::touch_ended;
 }
-
-/// The time of a script, and when the window that it leads closes. A window that stood still, as on a machine
-/// that was busy or asleep, goes on where it was: inputs that lie apart do not fall together.
-class ScriptClock {
-public:
-    /// At this moment of the window's own clock, seconds; moments do not go backward. `stands`: nothing of
-    /// the time since the last one counts.
-    double at(double now_s, bool stands = false) {
-        constexpr double longest_step_s = 0.1;  // a slow picture, but no standstill
-        if (!stands) time_s_ += std::min(now_s - seen_s_, longest_step_s);
-        seen_s_ = now_s;
-        return time_s_;
-    }
-
-private:
-    double seen_s_ = 0, time_s_ = 0;
-};
 
 }  // namespace touchable

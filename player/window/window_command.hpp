@@ -15,6 +15,7 @@
 // are ErrorKind::usage, and the message says what would be right; no message names an option of the command
 // line.
 
+#include <algorithm>
 #include <filesystem>
 #include <string_view>
 
@@ -96,6 +97,23 @@ Result<WindowCommand> parse_window_command(const std::string& words);
 struct ScriptedInput {
     double seconds = 0;  ///< since the first picture, by a ScriptClock
     std::variant<InputEvent, WindowCommand> what;
+};
+
+/// The time of a script, and when the window that it leads closes. A window that stood still, as on a machine
+/// that was busy or asleep, goes on where it was: inputs that lie apart do not fall together.
+class ScriptClock {
+public:
+    /// At this moment of the window's own clock, seconds; moments do not go backward. `stands`: nothing of
+    /// the time since the last one counts.
+    double at(double now_s, bool stands = false) {
+        constexpr double longest_step_s = 0.1;  // a slow picture, but no standstill
+        if (!stands) time_s_ += std::min(now_s - seen_s_, longest_step_s);
+        seen_s_ = now_s;
+        return time_s_;
+    }
+
+private:
+    double seen_s_ = 0, time_s_ = 0;
 };
 
 /// A file of timed inputs (docs/play-options.md), a line each: SECONDS, then move X Y, press BUTTON, release
