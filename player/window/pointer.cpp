@@ -22,15 +22,25 @@ ViewCamera with_rows_below(ViewCamera camera, int rows) {
 
 /// How far several fingers are from the pointer, as a share of the picture's height.
 constexpr double finger_spread = 0.08;
-// Device metres. A finger does not go over an obstacle lower than step_m; nothing is in the way of one that
-// is clear_m clear of the surface. One that lags its target by more than caught_m counts as stuck. Two stuck
-// points closer than again_m are the same obstacle.
+// Device metres; docs/pointer.md says why. A finger is lifted over what is more than step_m higher, and over
+// what holds it back by more than caught_m; it is past something once it is clear_m before it. A place nearer
+// than again_m to the one that it was last lifted for is the same place.
 constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005, again_m = 0.001;
-// Lift the finger lift_m above the obstacle, plus lift_share of the remaining distance, so that it arrives in
-// time.
-constexpr double lift_m = 2 * PointerFingers::hover_m, lift_share = 0.5;
-// A finger starts so far before the surface, and is there soon.
-constexpr double arrives_m = 0.008;
+// The goal of a lifted finger is highest_m above the obstacle, and higher by this share of what is missing,
+// so that the finger is there sooner.
+constexpr double lift_share = 0.5;
+
+/// The surface on the straight way from a finger to the place under the pointer, as the clip's camera sees
+/// it: from there nothing of it is hidden.
+struct Obstacle {
+    double through_m;  ///< how deep in the surface the way is where it is deepest
+    double height_m;   ///< how much nearer to the camera than the finger the surface comes
+
+    bool is_step() const { return through_m > step_m && height_m > step_m; }
+    bool is_edge() const { return through_m > step_m && height_m <= step_m; }  // of what the finger is over
+    bool is_below() const { return height_m <= -clear_m; }
+    bool is_passed() const { return is_below() && through_m <= clear_m; }
+};
 
 constexpr double metres_per_notch = 0.0005, metres_per_pixel = 0.00003;  // of the hand, into the surface
 constexpr double nearer_per_notch = 1.15;
@@ -125,40 +135,31 @@ void PointerFingers::set_pointer(std::optional<glm::dvec2> at) {
     device_.intend({}, glm::dvec3(0.0));  // now, not with the next picture
 }
 
-int PointerFingers::shown() const {
-    if (is_touched()) return distance_ ? touched() : 0;
-    return pointer_ && distance_ ? count_ : 0;
-}
-
 std::optional<glm::dvec2> PointerFingers::looked_at() const {
-    for (const auto& touch : touches_)
-        if (touch) return touch;
+    for (const Finger& finger : fingers_)
+        if (finger.touch) return finger.touch;
     return pointer_;
 }
 
 std::optional<std::size_t> PointerFingers::put_down(const glm::dvec2& at) {
-    const auto free = std::find(touches_.begin(), touches_.end(), std::nullopt);
-    if (free == touches_.end()) return std::nullopt;
-    *free = at;
+    const auto free =
+        std::find_if(fingers_.begin(), fingers_.end(), [](const Finger& finger) { return !finger.touch; });
+    if (free == fingers_.end()) return std::nullopt;
+    free->touch = at;
+    free->is_lifted = false;
     was_pressed_ = true;
-    const auto finger = static_cast<std::size_t>(free - touches_.begin());
-    goes_over_[finger] = false;
-    return finger;
-}
-
-bool PointerFingers::has_free() const {
-    return std::find(touches_.begin(), touches_.end(), std::nullopt) != touches_.end();
+    return static_cast<std::size_t>(free - fingers_.begin());
 }
 
 void PointerFingers::lift(std::size_t finger) {
-    touches_[finger].reset();
+    fingers_[finger].touch.reset();
     device_.withdraw(finger);
 }
 
 /// Up to the last that is down.
 int PointerFingers::touched() const {
     for (int k = most; k > 0; --k)
-        if (touches_[static_cast<std::size_t>(k - 1)]) return k;
+        if (fingers_[static_cast<std::size_t>(k - 1)].touch) return k;
     return 0;
 }
 
@@ -170,70 +171,17 @@ double PointerFingers::depth_m() const {
     return held_ || is_touched() ? std::max(press_m, rest_m_) : rest_m_;
 }
 
-std::optional<PointerFingers::Meant> PointerFingers::meant_at(std::size_t finger, const glm::dvec2& at,
-                                                              const HeightField& field,
-                                                              const ViewCamera& camera, const Contact* felt) {
-    const glm::dvec3 direction = camera.direction(at.x, at.y);
-    const auto met = pick(field, camera, at.x, at.y);
-    const bool is_there = met && met->drawn && met->from_front;
-    if (is_there) distance_ = glm::length(met->point - camera.eye);
-    if (!distance_) return std::nullopt;
-    const double deep_m = is_there ? depth_m() : std::min(depth_m(), hover_m);
-    const std::optional<glm::dvec3> ground = is_there ? std::optional(met->point) : std::nullopt;
-    if (felt)
-        if (const auto over = way_over(finger, field, camera.eye + direction * *distance_, deep_m, *felt))
-            return Meant{*over, ground};
-    return Meant{camera.eye + direction * (*distance_ + deep_m / workspace_.metres_per_scene_unit), ground};
-}
-
-/// Where the finger has to go instead of straight to the `ground` that is meant; nothing: straight.
-std::optional<glm::dvec3> PointerFingers::way_over(std::size_t finger, const HeightField& field,
-                                                   const glm::dvec3& ground, double deep_m,
-                                                   const Contact& felt) {
-    const Camera& camera = field.scene().camera;
-    const double metres = workspace_.metres_per_scene_unit;
-    const auto from = project(camera, felt.proxy), to = project(camera, ground);
-    const auto surface = surface_on_way(field, felt.proxy, ground);
-    bool& goes_over = goes_over_[finger];
-    if (!from || !to || !surface) {
-        goes_over = false;
-        return std::nullopt;
-    }
-    const auto at = [&](const Camera::ImagePoint& pixel, double beyond_nearest_m) {
-        const double depth = surface->nearest + beyond_nearest_m / metres;
-        return unproject(camera, pixel.x, pixel.y, std::max(depth, surface->nearest / 2));
-    };
-    const double behind_m = surface->behind * metres,
-                 below_m = (from->planar_depth - surface->nearest) * metres;
-    const bool is_blocked = behind_m > step_m, is_below = below_m > step_m, went_over = goes_over;
-    if (went_over)
-        goes_over = felt.touching || behind_m > clear_m || below_m > -clear_m;
-    else if (is_caught(felt, deep_m))
-        goes_over = true;
-    else  // where it did not stay it would slip again and again
-        goes_over = is_blocked && is_below && glm::distance(ground, lifted_to_[finger]) * metres > again_m;
-    if (goes_over && !went_over) lifted_to_[finger] = ground;
-    if (goes_over) return below_m > -clear_m ? at(*from, lift_m - below_m * lift_share) : at(*to, hover_m);
-    // From something near: not through it, but on to its edge.
-    if (is_blocked && !is_below) return at(*to, deep_m);
-    return std::nullopt;
-}
-
-/// It stays farther from where it presses to than that, friction and slopes explain.
-bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
-    if (!felt.touching) return false;
-    const glm::dvec3 pull = (felt.goal - felt.proxy) * workspace_.metres_per_scene_unit;
-    const glm::dvec3 ray = glm::normalize(felt.proxy);
-    const double pressed_m = std::max(deep_m, 0.0) + step_m, along_m = glm::dot(pull, ray),
-                 aside_m = glm::length(pull - ray * along_m);
-    return along_m > pressed_m + caught_m || aside_m > pressed_m * felt.properties.static_friction + caught_m;
+std::optional<ViewCamera::Pick> PointerFingers::ground_at(const HeightField& field, const ViewCamera& camera,
+                                                          const glm::dvec2& at) {
+    auto met = pick(field, camera, at.x, at.y);
+    return met && met->drawn && met->from_front ? met : std::nullopt;
 }
 
 void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
                             std::span<const Contact> felt) {
     const bool by_touch = is_touched();
-    for (std::size_t k = 0; k < touches_.size(); ++k) {
-        std::optional<glm::dvec2> at = touches_[k];
+    for (std::size_t k = 0; k < fingers_.size(); ++k) {
+        std::optional<glm::dvec2> at = fingers_[k].touch;
         if (!by_touch && pointer_ && k < static_cast<std::size_t>(count_)) {
             const glm::dvec2 offset =
                 finger_offset(static_cast<int>(k), count_, finger_spread * camera.height);
@@ -246,63 +194,91 @@ void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
     }
 }
 
-/// A finger that comes begins a little before the surface, on the way there from the clip's camera, where
+/// A finger that was away begins highest_m before the surface, on the way there from the clip's camera, where
 /// nothing can be in between: a pointer has no hand that such a jump could hurt.
 void PointerFingers::lead(std::size_t finger, const glm::dvec2& at, const HeightField& field,
                           const ViewCamera& camera, const Contact* felt) {
-    const auto meant = meant_at(finger, at, field, camera, felt);
-    if (!meant) return;
+    const auto met = ground_at(field, camera, at);
+    if (met) distance_ = glm::length(met->point - camera.eye);
+    if (!distance_) return;
+    const double metres = workspace_.metres_per_scene_unit,
+                 deep_m = met ? depth_m() : std::min(depth_m(), hover_m);
+    const glm::dvec3 direction = camera.direction(at.x, at.y);
+    auto goal = felt ? detour(fingers_[finger], field, camera.eye + direction * *distance_, deep_m, *felt)
+                     : std::nullopt;
+    if (!goal) goal = camera.eye + direction * (*distance_ + deep_m / metres);
     glm::dvec3 from(std::numeric_limits<double>::quiet_NaN());
-    if (meant->ground) {
-        const double nearer = arrives_m / workspace_.metres_per_scene_unit;
-        from = workspace_.to_device(*meant->ground * std::max(1 - nearer / glm::length(*meant->ground), 0.0));
-    }
-    device_.intend(finger, workspace_.to_device(meant->place), from, workspace_.to_device(camera.eye));
+    if (met)
+        from = workspace_.to_device(met->point *
+                                    std::max(1 + highest_m / metres / glm::length(met->point), 0.0));
+    device_.intend(finger, workspace_.to_device(*goal), from, workspace_.to_device(camera.eye));
 }
 
-void PointerInput::take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width,
-                        int height) {
+/// The goal of a finger that does not go straight to the `ground` under the pointer, world: lifted over a
+/// step or off what has caught it, across what it is over, or on to the edge of that. Nothing: it goes
+/// straight.
+std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightField& field,
+                                                 const glm::dvec3& ground, double deep_m,
+                                                 const Contact& felt) const {
+    const Camera& camera = field.scene().camera;
+    const double metres = workspace_.metres_per_scene_unit;
+    const auto from = project(camera, felt.proxy), to = project(camera, ground);
+    const auto surface = surface_on_way(field, felt.proxy, ground);
+    if (!from || !to || !surface) {
+        finger.is_lifted = false;
+        return std::nullopt;
+    }
+    const Obstacle obstacle{surface->behind * metres, (from->planar_depth - surface->nearest) * metres};
+    if (finger.is_lifted)
+        finger.is_lifted = felt.touching || !obstacle.is_passed();
+    else if (is_caught(felt, deep_m) ||
+             (obstacle.is_step() && glm::distance(ground, finger.lifted_for) * metres > again_m)) {
+        finger.is_lifted = true;
+        finger.lifted_for = ground;
+    }
+    const auto beyond_nearest = [&](const Camera::ImagePoint& pixel, double beyond_m) {
+        const double depth = surface->nearest + beyond_m / metres;
+        return unproject(camera, pixel.x, pixel.y, std::max(depth, surface->nearest / 2));
+    };
+    if (finger.is_lifted)
+        return obstacle.is_below() ? beyond_nearest(*to, hover_m)
+                                   : beyond_nearest(*from, highest_m - obstacle.height_m * lift_share);
+    if (obstacle.is_edge()) return beyond_nearest(*to, deep_m);
+    return std::nullopt;
+}
+
+/// Whether a finger lags its goal by more than its depth, a slope (step_m) and friction explain.
+bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
+    if (!felt.touching) return false;
+    const glm::dvec3 pull = (felt.goal - felt.proxy) * workspace_.metres_per_scene_unit;
+    const glm::dvec3 ray = glm::normalize(felt.proxy);
+    const double pressed_m = std::max(deep_m, 0.0) + step_m, along_m = glm::dot(pull, ray),
+                 aside_m = glm::length(pull - ray * along_m);
+    return along_m > pressed_m + caught_m || aside_m > pressed_m * felt.properties.static_friction + caught_m;
+}
+
+void PointerInput::take(const InputEvent& event, Leads leads, PointerFingers& fingers, WindowView& view,
+                        int width, int height) {
     using Kind = InputEvent::Kind;
+    const bool leads_fingers = leads == Leads::fingers;
     switch (event.kind) {
         case Kind::moved:
-            drag(move_to({event.x, event.y}, fingers), fingers, view, width, height);
-            break;
+            return drag(move_to({event.x, event.y}, fingers), leads, fingers, view, width, height);
         case Kind::pressed:
             press(event);
-            if (held_ == "left") fingers.press(true);
-            break;
+            if (leads_fingers && held_ == "left") fingers.press(true);
+            return;
         case Kind::released:
-            if (event.word == "left") fingers.press(false);
-            held_.clear();
-            break;
+            if (leads_fingers && event.word == "left") fingers.press(false);
+            return held_.clear();
         case Kind::wheel:
-            if (event.control)
-                view.near_by(std::pow(nearer_per_notch, event.y));
-            else
-                fingers.deepen(event.y * metres_per_notch);
-            break;
+            if (leads_fingers && !event.control) return fingers.deepen(event.y * metres_per_notch);
+            return view.near_by(std::pow(nearer_per_notch, event.y));
         case Kind::left_window:
-            leave(fingers);
-            break;
+            return leave(fingers);
         default:
-            break;
+            return;
     }
-}
-
-void PointerInput::take_for_view(const InputEvent& event, PointerFingers& fingers, WindowView& view,
-                                 int width, int height) {
-    using Kind = InputEvent::Kind;
-    if (event.kind == Kind::moved) {
-        const glm::dvec2 moved = move_to({event.x, event.y}, fingers);
-        if (held_ == "right" || (!held_.empty() && shift_))
-            view.pan(moved.x, moved.y, width, height);
-        else if (!held_.empty())
-            turn_by(moved, view, height);
-    }
-    if (event.kind == Kind::pressed) press(event);
-    if (event.kind == Kind::released) held_.clear();
-    if (event.kind == Kind::wheel) view.near_by(std::pow(nearer_per_notch, event.y));
-    if (event.kind == Kind::left_window) leave(fingers);
 }
 
 /// By how much the pointer moves.
@@ -323,11 +299,12 @@ void PointerInput::press(const InputEvent& event) {
     last_middle_ = now;
 }
 
-void PointerInput::drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int width,
-                        int height) {
-    if (held_ == "right") fingers.deepen(moved.y * metres_per_pixel);
-    if (held_ != "middle") return;
-    if (shift_)
+void PointerInput::drag(const glm::dvec2& moved, Leads leads, PointerFingers& fingers, WindowView& view,
+                        int width, int height) {
+    const bool is_right = held_ == "right";
+    if (leads == Leads::fingers && is_right) return fingers.deepen(moved.y * metres_per_pixel);
+    if (held_.empty() || (leads == Leads::fingers && held_ != "middle")) return;
+    if (is_right || shift_)
         view.pan(moved.x, moved.y, width, height);
     else
         turn_by(moved, view, height);
@@ -376,13 +353,14 @@ std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground
         touches_.push_back(touch);
         return {pointer_event(InputEvent::Kind::moved, at), pointer_event(InputEvent::Kind::pressed, at)};
     }
-    // Until it is moved again: X may have told of its pointer before it told of the finger.
+    // Until it moves again: X may report its pointer before the finger that moved it.
     if (fingers) fingers->set_pointer(std::nullopt);
-    if (is_pair(touch, height))
-        pair_since_s_ = event.seconds;
-    else
-        pair_since_s_.reset();
-    if (touch.role == Role::finger) touch.finger = *fingers->put_down(at);
+    pair_since_s_ = is_pair(touch, height) ? std::optional(event.seconds) : std::nullopt;
+    if (touch.role == Role::finger) {
+        const auto finger = fingers->put_down(at);
+        touch.finger = finger.value_or(0);
+        if (!finger) touch.role = Role::none;
+    }
     touches_.push_back(touch);
     return {};
 }
@@ -390,7 +368,7 @@ std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground
 TouchInput::Role TouchInput::role_on(Ground ground, const PointerFingers* fingers) const {
     if (!fingers || ground == Ground::pointers) return count(Role::pointer) == 0 ? Role::pointer : Role::none;
     if (gesture_ || ground == Ground::nothing) return Role::view;
-    return fingers->has_free() ? Role::finger : Role::none;
+    return Role::finger;
 }
 
 /// Whether it and the only other one are put down together.

@@ -1,8 +1,19 @@
 #pragma once
 
-// The pointer, and fingers on a touch screen, over the picture: they lead the fingers that touch the surface
-// (PointerFingers) and turn the view (WindowView). PointerInput and TouchInput decide which of both an event
-// does.
+// The mouse as a finger, fingers on a touch screen, and the view that both turn. docs/pointer.md has what a
+// person sees, how a finger gets over what is in its way, and why each length is what it is.
+//
+// PointerInput (the mouse) and TouchInput (a touch screen) take the window's events. Each event leads the
+// fingers (PointerFingers) or turns, moves and zooms the view (WindowView). Once a picture the fingers'
+// goals are computed, from what is seen and what was felt:
+//
+//     pointer.take(event, PointerInput::Leads::fingers, fingers, view, width, height);  // for each event
+//     fingers.intend(field, view.camera(width, height), felt);                          // once a picture
+//
+// The goals go to a PointerDevice, from which the haptic thread reads where the fingers are. All of this
+// belongs to the window's thread; nothing waits, and nothing fails. Places of the pointer are pixels of the
+// picture from its upper left; lengths whose names end in _m are the hand's (device metres), along a ray and
+// growing into the surface; all other places are the world's.
 
 #include <array>
 #include <chrono>
@@ -64,38 +75,42 @@ private:
     Viewpoint orbit_{};
 };
 
-/// The pointer over the picture, as fingers of a device: above what is seen there, or pressed into it. Or the
+/// The pointer over the picture as fingers of a device: above what is seen there, or pressed into it. Or the
 /// fingers on a touch screen, each of which presses where it is; while one is down the pointer leads none.
 class PointerFingers {
 public:
     static constexpr int most = 5;
-    static constexpr double hover_m = -0.004;  ///< device metres: above the surface while nothing presses
+    static constexpr double hover_m = -0.004;  ///< above the surface while nothing presses
     static constexpr double press_m = 0.004;   ///< what holding the button presses to
-    static constexpr double deepest_m = 0.012, highest_m = -0.008;
+    /// How far the wheel goes. A finger that comes begins at highest_m, and is lifted so high over an edge.
+    static constexpr double deepest_m = 0.012, highest_m = 2 * hover_m;
 
     /// `device` has `most` fingers and outlives this.
     PointerFingers(PointerDevice& device, const Workspace& workspace)
         : device_(device), workspace_(workspace) {}
 
+    /// The surface that a finger touches at that place of the picture. Nothing: a hole, or beside the clip.
+    static std::optional<ViewCamera::Pick> ground_at(const HeightField& field, const ViewCamera& camera,
+                                                     const glm::dvec2& at);
+
     void set_count(int fingers) { count_ = fingers; }
     int count() const { return count_; }
     /// How many of them have a goal: none before the pointer was over something for the first time.
-    int shown() const;
+    int shown() const { return distance_ && (is_touched() || pointer_) ? present() : 0; }
     /// How many there are, with a goal or without: of a touch screen up to the last that is down.
     int present() const { return is_touched() ? touched() : count_; }
     /// Whether they are led by fingers on a touch screen.
     bool is_touched() const { return touched() > 0; }
-    /// Where the pointer is, pixels of the picture; nothing: nowhere, and no finger touches.
+    /// Where the pointer is; nothing: nowhere, and no finger touches.
     void set_pointer(std::optional<glm::dvec2> at);
     const std::optional<glm::dvec2>& pointer() const { return pointer_; }
     /// The place that a person looks at: the pointer's, or that of the first finger on a touch screen.
     std::optional<glm::dvec2> looked_at() const;
 
     // Fingers on a touch screen, which count from 0.
-    /// A finger comes down there, pixels of the picture, and presses: its number. Nothing: all are down.
+    /// A finger comes down there and presses: its number. Nothing: all are down.
     std::optional<std::size_t> put_down(const glm::dvec2& at);
-    bool has_free() const;
-    void move(std::size_t finger, const glm::dvec2& at) { touches_[finger] = at; }
+    void move(std::size_t finger, const glm::dvec2& at) { fingers_[finger].touch = at; }
     /// It touches nothing any more, from now on.
     void lift(std::size_t finger);
 
@@ -108,54 +123,49 @@ public:
     void deepen(double metres);
     /// Takes the depth back to `hover_m`: fingers are above the surface again, until they are pressed.
     void lift() { rest_m_ = hover_m; }
-    /// How deep fingers are meant to be in the surface, device metres; below 0 above it.
+    /// How deep fingers are meant to be in the surface; below 0 above it.
     double depth_m() const;
 
     /// Once a picture: gives the device the goals of the fingers over what `camera` shows of `field`. `felt`:
-    /// what they touched last. A finger is not pressed into a hole, where no surface is seen. A
-    /// finger that an obstacle holds back goes over it: first towards the clip's camera, where nothing can be
-    /// in its way, then across, then down again.
+    /// what they touched last; a finger without it goes straight to its place, whatever is in its way.
     void intend(const HeightField& field, const ViewCamera& camera, std::span<const Contact> felt = {});
 
 private:
+    struct Finger {
+        std::optional<glm::dvec2> touch;  // where it is down on a touch screen
+        bool is_lifted = false;           // on its way over something
+        glm::dvec3 lifted_for{0.0};       // the place under the pointer when it was last lifted
+    };
     int touched() const;
     void lead(std::size_t finger, const glm::dvec2& at, const HeightField& field, const ViewCamera& camera,
               const Contact* felt);
-    /// The goal of a finger, and the surface that is seen there; nothing: a hole. World.
-    struct Meant {
-        glm::dvec3 place;
-        std::optional<glm::dvec3> ground;
-    };
-    std::optional<Meant> meant_at(std::size_t finger, const glm::dvec2& at, const HeightField& field,
-                                  const ViewCamera& camera, const Contact* felt);
-    std::optional<glm::dvec3> way_over(std::size_t finger, const HeightField& field, const glm::dvec3& ground,
-                                       double deep_m, const Contact& felt);
+    std::optional<glm::dvec3> detour(Finger& finger, const HeightField& field, const glm::dvec3& ground,
+                                     double deep_m, const Contact& felt) const;
     bool is_caught(const Contact& felt, double deep_m) const;
 
     PointerDevice& device_;
     Workspace workspace_;
     std::optional<glm::dvec2> pointer_;
-    std::array<std::optional<glm::dvec2>, most> touches_{};
+    std::array<Finger, most> fingers_{};
     int count_ = 1;
     bool held_ = false, was_pressed_ = false;
     double rest_m_ = hover_m;
-    std::array<bool, most> goes_over_{};
-    std::array<glm::dvec3, most> lifted_to_{};  // world: what was meant when it was last lifted
-    std::optional<double> distance_;            // scene units, from the eye to what was met last
+    std::optional<double> distance_;  // scene units, from the eye to what was met last
 };
 
-/// What the pointer does over the picture: it leads the fingers, presses, and turns and moves the view. The
-/// left button with Ctrl is a middle button.
+/// What the mouse does over the picture. The left button with Ctrl is a middle button.
 class PointerInput {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// An event that no panel takes; of a picture of that size. Keys are not the pointer's.
-    void take(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width, int height);
-    /// The same if fingers are led by something else: left and middle button turn the view, the right one
-    /// moves it, the wheel zooms it. `fingers` know where the pointer is, and are not felt.
-    void take_for_view(const InputEvent& event, PointerFingers& fingers, WindowView& view, int width,
-                       int height);
+    enum class Leads {
+        fingers,  ///< the left button presses them, the right one and the wheel deepen; the middle one turns
+        view      ///< the left and the middle button turn it, the right one moves it, the wheel zooms it
+    };
+    /// An event that no panel takes; of a picture of that size. Keys are not the pointer's. `fingers` know
+    /// where the pointer is, also where it leads the view, as something else leads them then.
+    void take(const InputEvent& event, Leads leads, PointerFingers& fingers, WindowView& view, int width,
+              int height);
     /// By so many pixels, by keys; from the middle of the picture if it was nowhere.
     void move_by(const glm::dvec2& pixels, int width, int height, PointerFingers& fingers);
     /// The panel has the pointer, or it is nowhere: fingers leave, and nothing is held.
@@ -168,7 +178,8 @@ public:
 private:
     glm::dvec2 move_to(const glm::dvec2& place, PointerFingers& fingers);
     void press(const InputEvent& event);
-    void drag(const glm::dvec2& moved, PointerFingers& fingers, WindowView& view, int width, int height);
+    void drag(const glm::dvec2& moved, Leads leads, PointerFingers& fingers, WindowView& view, int width,
+              int height);
 
     glm::dvec2 at_{0.0};
     std::string held_;  // the button

@@ -98,14 +98,15 @@ void WindowLoop::take_of_pointer(const InputEvent& event) {
     if (clip_ && brush_.take(event, pointer_at_, is_of_panel, size)) return;
     if (clicks_for_full_screen(event, is_of_panel)) return turn_full_screen();
     if (!clip_) return;
-    const auto lead = options_.hand || is_turning_ ? &PointerInput::take_for_view : &PointerInput::take;
+    const auto leads =
+        options_.hand || is_turning_ ? PointerInput::Leads::view : PointerInput::Leads::fingers;
     // A clip that has just come knows of no pointer yet.
     if (event.kind == Kind::pressed && pointer_is_there_ && !is_of_panel)
-        (pointer_.*lead)({.kind = Kind::moved, .x = pointer_at_.x, .y = pointer_at_.y}, clip_->fingers(),
-                         clip_->view(), size.width, size.height);
+        pointer_.take({.kind = Kind::moved, .x = pointer_at_.x, .y = pointer_at_.y}, leads, clip_->fingers(),
+                      clip_->view(), size.width, size.height);
     const bool ends = event.kind == Kind::released || event.kind == Kind::left_window;
     if (!is_of_panel || ends || (event.kind == Kind::moved && !leaves))
-        (pointer_.*lead)(event, clip_->fingers(), clip_->view(), size.width, size.height);
+        pointer_.take(event, leads, clip_->fingers(), clip_->view(), size.width, size.height);
 }
 
 /// What a finger that comes down there is for. A brush, a measure and the panel take it for the pointer.
@@ -116,8 +117,8 @@ TouchInput::Ground WindowLoop::ground_at(double x, double y) {
     if (options_.hand || is_turning_ || !moment) return Ground::nothing;
     const ScreenSize size = screen_->size();
     const HeightField field(clip_->scene(), moment->held.pair);
-    const auto met = pick(field, clip_->view().camera(size.width, size.height), x, y);
-    return met && met->drawn && met->from_front ? Ground::surface : Ground::nothing;
+    const ViewCamera camera = clip_->view().camera(size.width, size.height);
+    return PointerFingers::ground_at(field, camera, {x, y}) ? Ground::surface : Ground::nothing;
 }
 
 void WindowLoop::take_of_touch(const InputEvent& event) {

@@ -1,45 +1,25 @@
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-
-#include "player/draw/view.hpp"
-#include "player/run/touch_session.hpp"
-#include "player/window/pointer.hpp"
-#include "tests/view/shown.hpp"
+#include "tests/window/fingers_over_globe.hpp"
 
 namespace touchable::test {
 namespace {
 
-/// A pointer over a globe, and its fingers after a second.
-class Pointer : public ::testing::Test {
+class Pointer : public FingersOverGlobe {
 protected:
-    void SetUp() override {
-        shown_ = shown_scene("globe", 160, 120);
-        workspace_ = clip_workspace(shown_->scene, shown_->prev);
-        device_.emplace(PointerFingers::most, workspace_.to_device({0, 0, 0}));
-        ASSERT_TRUE(device_->open());
-        fingers_.emplace(*device_, workspace_);
-        view_.emplace(shown_->scene, glm::dvec3(0, 0, -80));
+    Pointer() : FingersOverGlobe({160, 120}, {320, 240}) {}
+    void take(const InputEvent& event, PointerInput::Leads leads = PointerInput::Leads::fingers) {
+        input_.take(event, leads, *fingers_, view_, width_, height_);
     }
-    void put(double x, double y) { input_.take({.x = x, .y = y}, *fingers_, *view_, 320, 240); }
+    void put(double x, double y) { take({.x = x, .y = y}); }
+    void press(const char* button = "left") { take({.kind = InputEvent::Kind::pressed, .word = button}); }
+    void let_go(const char* button = "left") { take({.kind = InputEvent::Kind::released, .word = button}); }
     /// World.
-    std::array<glm::dvec3, PointerFingers::most> after_a_second() {
-        std::array<glm::dvec3, PointerFingers::most> places{};
+    Places after_a_second() {
         fingers_->intend(field(), camera());
-        for (int tick = 0; tick < 1000; ++tick) EXPECT_TRUE(device_->read_positions(places));
+        Places places = after(1000);
         for (auto& place : places) place = workspace_.to_scene(place);
         return places;
     }
-    HeightField field() { return shown_->field(); }
-    ViewCamera camera() { return view_->camera(320, 240); }
 
-    std::unique_ptr<Shown> shown_;
-    Workspace workspace_;
-    std::optional<PointerDevice> device_;
-    std::optional<PointerFingers> fingers_;
-    std::optional<WindowView> view_;
     PointerInput input_;
 };
 
@@ -47,18 +27,17 @@ TEST_F(Pointer, FingerHoversBeforeWhatIsSeenThere) {
     put(160, 120);
     const auto met = pick(field(), camera(), 160, 120);
     ASSERT_TRUE(met && met->drawn);
-    const glm::dvec3 wanted =
-        met->point + met->direction * (PointerFingers::hover_m / workspace_.metres_per_scene_unit);
+    const glm::dvec3 wanted = place_in(*met, PointerFingers::hover_m);
     EXPECT_LT(glm::length(after_a_second()[0] - wanted) * workspace_.metres_per_scene_unit, 1e-5);
 }
 
 /// However far the clip's camera is; and from wherever it looks.
 TEST_F(Pointer, FingersThatComeAreThereWithinATenthOfASecond) {
-    const auto after = [&](int ticks) {
-        std::array<glm::dvec3, PointerFingers::most> places{};
+    const auto led = [&](int ticks) {
+        Places places{};
         for (int tick = 0; tick < ticks; ++tick) {
             if (tick % 16 == 0) fingers_->intend(field(), camera());
-            EXPECT_TRUE(device_->read_positions(places));
+            places = after(1);
         }
         return places;
     };
@@ -66,38 +45,35 @@ TEST_F(Pointer, FingersThatComeAreThereWithinATenthOfASecond) {
     ASSERT_GT(away_m, 0.1 * PointerSettings().approach_speed);
     fingers_->set_count(3);
     for (const double turned : {0.0, 20.0}) {
-        view_->turn(turned, 0);
+        view_.turn(turned, 0);
         put(160, 120);
-        const auto soon = after(100), there = after(1000);
+        const auto soon = led(100), there = led(1000);
         for (std::size_t k = 0; k < 3; ++k)
             EXPECT_LT(glm::length(soon[k] - there[k]), 0.003) << k << ", turned by " << turned;
         input_.leave(*fingers_);
-        after(1000);
+        led(1000);
     }
     put(-200, 120);  // beside the clip, and then over it
-    after(10);
+    led(10);
     put(160, 120);
-    const auto soon = after(150), there = after(1000);
+    const auto soon = led(150), there = led(1000);
     EXPECT_LT(glm::length(soon[0] - there[0]), 0.003) << "from beside it";
 }
 
 TEST_F(Pointer, ButtonPressesAndLettingGoLiftsAgain) {
     put(160, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    press();
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::press_m);
     const auto met = pick(field(), camera(), 160, 120);
-    const double depth = glm::dot(after_a_second()[0] - met->point, met->direction);
-    EXPECT_NEAR(depth * workspace_.metres_per_scene_unit, PointerFingers::press_m, 1e-5);
-    input_.take({.kind = InputEvent::Kind::released, .word = "left"}, *fingers_, *view_, 320, 240);
+    EXPECT_NEAR(depth_in(*met, after_a_second()[0]), PointerFingers::press_m, 1e-5);
+    let_go();
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m);
 }
 
 TEST_F(Pointer, WheelDeepensWithinLimits) {
-    for (int notch = 0; notch < 100; ++notch)
-        input_.take({.kind = InputEvent::Kind::wheel, .y = 1}, *fingers_, *view_, 320, 240);
+    for (int notch = 0; notch < 100; ++notch) take({.kind = InputEvent::Kind::wheel, .y = 1});
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::deepest_m);
-    for (int notch = 0; notch < 100; ++notch)
-        input_.take({.kind = InputEvent::Kind::wheel, .y = -1}, *fingers_, *view_, 320, 240);
+    for (int notch = 0; notch < 100; ++notch) take({.kind = InputEvent::Kind::wheel, .y = -1});
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::highest_m);
 }
 
@@ -127,8 +103,7 @@ TEST_F(Pointer, HoversOverWhatIsInItsWay) {
             met.proxy = met.goal = places[0];
             fingers_->intend(field(), camera(), std::array{met});
         }
-        ASSERT_TRUE(device_->read_positions(places));
-        for (auto& place : places) place = workspace_.to_scene(place);
+        places[0] = workspace_.to_scene(after(1)[0]);
         const auto seen = camera().project(places[0]);
         ASSERT_TRUE(seen);
         const auto surface = pick(field(), camera(), seen->x, seen->y);
@@ -141,12 +116,12 @@ TEST_F(Pointer, HoversOverWhatIsInItsWay) {
 /// Aside, or along its ray as in a turned view; but friction holds it back by more where it presses deeper.
 TEST_F(Pointer, IsLiftedWhereItStaysFarFromItsGoal) {
     put(160, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    press();
     const glm::dvec3 pressed = after_a_second()[0], ground = pick(field(), camera(), 160, 120)->point,
                      ray = glm::normalize(ground),
                      aside = glm::normalize(glm::cross(ray, glm::dvec3(0, 1, 0)));
     const auto is_lifted = [&](const glm::dvec3& goal_m, double friction) {
-        fingers_.emplace(*device_, workspace_);
+        fingers_.emplace(device_, workspace_);
         put(160, 120);
         fingers_->press(true);
         Contact met;
@@ -154,10 +129,8 @@ TEST_F(Pointer, IsLiftedWhereItStaysFarFromItsGoal) {
         met.proxy = ground;
         met.goal = ground + goal_m / workspace_.metres_per_scene_unit;
         met.properties.static_friction = friction;
-        std::array<glm::dvec3, PointerFingers::most> places{};
         fingers_->intend(field(), camera(), std::array{met});
-        for (int tick = 0; tick < 1000; ++tick) EXPECT_TRUE(device_->read_positions(places));
-        return workspace_.to_scene(places[0]).z > pressed.z + 1;
+        return workspace_.to_scene(after(1000)[0]).z > pressed.z + 1;
     };
     EXPECT_FALSE(is_lifted(0.004 * ray, 0.4)) << "as it is pressed";
     EXPECT_FALSE(is_lifted(0.004 * ray + 0.007 * aside, 0.4)) << "friction";
@@ -172,16 +145,14 @@ TEST_F(Pointer, IsLiftedOnceToWhereItDoesNotStay) {
     double limb = 160;
     while (-pick(field(), camera(), limb, 120)->point.z < 100) ++limb;
     put(limb - 3, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    press();
     const glm::dvec3 pressed = after_a_second()[0];
     const auto lifted_m = [&](const glm::dvec3& proxy, bool touching) {
         Contact met;
         met.proxy = met.goal = proxy;
         met.touching = touching;
-        std::array<glm::dvec3, PointerFingers::most> places{};
         fingers_->intend(field(), camera(), std::array{met});
-        for (int tick = 0; tick < 1000; ++tick) EXPECT_TRUE(device_->read_positions(places));
-        return glm::length(places[0] - workspace_.to_device(pressed));
+        return glm::length(after(1000)[0] - workspace_.to_device(pressed));
     };
     const glm::dvec3 slipped = pick(field(), camera(), limb + 8, 120)->point,
                      above = 0.9 * pick(field(), camera(), limb - 3, 120)->point;
@@ -198,20 +169,20 @@ TEST_F(Pointer, IsNotLiftedThroughTheClipsCamera) {
     Contact met;
     met.touching = true;
     met.proxy = met.goal = unproject(shown_->scene.camera, 80, 60, 1000);
-    std::array<glm::dvec3, PointerFingers::most> places{};
+    double z = 0;
     for (int tick = 0; tick < 1000; ++tick) {
         if (tick % 16 == 0) fingers_->intend(field(), camera(), std::array{met});
-        ASSERT_TRUE(device_->read_positions(places));
-        ASSERT_LT(workspace_.to_scene(places[0]).z, 1e-6) << "tick " << tick;
+        z = workspace_.to_scene(after(1)[0]).z;
+        ASSERT_LT(z, 1e-6) << "tick " << tick;
     }
-    EXPECT_LT(workspace_.to_scene(places[0]).z, -1) << "it never came";
+    EXPECT_LT(z, -1) << "it never came";
 }
 
 TEST_F(Pointer, WhatIsNotThereIsNotPressed) {
     put(160, 120);
     after_a_second();
     put(-200, 120);  // beside the picture of the clip
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    press();
     const auto met = pick(field(), camera(), -200, 120);
     ASSERT_FALSE(met && met->drawn);
     EXPECT_LT(glm::length(after_a_second()[0]), 120) << "it went to where nothing is";
@@ -219,9 +190,9 @@ TEST_F(Pointer, WhatIsNotThereIsNotPressed) {
 
 TEST_F(Pointer, LeavesWithTheWindow) {
     put(160, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, *fingers_, *view_, 320, 240);
+    press();
     after_a_second();
-    input_.take({.kind = InputEvent::Kind::left_window}, *fingers_, *view_, 320, 240);
+    take({.kind = InputEvent::Kind::left_window});
     EXPECT_LT(glm::length(after_a_second()[0]), 1e-6);
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m) << "nothing is held any more";
 }
@@ -229,64 +200,60 @@ TEST_F(Pointer, LeavesWithTheWindow) {
 /// By a drag of the same share of the picture as much, however large that is.
 TEST_F(Pointer, MiddleButtonTurnsTheViewAndLeavesTheFinger) {
     put(160, 120);
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "middle"}, *fingers_, *view_, 320, 240);
+    press("middle");
     put(190, 120);
-    EXPECT_FALSE(view_->own());
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
-    input_.take({.kind = InputEvent::Kind::released, .word = "middle"}, *fingers_, *view_, 320, 240);
+    EXPECT_FALSE(view_.own());
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
+    let_go("middle");
     put(160, 120);
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
-    view_->go_home();
-    input_.take({.kind = InputEvent::Kind::pressed, .word = "middle"}, *fingers_, *view_, 1280, 960);
-    input_.take({.x = 280, .y = 120}, *fingers_, *view_, 1280, 960);
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
+    view_.go_home();
+    width_ = 1280;
+    height_ = 960;
+    press("middle");
+    put(280, 120);
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
 }
 
 /// A touchpad has no middle button.
 TEST_F(Pointer, ControlAndLeftButtonAreTheMiddleOne) {
-    const auto press = [this](bool shift) {
-        input_.take({.kind = InputEvent::Kind::pressed, .word = "left", .control = true, .shift = shift},
-                    *fingers_, *view_, 320, 240);
-    };
-    const auto let_go = [this] {
-        input_.take({.kind = InputEvent::Kind::released, .word = "left"}, *fingers_, *view_, 320, 240);
+    const auto press_with_control = [this](bool shift) {
+        take({.kind = InputEvent::Kind::pressed, .word = "left", .control = true, .shift = shift});
     };
     put(160, 120);
-    press(false);
+    press_with_control(false);
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m) << "it presses";
     put(190, 120);
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
     let_go();
     EXPECT_FALSE(input_.holds());
-    press(true);
+    press_with_control(true);
     EXPECT_TRUE(input_.take_double_click());
     const glm::dvec3 before = camera().eye;
     put(220, 120);
     let_go();
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
     EXPECT_GT(glm::length(camera().eye - before), 0.1) << "it did not move along";
     EXPECT_FALSE(fingers_->was_pressed());
 }
 
 TEST_F(Pointer, WhereADeviceIsHeldItOnlyMovesTheView) {
-    const auto take = [this](const InputEvent& event) {
-        input_.take_for_view(event, *fingers_, *view_, 320, 240);
-    };
-    take({.x = 160, .y = 120});
-    take({.kind = InputEvent::Kind::pressed, .word = "left"});
-    take({.x = 190, .y = 120});
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
-    take({.kind = InputEvent::Kind::released, .word = "left"});
-    take({.x = 160, .y = 120});
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
-    const glm::dvec3 before = view_->camera(320, 240).eye;
-    take({.kind = InputEvent::Kind::wheel, .y = 3});
-    const glm::dvec3 nearer = view_->camera(320, 240).eye;
+    const auto lead = [this](const InputEvent& event) { take(event, PointerInput::Leads::view); };
+    lead({.x = 160, .y = 120});
+    lead({.kind = InputEvent::Kind::pressed, .word = "left"});
+    lead({.x = 190, .y = 120});
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
+    lead({.kind = InputEvent::Kind::released, .word = "left"});
+    lead({.x = 160, .y = 120});
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
+    const glm::dvec3 before = view_.camera(320, 240).eye;
+    lead({.kind = InputEvent::Kind::wheel, .y = 3});
+    const glm::dvec3 nearer = view_.camera(320, 240).eye;
     EXPECT_GT(glm::length(nearer - before), 1);
-    take({.kind = InputEvent::Kind::pressed, .word = "right"});
-    take({.x = 190, .y = 120});
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 1e-9);
-    EXPECT_GT(glm::length(view_->camera(320, 240).eye - nearer), 0.1) << "it moved along";
+    lead({.kind = InputEvent::Kind::pressed, .word = "right"});
+    lead({.x = 190, .y = 120});
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
+    EXPECT_GT(glm::length(view_.camera(320, 240).eye - nearer), 0.1) << "it moved along";
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::hover_m);
     EXPECT_FALSE(fingers_->was_pressed());
 }

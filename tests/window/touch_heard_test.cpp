@@ -10,12 +10,10 @@
 #include <vector>
 
 #include "player/audio/window_sound.hpp"
-#include "player/run/touch_session.hpp"
-#include "player/window/pointer.hpp"
 #include "tests/player/program.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"
-#include "tests/view/shown.hpp"
+#include "tests/window/fingers_over_globe.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
@@ -61,20 +59,14 @@ private:
 };
 
 /// A pointer over the globe, in a time of its own.
-class HeardGlobe : public ::testing::Test {
+class HeardGlobe : public FingersOverGlobe {
 protected:
-    static constexpr int width = 640, height = 480;
+    HeardGlobe() : FingersOverGlobe({320, 240}, {640, 480}) {}
     // Of the picture, pixels: sea, and mountains.
     static constexpr glm::dvec2 sea{220, 250}, land{250, 120};
 
     void SetUp() override {
-        shown_ = shown_scene("globe", 320, 240);
         const Scene& scene = shown_->scene;
-        workspace_ = clip_workspace(scene, shown_->prev);
-        device_.emplace(PointerFingers::most, workspace_.to_device({0, 0, 0}));
-        ASSERT_TRUE(device_->open());
-        fingers_.emplace(*device_, workspace_);
-        view_.emplace(scene, glm::dvec3(0, 0, -80));
         auto solver = TouchSolver::create(scene, {.metres_per_scene_unit = workspace_.metres_per_scene_unit});
         ASSERT_TRUE(solver);
         solver_.emplace(std::move(*solver));
@@ -88,8 +80,8 @@ protected:
     std::filesystem::path file() const { return folder_ / "heard.wav"; }
     void go_on(int ticks) {
         for (int k = 0; k < ticks; ++k, ++tick_) {
-            if (tick_ % 16 == 0) fingers_->intend(shown_->field(), view_->camera(width, height));
-            ASSERT_TRUE(device_->read_positions(step_->goals()));
+            if (tick_ % 16 == 0) fingers_->intend(field(), camera());
+            ASSERT_TRUE(device_.read_positions(step_->goals()));
             for (glm::dvec3& goal : step_->goals()) goal = workspace_.to_scene(goal);
             const TouchTick done = step_->run(tick_, tick_ * 1'000'000, shown_->scene, shown_->pair());
             ASSERT_TRUE(listener_->take(done));
@@ -114,11 +106,6 @@ protected:
     }
 
     TemporaryFolder folder_;
-    std::unique_ptr<Shown> shown_;
-    Workspace workspace_;
-    std::optional<PointerDevice> device_;
-    std::optional<PointerFingers> fingers_;
-    std::optional<WindowView> view_;
     std::optional<TouchSolver> solver_;
     std::optional<TouchStep> step_;
     std::unique_ptr<WindowSound> sound_;

@@ -1,16 +1,9 @@
 // Fingers on a touch screen, by the times that their events have.
-#include <gtest/gtest.h>
-
-#include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <limits>
 #include <string>
 
-#include "player/draw/view.hpp"
-#include "player/run/touch_session.hpp"
-#include "player/window/pointer.hpp"
-#include "tests/view/shown.hpp"
+#include "tests/window/fingers_over_globe.hpp"
 
 namespace touchable::test {
 namespace {
@@ -18,22 +11,13 @@ namespace {
 using Kind = InputEvent::Kind;
 using Ground = TouchInput::Ground;
 
-constexpr int width = 640, height = 480;
-
-class Touches : public ::testing::Test {
+class Touches : public FingersOverGlobe {
 protected:
-    void SetUp() override {
-        shown_ = shown_scene("globe", 160, 120);
-        workspace_ = clip_workspace(shown_->scene, shown_->prev);
-        device_.emplace(PointerFingers::most, workspace_.to_device({0, 0, 0}));
-        ASSERT_TRUE(device_->open());
-        fingers_.emplace(*device_, workspace_);
-        view_.emplace(shown_->scene, glm::dvec3(0, 0, -80));
-    }
+    Touches() : FingersOverGlobe({160, 120}, {640, 480}) {}
     std::vector<InputEvent> take(Kind kind, int touch, double x, double y, double seconds,
                                  Ground ground = Ground::surface) {
         return touches_.take({.kind = kind, .x = x, .y = y, .touch = touch, .seconds = seconds}, ground,
-                             {&*fingers_, &*view_}, width, height);
+                             {&*fingers_, &view_}, width_, height_);
     }
     auto begin(int touch, double x, double y, double s, Ground ground = Ground::surface) {
         return take(Kind::touch_began, touch, x, y, s, ground);
@@ -44,16 +28,12 @@ protected:
     /// How deep fingers are under the surface after so many ticks, device metres; nothing: away.
     std::vector<std::optional<double>> depths(int ticks = 400) {
         fingers_->intend(field(), camera());
-        std::array<glm::dvec3, PointerFingers::most> places{};
-        for (int tick = 0; tick < ticks; ++tick) EXPECT_TRUE(device_->read_positions(places));
         std::vector<std::optional<double>> deep;
-        for (const glm::dvec3& place : places) {
+        for (const glm::dvec3& place : after(ticks)) {
             const glm::dvec3 world = workspace_.to_scene(place);
             const auto seen = glm::length(world) > 1e-6 ? camera().project(world) : std::nullopt;
             const auto met = seen ? pick(field(), camera(), seen->x, seen->y) : std::nullopt;
-            deep.push_back(met ? std::optional(glm::dot(world - met->point, met->direction) *
-                                               workspace_.metres_per_scene_unit)
-                               : std::nullopt);
+            deep.push_back(met ? std::optional(depth_in(*met, world)) : std::nullopt);
         }
         return deep;
     }
@@ -62,15 +42,8 @@ protected:
         for (const auto& deep : depths(ticks)) count += deep && *deep > 0.003;
         return count;
     }
-    bool is_turned() const { return !view_->own(); }
-    HeightField field() { return shown_->field(); }
-    ViewCamera camera() { return view_->camera(width, height); }
+    bool is_turned() const { return !view_.own(); }
 
-    std::unique_ptr<Shown> shown_;
-    Workspace workspace_;
-    std::optional<PointerDevice> device_;
-    std::optional<PointerFingers> fingers_;
-    std::optional<WindowView> view_;
     TouchInput touches_;
 };
 
@@ -78,14 +51,12 @@ TEST_F(Touches, EachFingerPressesWhereItIs) {
     const std::array<glm::dvec2, 3> at{{{320, 240}, {260, 200}, {380, 300}}};
     for (int k = 0; k < 3; ++k) begin(k + 1, at[k].x, at[k].y, k);
     EXPECT_EQ(fingers_->present(), 3);
-    std::array<glm::dvec3, PointerFingers::most> places{};
     fingers_->intend(field(), camera());
-    for (int tick = 0; tick < 1000; ++tick) ASSERT_TRUE(device_->read_positions(places));
+    const Places places = after(1000);
     for (int k = 0; k < 3; ++k) {
         const auto met = pick(field(), camera(), at[k].x, at[k].y);
         ASSERT_TRUE(met && met->drawn);
-        const glm::dvec3 wanted =
-            met->point + met->direction * (PointerFingers::press_m / workspace_.metres_per_scene_unit);
+        const glm::dvec3 wanted = place_in(*met, PointerFingers::press_m);
         EXPECT_LT(glm::length(places[k] - workspace_.to_device(wanted)), 1e-5) << k;
     }
     EXPECT_FALSE(is_turned());
@@ -110,19 +81,13 @@ TEST_F(Touches, FingerIsFeltWithinATenthOfASecondAndSoIsTheMouses) {
 TEST_F(Touches, FingerComesFromBeforeTheSurfaceAndNeverLeapsOnIt) {
     begin(1, 320, 240, 0);
     fingers_->intend(field(), camera());
-    std::array<glm::dvec3, PointerFingers::most> places{};
-    ASSERT_TRUE(device_->read_positions(places));
     const auto met = pick(field(), camera(), 320, 240);
-    const auto deep = [&] {
-        return glm::dot(workspace_.to_scene(places[0]) - met->point, met->direction) *
-               workspace_.metres_per_scene_unit;
-    };
-    double before = deep();
+    double before = depth_in(*met, workspace_.to_scene(after(1)[0]));
     EXPECT_LT(before, -0.006);
     for (int tick = 0; tick < 500; ++tick) {
-        ASSERT_TRUE(device_->read_positions(places));
-        EXPECT_LT(deep() - before, 0.0004 + 1e-9) << "0.4 m/s";
-        before = deep();
+        const double deep = depth_in(*met, workspace_.to_scene(after(1)[0]));
+        EXPECT_LT(deep - before, 0.0004 + 1e-9) << "0.4 m/s";
+        before = deep;
     }
 }
 
@@ -132,8 +97,7 @@ TEST_F(Touches, LiftedFingerLeavesAtOnceAndTheOthersStay) {
     begin(3, 380, 300, 2);
     ASSERT_EQ(pressing(), 3);
     end(2, 3);
-    std::array<glm::dvec3, PointerFingers::most> places{};
-    for (int tick = 0; tick < 60; ++tick) ASSERT_TRUE(device_->read_positions(places));  // before any picture
+    after(60);  // before any picture
     EXPECT_EQ(pressing(0 + 1), 2);
     const auto deep = depths(1000);
     EXPECT_FALSE(deep[1] && *deep[1] > -0.05);
@@ -160,9 +124,9 @@ TEST_F(Touches, TwoThatArePutDownTogetherAndMoveAtOnceTurnTheView) {
     }
     ASSERT_TRUE(is_turned());
     // 60 pixels of 480, less what shows that it moves: 216 degrees a height.
-    EXPECT_NEAR(view_->orbit().azimuth, -27, 7);
-    EXPECT_NEAR(view_->orbit().elevation, 0, 1e-9);
-    EXPECT_NEAR(view_->orbit().zoom.value_or(0), 1, 0.25);
+    EXPECT_NEAR(view_.orbit().azimuth, -27, 7);
+    EXPECT_NEAR(view_.orbit().elevation, 0, 1e-9);
+    EXPECT_NEAR(view_.orbit().zoom.value_or(0), 1, 0.25);
     EXPECT_EQ(pressing(), 0);
     EXPECT_EQ(fingers_->present(), 1) << "as many as the mouse has";
 }
@@ -172,18 +136,18 @@ TEST_F(Touches, TwoThatGoApartBringTheViewNearerByAsMuch) {
     begin(2, 340, 240, 10.1);
     move(1, 280, 240, 10.2);  // from here on they do
     move(2, 360, 240, 10.2);
-    const double zoom = view_->orbit().zoom.value_or(0), azimuth = view_->orbit().azimuth;
+    const double zoom = view_.orbit().zoom.value_or(0), azimuth = view_.orbit().azimuth;
     for (int k = 1; k <= 40; ++k) {
         move(1, 280 - k, 240, 10.3);
         move(2, 360 + k, 240, 10.3);
     }
-    EXPECT_NEAR(view_->orbit().zoom.value_or(0) / zoom, 2, 1e-9);
-    EXPECT_NEAR(view_->orbit().azimuth, azimuth, 1e-9) << "their middle stays";
+    EXPECT_NEAR(view_.orbit().zoom.value_or(0) / zoom, 2, 1e-9);
+    EXPECT_NEAR(view_.orbit().azimuth, azimuth, 1e-9) << "their middle stays";
     for (int k = 40; k > 0; --k) {
         move(1, 280 - k, 240, 10.4);
         move(2, 360 + k, 240, 10.4);
     }
-    EXPECT_NEAR(view_->orbit().zoom.value_or(0) / zoom, 82.0 / 80, 1e-9);
+    EXPECT_NEAR(view_.orbit().zoom.value_or(0) / zoom, 82.0 / 80, 1e-9);
     EXPECT_EQ(pressing(), 0);
 }
 
@@ -193,9 +157,9 @@ TEST_F(Touches, GestureGoesOnUntilBothAreLifted) {
     move(1, 260, 240, 10.2);
     ASSERT_TRUE(is_turned());
     end(1, 10.4);
-    const double azimuth = view_->orbit().azimuth;
+    const double azimuth = view_.orbit().azimuth;
     move(2, 390, 240, 10.5);
-    EXPECT_NEAR(view_->orbit().azimuth, azimuth - 22.5, 1e-9) << "one turns on, from where it was";
+    EXPECT_NEAR(view_.orbit().azimuth, azimuth - 22.5, 1e-9) << "one turns on, from where it was";
     begin(3, 300, 240, 12);
     EXPECT_EQ(pressing(), 0) << "fingers that are put down again go on";
     end(2, 13);
@@ -242,10 +206,10 @@ TEST_F(Touches, OneWhereNothingIsTurnsTheViewWhileAnotherTouches) {
     begin(1, 20, 20, 10, Ground::nothing);
     begin(2, 320, 240, 12);
     move(1, 60, 20, 13);
-    EXPECT_NEAR(view_->orbit().azimuth, -18, 1e-9);
+    EXPECT_NEAR(view_.orbit().azimuth, -18, 1e-9);
     EXPECT_EQ(pressing(), 1);
     move(2, 330, 250, 13);
-    EXPECT_NEAR(view_->orbit().azimuth, -18, 1e-9);
+    EXPECT_NEAR(view_.orbit().azimuth, -18, 1e-9);
 }
 
 TEST_F(Touches, OneOnAPanelIsThePointerAndTouchesNothing) {
@@ -280,8 +244,7 @@ TEST_F(Touches, CancelledFingersAreLiftedAndWhatComesOfThemIsNobodys) {
     ASSERT_EQ(events.size(), 2U);
     EXPECT_EQ(events[0].kind, Kind::left_window);
     EXPECT_EQ(events[1].kind, Kind::released);
-    std::array<glm::dvec3, PointerFingers::most> places{};
-    for (int tick = 0; tick < 60; ++tick) ASSERT_TRUE(device_->read_positions(places));
+    after(60);
     EXPECT_EQ(pressing(1), 0);
     move(1, 330, 250, 12);
     end(2, 12);
