@@ -4,7 +4,7 @@
 //
 // A HeightField blends the depths of two frames of a SurfaceTimeline at a tick's moment and computes vertices
 // only where it is asked; bounds of tiles say what is certainly out of reach. A Place is a feature of the
-// lattice with a local fraction: face_under gives the one that is seen at an image location, surface_point
+// lattice with a local fraction: face_under gives the one that is seen at an image location, point_under
 // where it is in the world, is_in_hole whether it is on a hole's wall. The solver measures the same surface
 // in a space of its own (world_space.hpp). docs/solver.md has the mathematics.
 //
@@ -209,7 +209,7 @@ private:
 };
 
 /// Where the surface seen at image location (x, y) is in the world.
-glm::dvec3 surface_point(const HeightField& field, double x, double y);
+glm::dvec3 point_under(const HeightField& field, double x, double y);
 /// The planar depth of a place on it.
 double surface_depth(const HeightField& field, const Place& at);
 

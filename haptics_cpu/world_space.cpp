@@ -129,7 +129,7 @@ double WorldSpace::largest_w(int tile_x, int tile_y) const {
     return bound;
 }
 
-glm::dvec3 surface_point(const HeightField& field, double x, double y) {
+glm::dvec3 point_under(const HeightField& field, double x, double y) {
     return surface_point(WorldSpace(field), face_under(x, y));
 }
 

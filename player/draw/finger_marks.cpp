@@ -29,7 +29,7 @@ constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178), 
 std::optional<glm::dvec3> felt_point(const HeightField& field, double x, double y) {
     if (!(x >= 0 && y >= 0 && x < field.width() - 1 && y < field.height() - 1)) return std::nullopt;
     if (is_in_hole(field, face_under(x, y))) return std::nullopt;
-    return surface_point(field, x, y);
+    return point_under(field, x, y);
 }
 
 constexpr int solid_sides = 40;
