@@ -89,7 +89,8 @@ public:
     PointerFingers(PointerDevice& device, const Workspace& workspace)
         : device_(device), workspace_(workspace) {}
 
-    /// The surface that a finger touches at that place of the picture. Nothing: a hole, or beside the clip.
+    /// The surface that a finger touches at that place of the picture. Nothing: a hole, beside the clip, or
+    /// the surface from behind.
     static std::optional<ViewCamera::Pick> ground_at(const HeightField& field, const ViewCamera& camera,
                                                      const glm::dvec2& at);
 
