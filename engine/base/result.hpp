@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -24,51 +25,28 @@ namespace touchable {
 
 /// What a person can set of what is opened, touched, shown or written. Messages speak of it in plain words; a
 /// program that lets people set it knows what they write for it: an option, a row of a panel, a parameter.
-enum class Setting {
-    builder,
-    camera,
-    clip,
-    damping,
-    depth_unit,
-    device,
-    device_rules,
-    field_of_view,
-    fingers,
-    forces,
-    gpu,
-    hand,
-    haptic_map,
-    headless,
-    height_map,
-    interpolation,
-    intrinsics,
-    live,
-    loop,
-    max_force,
-    max_stiffness,
-    painter,
-    passivity,
-    playback,
-    preset,
-    rate,
-    record,
-    scene_file,
-    script,
-    seconds,
-    stale_after,
-    start,
-    start_buried,
-    stiffness_rise,
-    stribeck,
-    temporal,
-    view
+/// These are the names by which hints speak of them.
+struct Setting {
+    static constexpr std::string_view builder = "builder", camera = "camera", clip = "clip",
+                                      damping = "damping", depth_unit = "depth_unit", device = "device",
+                                      device_rules = "device_rules", field_of_view = "field_of_view",
+                                      fingers = "fingers", forces = "forces", gpu = "gpu", hand = "hand",
+                                      haptic_map = "haptic_map", headless = "headless",
+                                      height_map = "height_map", interpolation = "interpolation",
+                                      intrinsics = "intrinsics", live = "live", loop = "loop",
+                                      max_force = "max_force", max_stiffness = "max_stiffness",
+                                      painter = "painter", passivity = "passivity", playback = "playback",
+                                      preset = "preset", rate = "rate", record = "record",
+                                      scene_file = "scene_file", script = "script", seconds = "seconds",
+                                      stale_after = "stale_after", start = "start",
+                                      start_buried = "start_buried", stiffness_rise = "stiffness_rise",
+                                      stribeck = "stribeck", temporal = "temporal", view = "view";
 };
-inline constexpr int setting_count = static_cast<int>(Setting::view) + 1;
 
 /// A setting that a message is about, or that would help, and the value that would be right.
 struct Hint {
-    Setting setting;
-    std::string value{};  ///< empty: any, or what the message says
+    std::string_view setting;  ///< one of Setting's names
+    std::string value{};       ///< empty: any, or what the message says
 };
 using Hints = std::vector<Hint>;
 

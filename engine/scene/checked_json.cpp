@@ -167,6 +167,15 @@ std::string Node::text() const {
     return value_.get<std::string>();
 }
 
+std::size_t Node::one_of(const std::vector<const char*>& names) const {
+    std::string all;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+        if (value_ == names[k]) return k;
+        all += (k == 0 ? "\"" : ", \"") + std::string(names[k]) + "\"";
+    }
+    refuse("one of " + all);
+}
+
 std::vector<Node> Node::elements(std::size_t least, std::size_t most, const std::string& right) const {
     if (!value_.is_array() || value_.size() < least || value_.size() > most) refuse(right);
     std::vector<Node> nodes;

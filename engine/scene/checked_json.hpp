@@ -69,15 +69,14 @@ public:
     std::optional<Node> element(std::size_t number) const;
     std::vector<Node> elements(std::size_t least, std::size_t most, const std::string& right) const;
 
+    /// Which of these names this string is.
+    std::size_t one_of(const std::vector<const char*>& names) const;
     /// The choice whose name this string is.
     template <class Choice, std::size_t n>
     Choice one_of(const std::pair<const char*, Choice> (&choices)[n]) const {
-        std::string names;
-        for (const auto& [name, choice] : choices) {
-            if (value_ == name) return choice;
-            names += (names.empty() ? "\"" : ", \"") + std::string(name) + "\"";
-        }
-        refuse("one of " + names);
+        std::vector<const char*> names;
+        for (const auto& choice : choices) names.push_back(choice.first);
+        return choices[one_of(names)].second;
     }
 
 private:

@@ -225,17 +225,15 @@ Result<void> check_along_depth(const std::string& whose, const DepthLength& leng
 
 Result<void> check_filter(const Scene& scene) {
     const FilterSettings& filter = scene.filter;
-    if (filter.median != 0 && filter.median != 3 && filter.median != 5)
-        return refuse("filter.median", filter.median, "0 (off), 3 or 5");
-    TRY(check_within("filter.fill_holes", filter.fill_holes, 0, 16));
-    if (!(filter.terrace_noise >= 0 && filter.terrace_noise <= most_terrace_noise))
-        return refuse("filter.terrace_noise", filter.terrace_noise, "from 0 to 4 codes");
-    if (filter.terrace_reach < least_terrace_reach || filter.terrace_reach > most_terrace_reach ||
-        !std::has_single_bit(static_cast<unsigned>(filter.terrace_reach)))
-        return refuse("filter.terrace_reach", filter.terrace_reach, "16, 32, 64 or 128 pixels");
-    TRY(check_along_depth("filter.levels'", filter.levels));
-    TRY(check_along_depth("filter.temporal_noise's", filter.temporal_noise));
-    TRY(check_along_depth("filter.flying_pixels'", filter.flying_pixels));
+    for (const FilterSetting& setting : filter_settings()) {
+        const std::string name = std::string("filter.") + setting.name;
+        const DepthLength value = setting.value.of(filter);
+        if (setting.range.is_length) {
+            TRY(check_along_depth(name + (name.ends_with('s') ? "'" : "'s"), value));
+        } else if (!setting.range.has(value.constant)) {
+            return refuse(name, value.constant, setting.range.in_words());
+        }
+    }
     if (filter.temporal && filter.temporal_noise == DepthLength{})
         return input_error(
             "filter.temporal_noise is [0, 0]: must be [constant, quadratic], how noisy depth is in scene "

@@ -9,7 +9,8 @@
 // pictures become metres, N/m and friction, which filters a builder applies, and at which times frames are
 // shown (FrameRate). Remarks say to a person what was guessed. docs/conventions.md has the exact definitions.
 // parse_scene and read_scene_file read a scene file, JSON from outside, of which each member is checked
-// (docs/scene_file.md); scene_to_json gives a text that is read as the same scene.
+// (docs/scene_file.md); scene_to_json gives a text that is read as the same scene. filter_settings is the
+// table of what can be set of filters, by which all that reads, writes or names one of them goes.
 //
 // Lengths are in scene units unless a name says metres; pixels have integer coordinates at their centres,
 // rows go down. All are plain values and pure functions, for any thread.
@@ -22,6 +23,7 @@
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "engine/base/result.hpp"
@@ -441,16 +443,74 @@ struct Scene {
 /// than a thousandth of the nearest depth or a millionth of the deepest.
 Result<void> validate(const Scene& scene);
 
-/// Filters that were not stated. They are chosen when a clip is opened to be played, by what its first frames
-/// tell (choose_filters); in the scene they are off.
-struct UnstatedFilters {
+/// Some of the filters.
+struct FilterSet {
     bool median = false, fill_holes = false, terraces = false, temporal = false, flying_pixels = false;
-    /// Of terrace removal, whether that is stated or not.
+    /// Of terrace removal, whether that is among them or not.
     bool terrace_reach = false;
     bool any() const { return median || fill_holes || terraces || temporal || flying_pixels; }
-    bool operator==(const UnstatedFilters&) const = default;
+    bool operator==(const FilterSet&) const = default;
 };
+/// Filters that were not stated. They are chosen when a clip is opened to be played, by what its first frames
+/// tell (choose_filters); in the scene they are off.
+using UnstatedFilters = FilterSet;
 inline constexpr UnstatedFilters all_unstated{true, true, true, true, true, true};
+
+/// What a setting can be: one of some words, a number, or a length along the depth.
+struct SettingRange {
+    std::vector<const char*> words{};  ///< names, or whole numbers; empty: any in the range
+    double least = 0, most = 0;
+    bool whole = false;      ///< of numbers, among words too
+    const char* unit = "";   ///< of a number
+    bool by_ratio = false;   ///< numbers differ by a factor: a slider is logarithmic
+    bool is_length = false;  ///< a DepthLength above 0
+
+    bool has_names() const { return !words.empty() && !whole; }
+    /// The number, or of names the place among them, which is the value of an enumeration or a bool. Nothing:
+    /// it is none.
+    std::optional<double> value_of(std::string_view word) const;
+    std::string word_of(double value) const;
+    bool has(double value) const;
+    /// What is right, for a message: "off, on or auto", "a whole number from 0 to 16 passes".
+    std::string in_words() const;
+};
+
+/// A row of the table of filters' settings. The table is the one place that knows a member of FilterSettings
+/// by name: scene files, `--filters`, the filters' own options, window, scripts, kept settings and reports
+/// read it. A setting is a member of FilterSettings, one of FilterSet where it can be left open, and a row.
+struct FilterSetting {
+    /// The member. Of a length both terms, otherwise the first, as `SettingRange::value_of` has it.
+    struct Value {
+        DepthLength (*of)(const FilterSettings& filter);
+        void (*set)(FilterSettings& filter, const DepthLength& value);
+    };
+
+    const char* name;  ///< in scene files and reports
+    Value value;
+    SettingRange range{};
+    /// Whether it was left open, stated or chosen; null: a scene file that leaves it out has its default.
+    bool FilterSet::*open = nullptr;
+    /// Whether leaving it out leaves it open, by members that are above it in the table; null: it does.
+    bool (*opens)(const FilterSettings&, const FilterSet&) = nullptr;
+    const char* what = "";  ///< for a person who sees it for the first time; empty: no option has it alone
+    /// As a part of `--filters`, "holes[=PASSES]", and the value that its name alone stands for there; empty:
+    /// it is no part of it, and there has to be a value.
+    const char *in_list = "", *usual = "";
+    DepthLength FilterSettings::*length = nullptr;  ///< that switches it on as well; zero: it is not stated
+
+    std::string typed_name() const;  ///< in options and windows: '-' in place of '_'
+    /// Takes a word that a person typed, or refuses it by false.
+    bool read(std::string_view word, FilterSettings& filter) const;
+    std::string right() const;  ///< what `read` takes, for a message
+    /// Its value, and the length that goes with it where that is stated.
+    void copy(const FilterSettings& from, FilterSettings& to) const;
+    bool is_default(const FilterSettings& filter) const { return value.of(filter) == value.of({}); }
+    bool is_open_if_left_out(const FilterSettings& filter, const FilterSet& unstated) const {
+        return open && (!opens || opens(filter, unstated));
+    }
+};
+/// All of them, as a scene file has them.
+std::span<const FilterSetting> filter_settings();
 
 inline constexpr int largest_material_index = 65535;
 inline constexpr std::size_t most_materials = 256;

@@ -47,10 +47,6 @@ constexpr std::pair<const char*, VideoLayout> layout_names[] = {{"alone", VideoL
 constexpr std::pair<const char*, VideoValues> value_names[] = {
     {"grey", VideoValues::grey}, {"mean", VideoValues::mean}, {"hue", VideoValues::hue}};
 
-constexpr std::pair<const char*, bool> temporal_names[] = {{"off", false}, {"on", true}};
-constexpr std::pair<const char*, TerraceRemoval> terrace_names[] = {
-    {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
-
 std::string read_pictures(const Node& node, PictureNumbers& numbers) {
     if (!node.is_object()) return node.text();
     node.allow_only({"files", "first", "step"});
@@ -369,23 +365,22 @@ DepthLength read_length(const Node& node) {
     return {terms[0].number(), terms[1].number()};
 }
 
+DepthLength read_value(const Node& node, const SettingRange& range) {
+    if (range.is_length) return read_length(node);
+    if (range.has_names()) return {static_cast<double>(node.one_of(range.words))};
+    return {range.whole ? node.whole() : node.number()};
+}
+
 void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unstated) {
-    node.allow_only({"median", "fill_holes", "terraces", "terrace_noise", "terrace_reach", "levels",
-                     "temporal", "temporal_noise", "flying_pixels"});
-    if (node.has("median")) filter.median = node["median"].whole();
-    if (node.has("fill_holes")) filter.fill_holes = node["fill_holes"].whole();
-    if (node.has("terraces")) filter.terraces = node["terraces"].one_of(terrace_names);
-    if (node.has("terrace_noise")) filter.terrace_noise = node["terrace_noise"].number();
-    if (node.has("terrace_reach")) filter.terrace_reach = node["terrace_reach"].whole();
-    if (node.has("levels")) filter.levels = read_length(node["levels"]);
-    if (node.has("temporal")) filter.temporal = node["temporal"].one_of(temporal_names);
-    if (node.has("temporal_noise")) filter.temporal_noise = read_length(node["temporal_noise"]);
-    unstated = {!node.has("median"), !node.has("fill_holes"), !node.has("terraces"), !node.has("temporal"),
-                !node.has("flying_pixels")};
-    // Removal that is stated is as it was before there was a reach, above all where a recording repeats it.
-    unstated.terrace_reach =
-        !node.has("terrace_reach") && (unstated.terraces || filter.terraces == TerraceRemoval::automatic);
-    if (node.has("flying_pixels")) filter.flying_pixels = read_length(node["flying_pixels"]);
+    std::vector<std::string> names;
+    for (const FilterSetting& setting : filter_settings()) names.emplace_back(setting.name);
+    node.allow_only(names);
+    for (const FilterSetting& setting : filter_settings()) {
+        const bool is_stated = node.has(setting.name);
+        if (is_stated) setting.value.set(filter, read_value(node[setting.name], setting.range));
+        if (setting.open)
+            unstated.*setting.open = !is_stated && setting.is_open_if_left_out(filter, unstated);
+    }
 }
 
 VideoSource read_video(const Node& node, const Scene& scene) {
@@ -524,22 +519,19 @@ OrderedJson write_haptic(const SceneDescription& described) {
     return json;
 }
 
+OrderedJson write_value(const DepthLength& value, const SettingRange& range) {
+    if (range.is_length) return OrderedJson::array({value.constant, value.quadratic});
+    if (range.has_names()) return range.word_of(value.constant);
+    return range.whole ? OrderedJson(static_cast<int>(value.constant)) : OrderedJson(value.constant);
+}
+
 /// Those that are left open stay open.
 OrderedJson write_filter(const FilterSettings& filter, const UnstatedFilters& open) {
     OrderedJson json = OrderedJson::object();
-    if (!open.median) json["median"] = filter.median;
-    if (!open.fill_holes) json["fill_holes"] = filter.fill_holes;
-    if (!open.terraces) json["terraces"] = name_of(terrace_names, filter.terraces);
-    if (filter.terrace_noise != 0) json["terrace_noise"] = filter.terrace_noise;
-    const bool is_removal_open = open.terraces || filter.terraces == TerraceRemoval::automatic;
-    if (!open.terrace_reach && (filter.terrace_reach != least_terrace_reach || is_removal_open))
-        json["terrace_reach"] = filter.terrace_reach;
-    if (filter.levels != DepthLength{}) json["levels"] = {filter.levels.constant, filter.levels.quadratic};
-    if (!open.temporal) json["temporal"] = name_of(temporal_names, filter.temporal);
-    if (filter.temporal_noise != DepthLength{})
-        json["temporal_noise"] = {filter.temporal_noise.constant, filter.temporal_noise.quadratic};
-    if (!open.flying_pixels)
-        json["flying_pixels"] = {filter.flying_pixels.constant, filter.flying_pixels.quadratic};
+    for (const FilterSetting& setting : filter_settings())
+        if (!(setting.open && open.*setting.open) &&
+            (setting.is_open_if_left_out(filter, open) || !setting.is_default(filter)))
+            json[setting.name] = write_value(setting.value.of(filter), setting.range);
     return json;
 }
 

@@ -380,28 +380,24 @@ std::string degrees(double value) {
 Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen,
                   const std::optional<MeasuredDepth>& measured) {
     const FilterSettings& filter = scene.filter;
-    Json out{{"median", filter.median},
-             {"fill_holes", filter.fill_holes},
-             {"terraces", filter.terraces == TerraceRemoval::on},
-             {"levels", length(filter.levels)},
-             {"terrace_noise", filter.terrace_noise},
-             {"terrace_reach", filter.terrace_reach},
-             {"temporal", filter.temporal},
-             {"temporal_noise", length(filter.temporal_noise)}};
-    out["flying_pixels"] = length(filter.flying_pixels);
+    Json out;
+    for (const FilterSetting& setting : filter_settings()) {
+        const SettingRange& range = setting.range;
+        const DepthLength value = setting.value.of(filter);
+        out[setting.name] = range.is_length     ? length(value)
+                            : range.has_names() ? Json(range.word_of(value.constant) == "on")
+                            : range.whole       ? Json(static_cast<int>(value.constant))
+                                                : Json(value.constant);
+    }
     out["in_words"] = filters_in_words(scene, chosen);
     if (measured) out["measured"] = measured_json(*measured);
     if (!chosen) return out;
-    const auto names = {std::pair{"median", chosen->chosen.median},
-                        {"fill_holes", chosen->chosen.fill_holes},
-                        {"terraces", chosen->chosen.terraces},
-                        {"terrace_reach", filter.terraces == TerraceRemoval::on &&
-                                              chosen->chosen.terrace_reach && !chosen->chosen.terraces},
-                        {"temporal", chosen->chosen.temporal},
-                        {"flying_pixels", chosen->chosen.flying_pixels}};
+    // A reach is no choice of its own where removal is none, or is chosen with it.
+    FilterSet told = chosen->chosen;
+    told.terrace_reach = told.terrace_reach && !told.terraces && filter.terraces == TerraceRemoval::on;
     out["chosen"] = Json::array();
-    for (const auto& [name, is_chosen] : names)
-        if (is_chosen) out["chosen"].push_back(name);
+    for (const FilterSetting& setting : filter_settings())
+        if (setting.open && told.*setting.open) out["chosen"].push_back(setting.name);
     return out;
 }
 

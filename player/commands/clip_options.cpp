@@ -38,73 +38,26 @@ Result<std::optional<SourceDescription>> with_likely_pixels(SourceDescription kn
         "in pixels, with a decimal point, such as 525.5,525.5");
 }
 
-Error refusal(std::string_view part, const std::string& why) {
-    return usage_error("--filters '" + std::string(part) + "' will not do" + why +
-                       "; right would be auto, off, or those that shall be on, such as "
-                       "median=5,terraces,temporal=1.5+2e-6,holes=2");
+/// The name of a part of `--filters`.
+std::string name_in_list(const FilterSetting& setting) {
+    const std::string_view in_list = setting.in_list;
+    return std::string(in_list.substr(0, in_list.find_first_of("[=")));
 }
 
-/// What is wrong with a part of the list.
-std::string why_not(std::string_view name) {
-    const std::array<std::string, 5> names{"median", "holes", "terraces", "temporal", "flying"};
+/// What is wrong with a part of the list; empty: nothing, and `choice` has it.
+std::string why_not(const std::string& name, const std::optional<std::string>& value, FiltersChoice& choice) {
     if (name == "off" || name == "auto") return ": it stands alone, without other filters";
-    if (name == "median") return ": the window's side is 3 or 5";
-    if (name == "holes") return ": passes are a whole number, 1 to 16";
-    if (name == "terraces") return ": it takes no value";
-    if (name == "flying" || name == "temporal")
-        return ": it needs a length above 0, in scene units, as in " + std::string(name) + "=1.5 or " +
-               std::string(name) + "=1.5+2e-6";
+    std::vector<std::string> names;
+    for (const FilterSetting& setting : filter_settings()) {
+        names.push_back(name_in_list(setting));
+        if (name.empty() || name != names.back()) continue;
+        if (!setting.is_default(choice.settings)) return ": " + name + " is named twice";
+        const std::string word = value.value_or(setting.usual);
+        const bool is_read = choice.state(setting, word) && !setting.is_default(choice.settings);
+        return is_read ? "" : ": it needs " + setting.right() + ", and what is off is left out";
+    }
     const std::string meant = nearest_word(name, names);
-    return meant.empty() ? "" : ": did you mean " + meant + "?";
-}
-
-/// C or C+Q, not zero.
-bool read_length(std::string_view value, DepthLength& length) {
-    const auto read = as_depth_length(value, '+');
-    if (read) length = *read;
-    return read && *read != DepthLength{};
-}
-
-/// One word of the list; `value`: what stands behind its =, or nothing.
-bool read_filter(std::string_view name, std::string_view value, FilterSettings& filter) {
-    if (name == "median" && (value.empty() || value == "3" || value == "5")) {
-        filter.median = value == "3" ? 3 : 5;
-        return true;
-    }
-    if (name == "holes") {
-        const double passes = value.empty() ? 2 : as_number(value).value_or(0);
-        if (!(passes >= 1 && passes <= 16 && passes == std::floor(passes))) return false;
-        filter.fill_holes = static_cast<int>(passes);
-        return true;
-    }
-    if (name == "terraces" && value.empty()) {
-        filter.terraces = TerraceRemoval::on;
-        return true;
-    }
-    if (name == "flying") return read_length(value, filter.flying_pixels);
-    if (name != "temporal") return false;
-    filter.temporal = true;
-    return value.empty() || read_length(value, filter.temporal_noise);
-}
-
-/// --terraces, instead of the scene's own.
-CLI::Option* add_terrace_option(CLI::App& sub, std::optional<TerraceRemoval>& terraces) {
-    const Words<TerraceRemoval> words{
-        {"off", TerraceRemoval::off}, {"on", TerraceRemoval::on}, {"auto", TerraceRemoval::automatic}};
-    return add_word_option(
-        sub, "--terraces", terraces,
-        "remove those of coarse depth, instead of the scene's: off, on, or auto (where kappa "
-        "says that it helps; see touchable info)",
-        words);
-}
-
-CLI::Validator is_median_side() {
-    return {[](std::string& side) {
-                return side == "0" || side == "3" || side == "5"
-                           ? std::string()
-                           : "'" + side + "' will not do; right would be 0 (off), 3 or 5";
-            },
-            ""};
+    return meant.empty() ? ": there is no such filter" : ": did you mean " + meant + "?";
 }
 
 Result<void> take_stream(SessionOptions& session) {
@@ -179,69 +132,20 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
     return with_likely_pixels(std::move(known), *typed.intrinsics);
 }
 
-std::optional<double> as_number(std::string_view text) {
-    double value = 0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (failure != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-        return std::nullopt;
-    return value;
-}
-
-std::optional<DepthLength> as_depth_length(std::string_view text, char separator) {
-    const std::size_t at = text.find(separator);
-    const auto constant = as_number(text.substr(0, at));
-    const auto quadratic = at == std::string_view::npos ? 0.0 : as_number(text.substr(at + 1));
-    if (!constant || !quadratic || *constant < 0 || *quadratic < 0) return std::nullopt;
-    return DepthLength{*constant, *quadratic};
-}
-
-CLI::Option* add_temporal_option(CLI::App& sub, std::optional<std::string>& typed) {
-    return sub
-        .add_option("--temporal", typed,
-                    "average noise from frame to frame, instead of the scene's: off, on (noise as the scene "
-                    "says, or as measured), or the noise of depth in scene units, C or C,Q for C + Q depth^2")
-        ->type_name("WORD|C[,Q]");
-}
-
-Result<TemporalChoice> read_temporal(const std::string& typed) {
-    if (typed == "off" || typed == "on") return TemporalChoice{typed == "on", std::nullopt};
-    const auto noise = as_depth_length(typed, ',');
-    if (!noise || *noise == DepthLength{})
-        return usage_error(
-            "--temporal '" + typed +
-            "' will not do; right would be off, on, or the noise of depth in scene units, such as 1.5 "
-            "or 1.5,0.002");
-    return TemporalChoice{true, noise};
-}
-
-CLI::Option* add_filters_option(CLI::App& sub, std::optional<std::string>& typed) {
-    return sub
-        .add_option(
-            "--filters", typed,
-            "all filters at once, instead of the scene's: off, auto (what the first frames ask for), or "
-            "those that shall be on: median[=3|5], holes[=PASSES], terraces, temporal[=C[+Q]], "
-            "flying=C[+Q], with commas between")
-        ->type_name("WORD|LIST");
-}
-
 Result<FiltersChoice> read_filters(const std::string& typed) {
-    if (typed == "off") return FiltersChoice{};
-    if (typed == "auto") return FiltersChoice{{}, all_unstated};
-    FiltersChoice choice;
-    std::set<std::string_view> named;
-    std::string_view rest = typed;
-    for (bool more = true; more;) {
-        const std::size_t comma = rest.find(',');
-        more = comma != std::string_view::npos;
-        const std::string_view part = rest.substr(0, comma);
+    if (typed == "auto") return FiltersChoice{.measured = all_unstated};
+    FiltersChoice choice = FiltersChoice::off();
+    if (typed == "off") return choice;
+    for (std::size_t at = 0, end = 0; end != std::string::npos; at = end + 1) {
+        end = typed.find(',', at);
+        const std::string part = typed.substr(at, end == std::string::npos ? end : end - at);
         const std::size_t equals = part.find('=');
-        const bool has_value = equals != std::string_view::npos;
-        const std::string_view value = has_value ? part.substr(equals + 1) : std::string_view();
-        const std::string_view name = part.substr(0, equals);
-        if ((has_value && value.empty()) || !read_filter(name, value, choice.settings))
-            return refusal(part, why_not(name));
-        if (!named.insert(name).second) return refusal(part, ": " + std::string(name) + " is named twice");
-        if (more) rest.remove_prefix(comma + 1);
+        const auto value =
+            equals == std::string::npos ? std::nullopt : std::optional(part.substr(equals + 1));
+        if (const std::string why = why_not(part.substr(0, equals), value, choice); !why.empty())
+            return usage_error("'" + part + "' will not do" + why +
+                               "; right would be auto, off, or those that shall be on, such as "
+                               "median=5,terraces,temporal=1.5+2e-6,holes=2");
     }
     return choice;
 }
@@ -281,23 +185,35 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
 }
 
 std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
-    return {add_filters_option(sub, typed.filters),
-            add_whole_option(sub, "--median", typed.choice.median,
-                             "window side instead of the scene's: 0 (off), 3 or 5")
-                ->check(is_median_side()),
-            add_whole_option(sub, "--fill-holes", typed.choice.fill_holes,
-                             "passes instead of the scene's: 0 to 16", 0, 16),
-            add_terrace_option(sub, typed.choice.terraces), add_temporal_option(sub, typed.temporal)};
+    ClipChoice& clip = typed.choice;
+    const auto read_all = [&clip](const std::string& words) -> Result<void> {
+        TRY_ASSIGN(clip.filters, read_filters(words));
+        return {};
+    };
+    std::string parts;
+    for (const FilterSetting& setting : filter_settings())
+        if (*setting.in_list) parts += (parts.empty() ? "" : ", ") + std::string(setting.in_list);
+    std::vector<CLI::Option*> options{
+        add_read_option(sub, "--filters", read_all,
+                        "all filters at once, instead of the scene's: off, auto (what the first frames ask "
+                        "for), or those that shall be on: " +
+                            parts + ", with commas between")};
+    for (const FilterSetting& setting : filter_settings()) {
+        if (!*setting.what) continue;
+        const auto read = [&clip, &setting](const std::string& word) -> Result<void> {
+            if (clip.single_filters.state(setting, word)) return {};
+            return usage_error("'" + word + "' will not do; right would be " + setting.right());
+        };
+        options.push_back(add_read_option(sub, "--" + setting.typed_name(), read,
+                                          setting.right() + ", instead of the scene's. " + setting.what));
+    }
+    for (CLI::Option* const option : options) option->group("Filters of depth");
+    return options;
 }
 
 Result<ClipChoice> read_clip(const ClipTyped& typed) {
     ClipChoice choice = typed.choice;
     TRY_ASSIGN(choice.camera, read_camera(typed.camera));
-    if (typed.filters) {
-        TRY_ASSIGN(choice.filters, read_filters(*typed.filters));
-    }
-    if (!typed.temporal) return choice;
-    TRY_ASSIGN(choice.temporal, read_temporal(*typed.temporal));
     return choice;
 }
 

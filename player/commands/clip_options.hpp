@@ -23,38 +23,21 @@ std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed);
 /// Nothing where none was typed. Refused (ErrorKind::usage) where numbers are none; a camera's file is read.
 Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed);
 
-/// --temporal, instead of the scene's own: as typed.
-CLI::Option* add_temporal_option(CLI::App& sub, std::optional<std::string>& typed);
-
-/// The whole of a text; nothing where it is no number.
-std::optional<double> as_number(std::string_view text);
-/// C, or C and Q with `separator` between.
-std::optional<DepthLength> as_depth_length(std::string_view text, char separator);
-
-/// off, on (the noise is the scene's, or measured), or on with this noise: CONSTANT or CONSTANT,QUADRATIC.
-/// Refused (ErrorKind::usage) where it is none of these.
-Result<TemporalChoice> read_temporal(const std::string& typed);
-
-/// --filters, all at once instead of the scene's own: as typed.
-CLI::Option* add_filters_option(CLI::App& sub, std::optional<std::string>& typed);
-
-/// auto, off, or those that shall be on: `median[=3|5]`, `holes[=PASSES]`, `terraces`, `temporal[=C[+Q]]`,
-/// `flying=C[+Q]`,
-/// with commas between. Refused (ErrorKind::usage) where it is none of these.
+/// --filters: auto, off, or those that shall be on, as `FilterSetting::in_list` has them, with commas
+/// between. Refused (ErrorKind::usage) where it is none of these.
 Result<FiltersChoice> read_filters(const std::string& typed);
 
 /// Which clip, and as what: as typed.
 struct ClipTyped {
-    ClipChoice choice;  ///< but for what stands below
+    ClipChoice choice;  ///< but for the camera
     CameraTyped camera;
-    std::optional<std::string> filters, temporal;
 };
 
 /// CLIP, which is given back, --scene, --haptic, --height, --align, --fill-from-motion and
 /// --least-confidence. For a single depth picture add_camera_options goes with them.
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
-/// --filters, --median, --fill-holes, --terraces and --temporal.
+/// --filters, and an option for each filter that has one (filter_settings).
 std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed);
 
 /// Refused (ErrorKind::usage) where words are not what they should be.

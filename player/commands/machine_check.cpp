@@ -403,8 +403,8 @@ Result<TrialFigures> try_touch(const TouchDemand& demand) {
     SessionOptions options;
     options.clip.file = folder.path() / "trial.mkv";
     options.fingers = demand.fingers;
-    options.clip.filters = FiltersChoice{};  // nothing is measured, so that every frame is decoded here
-    options.clip.median = 3;
+    options.clip.filters = FiltersChoice::off();  // nothing is measured, so that every frame is decoded here
+    options.clip.filters.settings.median = 3;
     options.live = true;
     const int frames = 2 + trial_frames(demand);  // the first two are read to find out where the surface is
     TRY(make_clip(demand, options.clip.file, frames));

@@ -24,6 +24,16 @@ CLI::Option* add_file_option(CLI::App& sub, const std::string& name, Path& file,
     return sub.add_option(name, file, what)->check(named)->type_name("FILE");
 }
 
+/// An option whose word `read` takes, or refuses: its error follows the option's name.
+inline CLI::Option* add_read_option(CLI::App& sub, const std::string& name,
+                                    std::function<Result<void>(const std::string& word)> read,
+                                    const std::string& what) {
+    const auto take = [name, read = std::move(read)](const std::string& word) {
+        if (const auto taken = read(word); !taken) throw CLI::ValidationError(name, taken.error().message);
+    };
+    return sub.add_option_function<std::string>(name, take, what);
+}
+
 /// A whole number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range. What
 /// is too large for its type is refused as well, not cut down to it.
 template <class Whole>

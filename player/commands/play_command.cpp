@@ -583,7 +583,6 @@ void group_window_options(CLI::App& sub) {
          {"--kiosk", "--idle", "--kiosk-texts", "--kiosk-bar", "--labels", "--use-log", "--study",
           "--results"}},
         {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale", "--max-force"}},
-        {"Filters of depth", {"--filters", "--median", "--fill-holes", "--terraces", "--temporal"}},
         {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);

@@ -1,5 +1,8 @@
 #include "player/commands/setting_words.hpp"
 
+#include <algorithm>
+#include <array>
+
 #include "device/drivers/device_catalog.hpp"
 
 namespace touchable {
@@ -7,60 +10,31 @@ namespace {
 
 /// What a person types for a setting: an option, or another word of a command.
 struct Spelling {
-    Setting setting;
-    std::string_view option;
+    std::string_view setting;
+    std::string option;
     std::string_view value{};  ///< as --help has it; empty: it has none, or messages say it
 };
 
-constexpr std::array spellings{
-    Spelling{Setting::builder, "--builder"},
-    Spelling{Setting::camera, "--camera"},
-    Spelling{Setting::clip, "CLIP"},
-    Spelling{Setting::damping, "--damping"},
-    Spelling{Setting::depth_unit, "--depth-unit", "METRES"},
-    Spelling{Setting::device, "--device"},
-    Spelling{Setting::device_rules, udev_rules_command},
-    Spelling{Setting::field_of_view, "--fov", "DEGREES"},
-    Spelling{Setting::fingers, "--fingers"},
-    Spelling{Setting::forces, "touch --forces"},
-    Spelling{Setting::gpu, "--gpu"},
-    Spelling{Setting::hand, "--hand"},
-    Spelling{Setting::haptic_map, "--haptic"},
-    Spelling{Setting::headless, "--headless"},
-    Spelling{Setting::height_map, "--height"},
-    Spelling{Setting::interpolation, "--interpolation"},
-    Spelling{Setting::intrinsics, "--intrinsics", "FX,FY,CX,CY"},
-    Spelling{Setting::live, "--live"},
-    Spelling{Setting::loop, "--loop"},
-    Spelling{Setting::max_force, "--max-force"},
-    Spelling{Setting::max_stiffness, "--max-stiffness"},
-    Spelling{Setting::painter, "--painter"},
-    Spelling{Setting::passivity, "--passivity"},
-    Spelling{Setting::playback, "--play"},
-    Spelling{Setting::preset, "--preset", "NAME"},
-    Spelling{Setting::rate, "--rate"},
-    Spelling{Setting::record, "touch --record"},
-    Spelling{Setting::scene_file, "--scene", "FILE"},
-    Spelling{Setting::script, "--script"},
-    Spelling{Setting::seconds, "--seconds"},
-    Spelling{Setting::stale_after, "--stale-after"},
-    Spelling{Setting::start, "--start"},
-    Spelling{Setting::start_buried, "--start-buried"},
-    Spelling{Setting::stiffness_rise, "--stiffness-slew"},
-    Spelling{Setting::stribeck, "--stribeck"},
-    Spelling{Setting::temporal, "--temporal"},
-    Spelling{Setting::view, "--view"},
-};
-
-constexpr bool each_has_its_place() {
-    for (std::size_t n = 0; n < spellings.size(); ++n)
-        if (spellings[n].setting != static_cast<Setting>(n)) return false;
-    return spellings.size() == setting_count;
-}
-static_assert(each_has_its_place());
-
-const Spelling& spelling_of(const Hint& hint) {
-    return spellings[static_cast<std::size_t>(hint.setting)];
+/// Of most settings the option has their name.
+Spelling spelling_of(const Hint& hint) {
+    static const std::array irregular{Spelling{Setting::clip, "CLIP"},
+                                      Spelling{Setting::depth_unit, "--depth-unit", "METRES"},
+                                      Spelling{Setting::device_rules, std::string(udev_rules_command)},
+                                      Spelling{Setting::field_of_view, "--fov", "DEGREES"},
+                                      Spelling{Setting::forces, "touch --forces"},
+                                      Spelling{Setting::haptic_map, "--haptic"},
+                                      Spelling{Setting::height_map, "--height"},
+                                      Spelling{Setting::intrinsics, "--intrinsics", "FX,FY,CX,CY"},
+                                      Spelling{Setting::playback, "--play"},
+                                      Spelling{Setting::preset, "--preset", "NAME"},
+                                      Spelling{Setting::record, "touch --record"},
+                                      Spelling{Setting::scene_file, "--scene", "FILE"},
+                                      Spelling{Setting::stiffness_rise, "--stiffness-slew"}};
+    const auto* const found = std::ranges::find(irregular, hint.setting, &Spelling::setting);
+    if (found != irregular.end()) return *found;
+    std::string option = "--" + std::string(hint.setting);
+    std::ranges::replace(option, '_', '-');
+    return {hint.setting, option};
 }
 
 std::string typed(std::string_view option, std::string_view value) {
@@ -79,8 +53,8 @@ bool begins_with_name(std::string_view message, std::string_view option) {
 std::string message_with_options(const Error& error, const KnowsOption& knows) {
     std::string text = error.message, behind;
     for (const Hint& hint : error.hints) {
-        const std::string_view option = spelling_of(hint).option;
-        if (knows && option.starts_with("--") && !knows(std::string(option))) continue;
+        const std::string option = spelling_of(hint).option;
+        if (knows && option.starts_with("--") && !knows(option)) continue;
         if (&hint == &error.hints.front() && begins_with_name(text, option))
             text.insert(0, "--");
         else
@@ -98,7 +72,7 @@ std::string remark_with_options(const Remark& remark) {
     std::string options;
     const Hints anything{{Setting::scene_file}};  // says what no other option does
     for (const Hint& hint : remark.hints.empty() ? anything : remark.hints) {
-        const Spelling& spelling = spelling_of(hint);
+        const Spelling spelling = spelling_of(hint);
         options += options.empty() ? "" : " or ";
         options += typed(spelling.option, hint.value.empty() ? spelling.value : hint.value);
     }

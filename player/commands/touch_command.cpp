@@ -1,11 +1,12 @@
 #include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "engine/base/try.hpp"
-#include "haptics_cpu/touch_step.hpp"
+#include "engine/base/words.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/commands/run_options.hpp"
@@ -20,15 +21,12 @@ struct TouchWords {
     TouchOptions options;
     ClipTyped clip;
     PlaybackTyped playback;
-    double max_stiffness_n_mm = 10;
-    double stiffness_slew = 0;  // N/mm per second
     double seconds = 0, picture_seconds = 0;
     std::optional<double> stale_after_ms;
     std::vector<CLI::Option*> fixed_by_recording;
     CLI::Option* clip_word = nullptr;
     CLI::Option* duration = nullptr;
     CLI::Option* picture_moment = nullptr;
-    CLI::Option* slew = nullptr;
     CLI::Option* latency = nullptr;
 
     void fix_by_recording(const std::vector<CLI::Option*>& more) {
@@ -49,9 +47,6 @@ Result<void> read_moments(const TouchWords& words, TouchOptions& options) {
 
 Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
-    GuardSettings& guard = options.session.guard;
-    guard.max_stiffness = words.max_stiffness_n_mm * 1000;
-    if (words.slew->count() > 0) guard.rise.per_tick = words.stiffness_slew * 1000 * tick_seconds;
     TRY(read_moments(words, options));
     if (options.replay) {
         for (const CLI::Option* option : words.fixed_by_recording)
@@ -62,7 +57,9 @@ Result<TouchOptions> read_words(const TouchWords& words) {
         return usage_error(
             "touch needs a CLIP, a --camera, or a recording to --replay; see touchable touch -h");
     }
-    TRY_ASSIGN(options.session.clip, read_clip(words.clip));
+    TRY_ASSIGN(auto clip, read_clip(words.clip));
+    clip.interpolation = options.session.clip.interpolation;
+    options.session.clip = std::move(clip);
     options.session.recorded = options.record.has_value();
     options.session.device_log = options.device_log.has_value();
     TRY(read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session));
@@ -120,51 +117,36 @@ std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& sessio
             ->capture_default_str()};
 }
 
-CLI::Option* add_interpolation_option(CLI::App& sub, ClipChoice& clip) {
-    const Words<FrameInterpolation> words{{"hold", FrameInterpolation::hold},
-                                          {"linear", FrameInterpolation::linear}};
-    return add_word_option(sub, "--interpolation", clip.interpolation,
-                           "between frames, instead of the scene's: hold or linear", words);
+/// A run's setting. Numbers may be any: the run refuses those that cannot be.
+CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, SessionOptions& session) {
+    const SettingRange& range = setting.range;
+    const bool is_number = range.words.empty();
+    const auto read = [&setting, &range, is_number, &session](const std::string& word) -> Result<void> {
+        using Limits = std::numeric_limits<double>;
+        const auto number = is_number ? read_number("", word, Limits::lowest(), Limits::max())
+                                      : Result<double>(range.value_of(word).value_or(-1));
+        if (!number) return number.error();
+        if (!is_number && *number < 0)
+            return usage_error("'" + word + "' will not do; right would be " + range.in_words());
+        setting.set(*number, session);
+        return {};
+    };
+    return add_read_option(sub, "--" + setting.name, read,
+                           (is_number ? range.unit : range.in_words()) + ". " + setting.what)
+        ->default_str(setting.usual)
+        ->type_name(is_number ? "NUMBER" : "WORD");
 }
 
 /// How forces come about.
-void add_force_options(CLI::App& sub, TouchWords& words) {
-    const Words<TouchMetric> metrics{
-        {"world", TouchMetric::world}, {"pixel", TouchMetric::pixel}, {"scaled", TouchMetric::scaled}};
-    const Words<bool> rises{{"map", false}, {"passive", true}};
-    SessionOptions& session = words.options.session;
-    GuardSettings& guard = session.guard;
-    words.slew =
-        add_number_option(sub, "--stiffness-slew", words.stiffness_slew,
-                          "N/mm per second: how fast stiffness may rise in contact; otherwise at once");
-    words.fix_by_recording(
-        {words.slew,
-         sub.add_flag("--start-buried", session.start_buried,
-                      "live: a finger that is inside the surface when it first meets it is pushed out at "
-                      "once; otherwise it feels nothing until it has been free"),
-         add_word_option(sub, "--metric", session.metric,
-                         "where distances are measured: world; to compare, pixel (the paper's) or scaled "
-                         "(pixel with levels as long as they are where the finger is)",
-                         metrics),
-         add_number_option(sub, "--max-force", guard.max_force, "N: what the device can exert on a finger")
-             ->capture_default_str(),
-         add_number_option(sub, "--max-stiffness", words.max_stiffness_n_mm,
-                           "N/mm: what the device renders stably")
-             ->capture_default_str(),
-         add_number_option(
-             sub, "--stribeck", session.stribeck_speed,
-             "m/s: friction falls from static to dynamic about this speed; 0: the moment it slides")
-             ->capture_default_str(),
-         add_word_option(sub, "--stiffness", guard.rise.paid,
-                         "in contact: map (the clip's), or passive (rises only as far as losses pay for)",
-                         rises),
-         add_number_option(sub, "--damping", guard.damping,
-                           "N s/m beside the spring, against the hand's motion")
-             ->capture_default_str(),
-         add_number_option(
-             sub, "--passivity", guard.passivity,
-             "N s/m: the most by which a controller may brake to take back created energy; 0: off")
-             ->capture_default_str()});
+std::vector<CLI::Option*> add_force_options(CLI::App& sub, SessionOptions& session) {
+    std::vector<CLI::Option*> options{
+        sub.add_flag("--start-buried", session.start_buried,
+                     "live: a finger that is inside the surface when it first meets it is pushed out at "
+                     "once; otherwise it feels nothing until it has been free")};
+    for (const SessionSetting& setting : run_settings())
+        if (setting.of == SettingOf::felt || setting.of == SettingOf::expert)
+            options.push_back(add_setting_option(sub, setting, session));
+    return options;
 }
 
 /// In the help each option stands under what it is about; what few people need comes last.
@@ -172,22 +154,21 @@ void group_options(CLI::App& sub) {
     const struct {
         const char* name;
         std::vector<const char*> options;
-    } groups[] = {
-        {"The clip",
-         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
-          "--rate", "--loop", "--play"}},
-        {"The hand",
-         {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
-          "--world-from-camera", "--max-force", "--max-stiffness"}},
-        {"Filters of depth", {"--median", "--fill-holes", "--terraces", "--temporal", "--interpolation"}},
-        {"Files",
-         {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--verbose",
-          "--strict"}},
-        {"A picture", {"--picture", "--picture-at", "--picture-size", "--view", "--show"}},
-        {"Expert",
-         {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness", "--stiffness-slew",
-          "--damping", "--passivity", "--start-buried"}}};
+    } groups[] = {{"The clip",
+                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
+                    "--align", "--fill-from-motion", "--least-confidence", "--camera", "--latency",
+                    "--stale-after", "--start", "--rate", "--loop", "--play"}},
+                  {"The hand",
+                   {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
+                    "--world-from-camera", "--max-force", "--max-stiffness"}},
+                  {"Filters of depth", {"--interpolation"}},
+                  {"Files",
+                   {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--verbose",
+                    "--strict"}},
+                  {"A picture", {"--picture", "--picture-at", "--picture-size", "--view", "--show"}},
+                  {"Expert",
+                   {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness",
+                    "--stiffness-slew", "--damping", "--passivity", "--start-buried"}}};
     for (const auto& group : groups)
         for (const char* option : group.options) sub.get_option(option)->group(group.name);
 }
@@ -211,11 +192,10 @@ void add_touch_command(CLI::App& app, Command& command) {
     words->fix_by_recording({add_stale_after_option(*sub, words->stale_after_ms)});
     words->fix_by_recording(add_held_device_options(*sub, o.held, o.session));
     words->fix_by_recording(add_filter_options(*sub, words->clip));
-    words->fix_by_recording({add_interpolation_option(*sub, words->clip.choice)});
     add_file_options(*sub, o);
     add_picture_options(*sub, o.picture);
     add_moment_options(*sub, *words);
-    add_force_options(*sub, *words);
+    words->fix_by_recording(add_force_options(*sub, o.session));
     add_builder_options(*sub, o.session.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
     group_options(*sub);
     sub->callback([words, &command] {

@@ -77,45 +77,22 @@ std::size_t kept_bytes_of(const RawFrame& frame) {
     return bytes;
 }
 
-void apply(const FiltersChoice& filters, Scene& scene, UnstatedFilters& unstated) {
-    scene.filter.median = filters.settings.median;
-    scene.filter.fill_holes = filters.settings.fill_holes;
-    scene.filter.terraces = filters.settings.terraces;
-    scene.filter.temporal = filters.settings.temporal;
-    scene.filter.flying_pixels = filters.settings.flying_pixels;
-    if (filters.settings.temporal_noise != DepthLength{})
-        scene.filter.temporal_noise = filters.settings.temporal_noise;
-    unstated = filters.unstated;
-    if (unstated.terraces) scene.filter.terrace_reach = least_terrace_reach;  // chosen anew with it
-}
-
-void apply(const TemporalChoice& temporal, Scene& scene, UnstatedFilters& unstated) {
-    scene.filter.temporal = temporal.on;
-    unstated.temporal = false;
-    if (temporal.noise) scene.filter.temporal_noise = *temporal.noise;
-}
-
-/// What is wanted now, stated or to be measured.
-template <class Value>
-void apply(const std::optional<Value>& wanted, Value& value, bool& unstated) {
-    if (!wanted) return;
-    value = *wanted;
-    unstated = false;
+void apply(const FiltersChoice& choice, FilterSettings& filter, FilterSet& unstated) {
+    for (const FilterSetting& setting : filter_settings()) {
+        if (!setting.open || !(choice.stated.*setting.open || choice.measured.*setting.open)) continue;
+        setting.copy(choice.settings, filter);
+        unstated.*setting.open = choice.measured.*setting.open;
+    }
+    // Enabling terrace removal does not state a reach, so it is measured.
+    if ((choice.stated.terraces || choice.measured.terraces) && filter.terrace_reach == least_terrace_reach)
+        unstated.terrace_reach = true;
 }
 
 /// What the clip is, and what is wanted of it.
 Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription described) {
     Scene& scene = described.scene;
-    FilterSettings& filter = scene.filter;
-    UnstatedFilters& unstated = described.unstated.filters;
-    if (choice.filters) apply(*choice.filters, scene, unstated);
-    apply(choice.median, filter.median, unstated.median);
-    apply(choice.fill_holes, filter.fill_holes, unstated.fill_holes);
-    apply(choice.terraces, filter.terraces, unstated.terraces);
-    if (choice.temporal) apply(*choice.temporal, scene, unstated);
-    // Enabling terrace removal does not state a reach, so it is measured.
-    if ((choice.filters || choice.terraces) && filter.terrace_reach == least_terrace_reach)
-        unstated.terrace_reach = true;
+    for (const FiltersChoice* const filters : {&choice.filters, &choice.single_filters})
+        apply(*filters, scene.filter, described.unstated.filters);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
     // Levels, which decide whether they are apart enough for terrace removal, and noise are still to be
     // measured.
@@ -264,6 +241,18 @@ std::optional<ReliefRange> SharedClip::relief_range(const Bands& bands) const {
 void SharedClip::keep_relief_range(const Bands& bands, const ReliefRange& range) {
     const std::lock_guard lock(relief_mutex_);
     relief_ranges_[bands] = range;
+}
+
+FiltersChoice FiltersChoice::off() {
+    FiltersChoice choice;
+    for (const FilterSetting& setting : filter_settings())
+        if (setting.open && *setting.in_list) choice.stated.*setting.open = true;
+    return choice;
+}
+
+bool FiltersChoice::state(const FilterSetting& setting, std::string_view word) {
+    stated.*setting.open = true;
+    return setting.read(word, settings);
 }
 
 void ClipChoice::take(const LiveCamera& of) {

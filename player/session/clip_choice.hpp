@@ -178,16 +178,15 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
                                                        const ReliefChoice& choice,
                                                        SharedClip* shared = nullptr);
 
-/// The temporal filter as a person wants it.
-struct TemporalChoice {
-    bool on = false;
-    std::optional<DepthLength> noise;  ///< of the depth, scene units; nothing: what the scene says
-};
-
-/// All filters at once. Those that are unstated are chosen by measurement.
+/// Filters as a person wants them. What is neither stated nor to be measured is the clip's own.
 struct FiltersChoice {
-    FilterSettings settings;  ///< of which levels and terrace_noise do not count
-    UnstatedFilters unstated{};
+    FilterSettings settings{};       ///< of those that are stated; levels and terrace_noise do not count
+    FilterSet stated{}, measured{};  ///< no filter is in both
+
+    /// All that `--filters` knows, off.
+    static FiltersChoice off();
+    /// States one by the word that a person typed, or refuses that by false.
+    bool state(const FilterSetting& setting, std::string_view word);
 };
 
 /// A clip, and what a person wants of it instead of what it says itself. Nothing: the clip's own.
@@ -210,10 +209,7 @@ struct ClipChoice {
     std::optional<std::filesystem::path> scene_file;
     std::optional<SourceDescription> camera;  ///< of pictures without a scene file
     StillMaps maps;                           ///< in place of what it has itself
-    std::optional<FiltersChoice> filters;     ///< before what follows, one by one
-    std::optional<int> median, fill_holes;
-    std::optional<TerraceRemoval> terraces;
-    std::optional<TemporalChoice> temporal;
+    FiltersChoice filters, single_filters;    ///< all at once; one by one, which count last
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
     bool fill_from_motion = false;                         ///< holes, from frames that saw what is behind

@@ -256,7 +256,7 @@ Result<void> make_solver(TouchSetup& setup) {
 /// now.
 Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
     std::error_code ignored;
-    const auto say = [&error](Setting setting) {
+    const auto say = [&error](std::string_view setting) {
         error.message += "; say where it is now";
         error.hints.push_back({setting, setting == Setting::clip ? "" : "FILE"});
     };
@@ -373,7 +373,7 @@ Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& 
 
 Hints settings_of(const std::vector<PlaybackCommand>& commands) {
     Hints settings;
-    const auto add = [&settings](Setting setting) {
+    const auto add = [&settings](std::string_view setting) {
         for (const Hint& known : settings)
             if (known.setting == setting) return;
         settings.push_back({setting});
@@ -429,7 +429,7 @@ Result<void> validate(const SessionOptions& options) {
         return usage_error("the age of a stale surface needs a live source: a clip's frames are never late",
                            {{Setting::stale_after}, {Setting::camera}});
     TRY(check_guard(options.guard));
-    if (!(options.stribeck_speed >= 0 && std::isfinite(options.stribeck_speed)))
+    if (!(options.touch.stribeck_speed >= 0 && std::isfinite(options.touch.stribeck_speed)))
         return usage_error("stribeck must be a number of m/s, 0 or above", {{Setting::stribeck}});
     if (options.recorded && options.clip.relief)
         return usage_error(
@@ -468,8 +468,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->settings.fingers = options.fingers;
     setup->settings.ticks = options.ticks;
     setup->settings.playback = options.playback;
-    setup->settings.touch.metric = options.metric;
-    setup->settings.touch.stribeck_speed = options.stribeck_speed;
+    setup->settings.touch = options.touch;
     setup->settings.guard = options.guard;
     setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
 

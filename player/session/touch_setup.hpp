@@ -7,6 +7,7 @@
 // them: the clip, its scene, a builder (BuilderChoice; `auto` picks by what the run needs and what the
 // machine has), hands, guard, solver. setup_from_recording makes the same of a recording, for its replay.
 // RunGpu is the one GPU that builder and window share. Errors hint at the Setting that was wrong.
+// run_settings is the table of what a person can set of a run by a word or a number, whatever sets it.
 //
 // open_port opens a setup's hand: a device, a pointer, a script. A WatchedSession is what a window runs: a
 // LiveSession and its threads. `look` shows the frames, the blend and the tick that the hand holds, and what
@@ -121,8 +122,7 @@ struct SessionOptions {
     std::function<std::vector<PlaybackCommand>()> late_playback;
     std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
     BuilderChoice builder{.name = "auto"};
-    TouchMetric metric = TouchMetric::world;
-    double stribeck_speed = 0;  ///< m/s; 0: friction does not depend on speed
+    TouchSettings touch;  ///< but for its scale, which the clip or the hand has
     GuardSettings guard;
     bool live = false;          ///< on the wall clock, in real time
     bool start_buried = false;  ///< live: force from the start for a finger that begins inside, too
@@ -189,6 +189,35 @@ struct TouchSetup {
         return settings.ticks || !hand ? settings.ticks : hand->ticks();
     }
 };
+
+/// Of what a setting is: which part of a window shows it, and on what it has an effect.
+enum class SettingOf {
+    felt,     ///< how forces come about
+    device,   ///< a device that a person holds: without one it has no effect
+    filters,  ///< how depth is cleaned: "filters", which sets all, and each of them
+    relief,   ///< heights that are made of the clip's colour
+    brush,    ///< what is painted in this window; it is never kept
+    expert    ///< as felt, but options alone set it
+};
+
+/// A row of the table of a run's settings, which options, the window's panel, its commands and scripts, and
+/// kept settings go by. The rows of filters come from `filter_settings`.
+struct SessionSetting {
+    std::string name;       ///< in commands and kept settings; behind "--" of an option
+    const char* what = "";  ///< for a person who sees it for the first time
+    SettingOf of = SettingOf::felt;
+    SettingRange range{};  ///< in a window. An option takes any number: `validate` refuses what cannot be
+    /// Sets a legal value (SettingRange::value_of) in the options of a run.
+    std::function<void(double value, SessionOptions& options)> set{};
+    /// The value that a run has; null: the setting has none of its own, as "filters".
+    std::function<std::string(const TouchSetup& setup)> get{};
+    std::string usual{};  ///< of a number: what a run has where nothing sets it; empty: see `what`
+};
+std::span<const SessionSetting> run_settings();
+/// Those that a window has: all but the experts'.
+std::span<const SessionSetting> session_settings();
+/// One of those; null: none has that name.
+const SessionSetting* session_setting(std::string_view name);
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);
 /// The run of `part`, which outlives the setup: by `options.builder`, and over the clip and scene file of

@@ -213,30 +213,28 @@ void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowComm
     if (facts.is_there) draw_remark(std::to_string(facts.segments) + " segments in the clip");
 }
 
-std::string value_in(const std::map<std::string, std::string>& values, const char* name,
+std::string value_in(const std::map<std::string, std::string>& values, const std::string& name,
                      const char* otherwise = "") {
     const auto value = values.find(name);
     return value == values.end() ? otherwise : value->second;
 }
 
 void ask_for(const SessionSetting& setting, const std::string& value, std::vector<WindowCommand>& asked) {
-    asked.push_back({WindowVerb::feel, 0, setting.name + (" " + value)});
+    asked.push_back({WindowVerb::feel, 0, setting.name + " " + value});
 }
 
 /// What was chosen by hand, otherwise what is in effect.
 void draw_choice(const SessionSetting& setting, const SettingsFacts& facts,
                  std::vector<WindowCommand>& asked) {
     const bool by_hand = facts.by_hand.contains(setting.name);
+    std::vector<const char*> words = setting.range.words;
     const std::string value =
-        value_in(by_hand ? facts.by_hand : facts.in_effect, setting.name, setting.words.front());
-    int chosen = -1;
-    std::vector<const char*> words;
-    for (const std::string word : setting.words) {
-        if (value == word) chosen = static_cast<int>(words.size());
-        words.push_back(word == "0" ? "off" : setting.words[words.size()]);
-    }
-    const int clicked = draw_words(setting.name, words, chosen, by_hand);
-    if (clicked >= 0) ask_for(setting, setting.words[static_cast<std::size_t>(clicked)], asked);
+        value_in(by_hand ? facts.by_hand : facts.in_effect, setting.name, words.front());
+    const auto at = std::ranges::find(words, value) - words.begin();
+    const int chosen = at < std::ssize(words) ? static_cast<int>(at) : -1;
+    if (words.front() == std::string_view("0")) words.front() = "off";
+    const int clicked = draw_words(setting.name.c_str(), words, chosen, by_hand);
+    if (clicked >= 0) ask_for(setting, setting.range.words[static_cast<std::size_t>(clicked)], asked);
 }
 
 /// Each filter with its reason, a line each: what stands between parentheses is no end of one.
@@ -262,12 +260,8 @@ void draw_reasons(const std::string& words) {
     }
 }
 
-bool is_of_filters(const SessionSetting& setting) {
-    return setting.filter || std::string_view(setting.name) == "filters";
-}
-
 std::string shown_number(const SessionSetting& setting, float value) {
-    return formatted(setting.whole ? "%.0f" : (setting.by_ratio ? "%.3g" : "%.2g"),
+    return formatted(setting.range.whole ? "%.0f" : (setting.range.by_ratio ? "%.3g" : "%.2g"),
                      static_cast<double>(value));
 }
 
@@ -332,9 +326,9 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     const bool is_held = facts.brush.tool != BrushTool::touch;
     if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
     if (draw_fold("Materials", false)) draw_materials(facts.brush, scale, asked);
-    if (draw_fold("What is felt", true)) settings_.draw(facts.settings, scale, asked);
-    if (draw_fold("Filters of depth", tall)) settings_.draw_filters(facts.settings, scale, asked);
-    if (draw_fold("Relief of colour", tall)) settings_.draw_relief(facts.settings, scale, asked);
+    if (draw_fold("What is felt", true)) settings_.draw(SettingOf::felt, facts.settings, scale, asked);
+    if (draw_fold("Filters of depth", tall)) settings_.draw(SettingOf::filters, facts.settings, scale, asked);
+    if (draw_fold("Relief of colour", tall)) settings_.draw(SettingOf::relief, facts.settings, scale, asked);
     if (draw_fold("How it goes", tall)) {
         curves_.draw(facts.limit_newtons, scale);
         for (const std::string& line : facts.figures) draw_remark(line);
@@ -347,40 +341,31 @@ float WindowPanel::side_width(float width) const {
     return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
 }
 
-void SettingsPanel::draw(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
+void SettingsPanel::draw(SettingOf of, const SettingsFacts& facts, float scale,
+                         std::vector<WindowCommand>& asked) {
     scale_ = scale;
-    draw_label("settings", scale_);
-    if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
-        asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
-    explain_row(
-        "Two sets of settings, to feel the difference. The key B switches; B begins without filters, or "
-        "where materials are painted, without those.");
+    if (of == SettingOf::felt) {
+        draw_label("settings", scale_);
+        if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
+            asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
+        explain_row(
+            "Two sets of settings, to feel the difference. The key B switches; B begins without filters, or "
+            "where materials are painted, without those.");
+    }
     for (const SessionSetting& setting : session_settings())
-        if (!is_of_filters(setting) && !setting.of_relief && !setting.of_brush &&
-            (facts.has_device || !setting.of_device))
+        if (setting.of == of ||
+            (of == SettingOf::felt && setting.of == SettingOf::device && facts.has_device))
             draw_row(setting, facts, asked);
-}
-
-void SettingsPanel::draw_filters(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    scale_ = scale;
-    for (const SessionSetting& setting : session_settings())
-        if (is_of_filters(setting)) draw_row(setting, facts, asked);
-    draw_reasons(facts.filters);
-}
-
-void SettingsPanel::draw_relief(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    scale_ = scale;
-    for (const SessionSetting& setting : session_settings())
-        if (setting.of_relief) draw_row(setting, facts, asked);
-    if (!facts.relief.empty()) draw_remark(facts.relief);
+    if (of == SettingOf::filters) draw_reasons(facts.filters);
+    if (of == SettingOf::relief && !facts.relief.empty()) draw_remark(facts.relief);
 }
 
 void SettingsPanel::draw_row(const SessionSetting& setting, const SettingsFacts& facts,
                              std::vector<WindowCommand>& asked) {
-    std::string label = std::string_view(setting.name) == "filters" ? "all at once" : setting.name;
+    std::string label = setting.name == "filters" ? "all at once" : setting.name;
     std::replace(label.begin(), label.end(), '-', ' ');
     draw_label(label, scale_);
-    if (setting.words.empty())
+    if (setting.range.words.empty())
         draw_number(setting, facts, asked);
     else
         draw_choice(setting, facts, asked);
@@ -390,14 +375,15 @@ void SettingsPanel::draw_row(const SessionSetting& setting, const SettingsFacts&
 /// Takes effect when the slider is let go.
 void SettingsPanel::draw_number(const SessionSetting& setting, const SettingsFacts& facts,
                                 std::vector<WindowCommand>& asked) {
-    const auto in_effect = number_of(value_in(facts.in_effect, setting.name)).value_or(setting.least);
-    const std::string id = std::string("##") + setting.name;
+    const SettingRange& range = setting.range;
+    const auto in_effect = parsed_number(value_in(facts.in_effect, setting.name)).value_or(range.least);
+    const std::string id = "##" + setting.name;
     auto value = held_ == setting.name ? dragged_ : static_cast<float>(in_effect);
     const std::string number = shown_number(setting, value);
-    const bool may_be_off = setting.filter || std::string_view(setting.name) == "relief";
-    const std::string words = may_be_off && number == "0" ? "off" : number + " " + setting.unit;
-    draw_slider(id.c_str(), value, static_cast<float>(setting.least), static_cast<float>(setting.most), words,
-                scale_, setting.by_ratio ? ImGuiSliderFlags_Logarithmic : 0);
+    const bool may_be_off = setting.of == SettingOf::filters || setting.name == "relief";
+    const std::string words = may_be_off && number == "0" ? "off" : number + " " + range.unit;
+    draw_slider(id.c_str(), value, static_cast<float>(range.least), static_cast<float>(range.most), words,
+                scale_, range.by_ratio ? ImGuiSliderFlags_Logarithmic : 0);
     if (ImGui::IsItemActive()) {
         held_ = setting.name;
         dragged_ = value;

@@ -38,8 +38,8 @@ constexpr std::size_t most_settings_bytes = 1 << 20;
 Json to_json(const SessionSettings& settings) {
     Json json = Json::object();
     for (const auto& [name, value] : settings.values())
-        if (!session_setting(name)->of_brush)
-            json[name] = number_of(value) ? Json::parse(value) : Json(value);
+        if (session_setting(name)->of != SettingOf::brush)
+            json[name] = parsed_number(value) ? Json::parse(value) : Json(value);
     return json;
 }
 
@@ -68,13 +68,13 @@ std::string read_settings(const std::string& set_name, const Json& json, Session
     // "filters" is before those that differ from it.
     for (const SessionSetting& setting : session_settings()) {
         const auto member = json.find(setting.name);
-        if (setting.of_brush || member == json.end()) continue;
+        if (setting.of == SettingOf::brush || member == json.end()) continue;
         std::string value = member->is_string() ? member->get<std::string>() : "";
         if (member->is_number()) value = member->dump();
         if (const auto set = settings.set(setting.name, value); !set) complain(set.error().message);
     }
     for (const auto& [name, value] : json.items())
-        if (const auto* const known = session_setting(name); !known || known->of_brush)
+        if (const auto* const known = session_setting(name); !known || known->of == SettingOf::brush)
             complain("'" + printable(name) + "' is unknown");
     return wrong;
 }

@@ -24,7 +24,7 @@ SessionSettings without_relief(const SessionSettings& settings) {
     SessionSettings rest;
     for (const SessionSetting& setting : session_settings())
         if (const auto value = settings.values().find(setting.name);
-            value != settings.values().end() && !setting.of_relief)
+            value != settings.values().end() && setting.of != SettingOf::relief)
             (void)rest.set(setting.name, value->second);
     return rest;
 }
@@ -388,13 +388,14 @@ void WindowLoop::feel(const WindowCommand& command) {
     WindowSettings wanted = wanted_settings();
     const std::size_t space = command.word.find(' ');
     const SessionSetting* const setting = session_setting(command.word.substr(0, space));
-    if (setting && setting->of_device && !options_.hand)
-        return say(std::string(setting->name) + " is of a device that is held; there is none", Tone::refusal);
-    if (setting && setting->of_brush && !wanted.painted)
+    if (setting && setting->of == SettingOf::device && !options_.hand)
+        return say(setting->name + " is of a device that is held; there is none", Tone::refusal);
+    const bool is_of_brush = setting && setting->of == SettingOf::brush;
+    if (is_of_brush && !wanted.painted)
         return say("nothing is painted yet; P takes the brush of materials", Tone::refusal);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
     for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
-        if (setting && setting->of_brush && settings == &wanted.kept) continue;
+        if (is_of_brush && settings == &wanted.kept) continue;
         if (command.verb == WindowVerb::settings) {
             settings->turn_to(to_b);
         } else if (auto set = settings->set(command.word.substr(0, space), command.word.substr(space + 1));

@@ -154,8 +154,8 @@ const NamedVerb* verb_of(const std::string& name) {
 Result<WindowCommand> read_size(const std::string& words, const std::string& rest) {
     WindowCommand command{.verb = WindowVerb::size};
     const std::size_t cross = std::min(rest.find('x'), rest.size());
-    const auto width = number_of(rest.substr(0, cross));
-    const auto height = number_of(rest.substr(std::min(rest.size(), cross + 1)));
+    const auto width = parsed_number(rest.substr(0, cross));
+    const auto height = parsed_number(rest.substr(std::min(rest.size(), cross + 1)));
     command.width = static_cast<int>(std::clamp(width.value_or(0), 0.0, 1e5));
     command.height = static_cast<int>(std::clamp(height.value_or(0), 0.0, 1e5));
     const auto fits = [](int side) { return side >= 64 && side <= 8192; };
@@ -165,7 +165,7 @@ Result<WindowCommand> read_size(const std::string& words, const std::string& res
 }
 
 Result<WindowCommand> read_number(const NamedVerb& named, const std::string& words, const std::string& rest) {
-    const auto number = number_of(rest);
+    const auto number = parsed_number(rest);
     const bool is_whole = named.verb == WindowVerb::fingers || named.verb == WindowVerb::step ||
                           named.verb == WindowVerb::answer;
     if (!number || (is_whole && *number != std::floor(*number)) || *number < named.least ||
@@ -412,7 +412,7 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         std::string known;
         for (const NamedVerb& verb : named_verbs)
             known += (known.empty() ? "" : ", ") + std::string(verb.name);
-        for (const SessionSetting& setting : session_settings()) known += ", " + std::string(setting.name);
+        for (const SessionSetting& setting : session_settings()) known += ", " + setting.name;
         return usage_error("'" + name + "' is no command of the window; there are " + known);
     }
     switch (named->takes) {

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/words.hpp"
 #include "player/draw/view.hpp"
 #include "player/window/keys.hpp"
 
@@ -486,8 +487,8 @@ void WindowLoop::change_scale(double times) {
     const auto chosen = wanted_settings().in_effect.now().values();
     const auto found = chosen.find(name);
     const std::string now = found != chosen.end() ? found->second : clip_->in_effect().at(name);
-    const SessionSetting& setting = *session_setting(name);
-    const double scale = std::clamp(number_of(now).value_or(1) * times, setting.least, setting.most);
+    const SettingRange& range = session_setting(name)->range;
+    const double scale = std::clamp(parsed_number(now).value_or(1) * times, range.least, range.most);
     feel({WindowVerb::feel, 0, name + (" " + std::to_string(scale))});
 }
 

@@ -67,9 +67,8 @@ private:
 /// in panel_parts.hpp.
 class SettingsPanel {
 public:
-    void draw(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
-    void draw_relief(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
-    void draw_filters(const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
+    /// `of`: felt, of which a device's are a part, filters or relief.
+    void draw(SettingOf of, const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
 
 private:
     void draw_row(const SessionSetting& setting, const SettingsFacts& facts,

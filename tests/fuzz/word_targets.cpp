@@ -40,7 +40,10 @@ bool parse_options(std::string_view bytes) {
     typed.intrinsics = words.substr(0, words.find_first_of("/."));
     taken += is_taken(read_camera(typed), Quotes::typed) ? 1 : 0;
     taken += is_taken(read_filters(words), Quotes::typed) ? 1 : 0;
-    taken += is_taken(read_temporal(words), Quotes::typed) ? 1 : 0;
+    for (const FilterSetting& setting : filter_settings()) {
+        FilterSettings filter;
+        taken += setting.read(words, filter) ? 1 : 0;
+    }
     return taken > 0;
 }
 

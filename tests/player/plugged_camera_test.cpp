@@ -95,7 +95,9 @@ TEST_F(PluggedCamera, ASessionReplaysWithoutItToItsHash) {
             return n % 11 == 5 ? Fate::damaged : Fate::good;
         });
         TouchOptions options = live(1.2);
-        if (temporal) options.session.clip.temporal = TemporalChoice{true, DepthLength{0.002, 0}};
+        if (temporal)
+            options.session.clip.single_filters = {
+                .settings = {.temporal = true, .temporal_noise = {0.002, 0}}, .stated = {.temporal = true}};
         const auto lived = touch(options);
         EXPECT_GT(lived["frames_shown"], 5);
         EXPECT_GT(lived["dropped_frames"], 5);

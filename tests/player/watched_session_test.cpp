@@ -208,7 +208,9 @@ TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColourAndItsStore
     Random random(15);
     for (const bool temporal : {false, true}) {
         SessionOptions wanted = options();
-        if (temporal) wanted.clip.temporal = TemporalChoice{true, DepthLength{5, 0}};
+        if (temporal)
+            wanted.clip.single_filters = {.settings = {.temporal = true, .temporal_noise = {5, 0}},
+                                          .stated = {.temporal = true}};
         start(wanted);
         press();
         for (int k = 0; k < 150; ++k) {

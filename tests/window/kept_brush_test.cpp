@@ -230,7 +230,11 @@ TEST(SegmentsDependOn, WhatIsSaidOfTheFramesOfAClip) {
     for (const std::string& other : others) EXPECT_TRUE(all.insert(other).second) << other;
     EXPECT_EQ(with([](ClipChoice&) {}), "");
     EXPECT_EQ(with([](ClipChoice& choice) { choice.camera.emplace(); }), "") << "nothing is said";
-    EXPECT_EQ(with([](ClipChoice& choice) { choice.median = 5; }), "") << "segments are of unfiltered frames";
+    EXPECT_EQ(with([](ClipChoice& choice) {
+                  choice.single_filters = {.settings = {.median = 5}, .stated = {.median = true}};
+              }),
+              "")
+        << "segments are of unfiltered frames";
 }
 
 }  // namespace

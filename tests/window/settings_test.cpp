@@ -41,22 +41,25 @@ TEST(SessionSettings, FiltersAtOnceTakeThePlaceOfThoseOneByOne) {
 
 TEST(SessionSettings, MakeTheOptionsOfARun) {
     SessionOptions typed;
-    typed.clip.median = 3;
-    typed.clip.temporal = TemporalChoice{true, DepthLength{2, 0}};
+    typed.clip.single_filters = {.settings = {.median = 3, .temporal = true, .temporal_noise = {2, 0}},
+                                 .stated = {.median = true, .temporal = true}};
     const SessionOptions as_typed = with_settings(typed, {});
-    EXPECT_EQ(as_typed.clip.median, 3);
-    EXPECT_FALSE(as_typed.clip.filters);
+    EXPECT_EQ(as_typed.clip.single_filters.settings, typed.clip.single_filters.settings);
+    EXPECT_EQ(as_typed.clip.filters.stated, FilterSet());
+    EXPECT_EQ(as_typed.clip.filters.measured, FilterSet());
     const SessionOptions off = with_settings(
         typed, felt({{"filters", "off"}, {"fill-holes", "2"}, {"metric", "pixel"}, {"max-stiffness", "2"}}));
-    EXPECT_FALSE(off.clip.median) << "what the command line says of filters";
-    EXPECT_FALSE(off.clip.temporal);
-    ASSERT_TRUE(off.clip.filters);
-    EXPECT_FALSE(off.clip.filters->unstated.any());
-    EXPECT_EQ(off.clip.fill_holes, 2);
-    EXPECT_EQ(off.metric, TouchMetric::pixel);
+    EXPECT_EQ(off.clip.single_filters.stated, FilterSet{.fill_holes = true})
+        << "nothing that the command line says of filters";
+    EXPECT_EQ(off.clip.single_filters.settings, FilterSettings{.fill_holes = 2});
+    EXPECT_EQ(off.clip.filters.stated, (FilterSet{true, true, true, true, true})) << "not the reach";
+    EXPECT_EQ(off.clip.filters.settings, FilterSettings());
+    EXPECT_EQ(off.clip.filters.measured, FilterSet());
+    EXPECT_EQ(off.touch.metric, TouchMetric::pixel);
     EXPECT_EQ(off.guard.max_stiffness, 2000);
-    EXPECT_EQ(with_settings(typed, felt({{"filters", "auto"}})).clip.filters->unstated, all_unstated);
-    EXPECT_EQ(with_settings(typed, felt({{"terraces", "auto"}})).clip.terraces, TerraceRemoval::automatic);
+    EXPECT_EQ(with_settings(typed, felt({{"filters", "auto"}})).clip.filters.measured, all_unstated);
+    EXPECT_EQ(with_settings(typed, felt({{"terraces", "auto"}})).clip.single_filters.settings.terraces,
+              TerraceRemoval::automatic);
     EXPECT_EQ(with_settings(typed, felt({{"interpolation", "hold"}})).clip.interpolation,
               FrameInterpolation::hold);
     EXPECT_EQ(with_settings(typed, felt({{"max-force", "5"}})).guard.max_force, 5);

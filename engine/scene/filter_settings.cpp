@@ -1,0 +1,150 @@
+// The table of filters' settings, and what a setting's words and numbers are.
+#include "engine/base/words.hpp"
+#include "engine/scene/scene.hpp"
+
+namespace touchable {
+namespace {
+
+/// C, or C and Q; not zero. A plus is between them in a list, whose parts are between commas.
+std::optional<DepthLength> length_of(std::string_view word) {
+    const auto whole = parsed_number(word);
+    const std::size_t at = word.find(word.find(',') == std::string_view::npos ? '+' : ',');
+    const bool has_two = !whole && at != std::string_view::npos;
+    const auto constant = has_two ? parsed_number(word.substr(0, at)) : whole;
+    const auto quadratic = has_two ? parsed_number(word.substr(at + 1)) : 0.0;
+    if (!constant || !quadratic || *constant < 0 || *quadratic < 0) return std::nullopt;
+    return *constant + *quadratic > 0 ? std::optional(DepthLength{*constant, *quadratic}) : std::nullopt;
+}
+
+template <auto member>
+constexpr FilterSetting::Value value_at{
+    [](const FilterSettings& filter) -> DepthLength {
+        if constexpr (std::is_same_v<decltype(member), DepthLength FilterSettings::*>)
+            return filter.*member;
+        else
+            return {static_cast<double>(filter.*member), 0};
+    },
+    [](FilterSettings& filter, const DepthLength& value) {
+        if constexpr (std::is_same_v<decltype(member), DepthLength FilterSettings::*>)
+            filter.*member = value;
+        else
+            filter.*member = static_cast<std::remove_reference_t<decltype(filter.*member)>>(value.constant);
+    }};
+
+/// A reach says nothing of removal that is stated to be on or off.
+bool removal_is_open(const FilterSettings& filter, const FilterSet& unstated) {
+    return unstated.terraces || filter.terraces == TerraceRemoval::automatic;
+}
+
+std::vector<FilterSetting> all_filter_settings() {
+    using Filter = FilterSettings;
+    return {
+        {.name = "median",
+         .value = value_at<&Filter::median>,
+         .range = {.words = {"0", "3", "5"}, .whole = true},
+         .open = &FilterSet::median,
+         .what =
+             "Takes out single wrong pixels: each becomes the middle one of its 3 x 3 or 5 x 5 neighbours.",
+         .in_list = "median[=3|5]",
+         .usual = "5"},
+        {.name = "fill_holes",
+         .value = value_at<&Filter::fill_holes>,
+         .range = {.most = 16, .whole = true, .unit = "passes"},
+         .open = &FilterSet::fill_holes,
+         .what = "Closes gaps in the depth from their rims, one pixel with each pass.",
+         .in_list = "holes[=PASSES]",
+         .usual = "2"},
+        {.name = "terraces",
+         .value = value_at<&Filter::terraces>,
+         .range = {.words = {"off", "on", "auto"}},
+         .open = &FilterSet::terraces,
+         .what = "Smooths the steps that coarsely stored depth has, as a hillside has terraces.",
+         .in_list = "terraces",
+         .usual = "on"},
+        {.name = "terrace_noise",
+         .value = value_at<&Filter::terrace_noise>,
+         .range = {.most = 4, .unit = "codes"}},
+        {.name = "terrace_reach",
+         .value = value_at<&Filter::terrace_reach>,
+         .range = {.words = {"16", "32", "64", "128"}, .whole = true, .unit = "pixels"},
+         .open = &FilterSet::terrace_reach,
+         .opens = removal_is_open},
+        {.name = "levels", .value = value_at<&Filter::levels>, .range = {.is_length = true}},
+        {.name = "temporal",
+         .value = value_at<&Filter::temporal>,
+         .range = {.words = {"off", "on"}},
+         .open = &FilterSet::temporal,
+         .what = "Calms depth that trembles from frame to frame, where nothing moves: by its noise, which is "
+                 "given, "
+                 "or as the clip has it.",
+         .in_list = "temporal[=C[+Q]]",
+         .usual = "on",
+         .length = &Filter::temporal_noise},
+        {.name = "temporal_noise", .value = value_at<&Filter::temporal_noise>, .range = {.is_length = true}},
+        {.name = "flying_pixels",
+         .value = value_at<&Filter::flying_pixels>,
+         .range = {.is_length = true},
+         .open = &FilterSet::flying_pixels,
+         .in_list = "flying=C[+Q]"}};
+}
+
+}  // namespace
+
+std::optional<double> SettingRange::value_of(std::string_view word) const {
+    for (std::size_t k = 0; k < words.size(); ++k)
+        if (word == words[k]) return whole ? parsed_number(word) : static_cast<double>(k);
+    const auto number = words.empty() ? parsed_number(word) : std::nullopt;
+    const bool has_digits_alone = word.find_first_of(".eE") == std::string_view::npos;
+    return number && has(*number) && (!whole || has_digits_alone) ? number : std::nullopt;
+}
+
+std::string SettingRange::word_of(double value) const {
+    for (const char* const word : words)
+        if (value_of(word) == value) return word;
+    return formatted("%.4g", value);
+}
+
+bool SettingRange::has(double value) const {
+    if (words.empty()) return value >= least && value <= most && (!whole || value == std::floor(value));
+    return std::ranges::any_of(words, [&](const char* word) { return value_of(word) == value; });
+}
+
+std::string SettingRange::in_words() const {
+    if (is_length) return "a length above 0 in scene units, C or C+Q for C + Q depth^2, such as 1.5+2e-6";
+    const char* const kind = whole ? "whole number" : "number";
+    std::string right = words.empty() ? formatted("a %s from %.4g to %.4g", kind, least, most) : "";
+    for (const char* const& word : words)
+        right += (&word == &words.front() ? "" : &word == &words.back() ? " or " : ", ") + std::string(word);
+    return right + (*unit ? " " : "") + unit;
+}
+
+std::string FilterSetting::typed_name() const {
+    std::string typed = name;
+    std::ranges::replace(typed, '_', '-');
+    return typed;
+}
+
+bool FilterSetting::read(std::string_view word, FilterSettings& filter) const {
+    const auto plain = range.is_length ? std::nullopt : range.value_of(word);
+    const auto typed = range.is_length || (length && !plain) ? length_of(word) : std::nullopt;
+    if (!plain && !typed) return false;
+    value.set(filter, range.is_length ? *typed : DepthLength{plain.value_or(1)});
+    if (length) filter.*length = typed.value_or(DepthLength{});
+    return true;
+}
+
+std::string FilterSetting::right() const {
+    return range.in_words() + (length ? ", or " + SettingRange{.is_length = true}.in_words() : "");
+}
+
+void FilterSetting::copy(const FilterSettings& from, FilterSettings& to) const {
+    value.set(to, value.of(from));
+    if (length && from.*length != DepthLength{}) to.*length = from.*length;
+}
+
+std::span<const FilterSetting> filter_settings() {
+    static const std::vector<FilterSetting> settings = all_filter_settings();
+    return settings;
+}
+
+}  // namespace touchable

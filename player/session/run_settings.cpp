@@ -1,0 +1,173 @@
+// The table of a run's settings.
+#include "engine/base/words.hpp"
+#include "player/session/touch_setup.hpp"
+
+namespace touchable {
+namespace {
+
+/// Where a value is, in the options of a run and in the run.
+struct Place {
+    static GuardSettings& guard(SessionOptions& options) { return options.guard; }
+    static const GuardSettings& guard(const TouchSetup& setup) { return setup.settings.guard; }
+    static TouchSettings& touch(SessionOptions& options) { return options.touch; }
+    static const TouchSettings& touch(const TouchSetup& setup) { return setup.settings.touch; }
+    static auto& interpolation(SessionOptions& options) {
+        return options.clip.interpolation ? *options.clip.interpolation
+                                          : options.clip.interpolation.emplace();
+    }
+    static const auto& interpolation(const TouchSetup& setup) { return setup.scene.interpolation; }
+    /// As a person has set it so far; what is not set is as in `touchable relief`.
+    static ReliefChoice& relief(SessionOptions& options) {
+        if (!options.clip.relief) options.clip.relief.emplace().settings.amount = 0;
+        return *options.clip.relief;
+    }
+    static const ReliefChoice& relief(const TouchSetup& setup) {
+        static const ReliefChoice none{.settings = {.amount = 0}};
+        return setup.clip.relief ? *setup.clip.relief : none;
+    }
+};
+
+/// `in`: gives the value in SessionOptions and in TouchSetup; of a number it is `per_unit` times as much.
+template <class In>
+SessionSetting setting_row(SettingOf of, const char* name, const char* what, const SettingRange& range, In in,
+                           double per_unit = 1) {
+    SessionSetting setting{.name = name, .what = what, .of = of, .range = range};
+    setting.set = [in, per_unit](double number, SessionOptions& options) {
+        auto& value = in(options);
+        value = static_cast<std::remove_reference_t<decltype(value)>>(number * per_unit);
+    };
+    setting.get = [in, range, per_unit](const TouchSetup& setup) {
+        return range.word_of(static_cast<double>(in(setup)) / per_unit);
+    };
+    SessionOptions usual;
+    if (range.words.empty()) setting.usual = range.word_of(static_cast<double>(in(usual)) / per_unit);
+    return setting;
+}
+
+std::vector<SessionSetting> all_settings() {
+    using enum SettingOf;
+    const auto in_guard = [](auto member) {
+        return [member](auto& run) -> auto& {
+            return Place::guard(run).*member;
+        };
+    };
+    const auto share_of = [](std::size_t band, const char* name, const char* what) {
+        return setting_row(
+            relief, name, what,
+            {.least = -400, .most = 400, .whole = true, .unit = "%"}, [band](auto& run) -> auto& {
+                return Place::relief(run).settings.bands[band];
+            });
+    };
+    constexpr double per_mm = 1000;  // N/m of N/mm
+    std::vector<SessionSetting> all{
+        setting_row(
+            felt, "metric",
+            "How lengths are measured: as they are (world), or in two ways that are there to compare: by "
+            "pixels and grey levels, as the first papers did (pixel), or those made equal (scaled).",
+            {.words = {"world", "pixel", "scaled"}},
+            [](auto& run) -> auto& { return Place::touch(run).metric; }),
+        setting_row(
+            felt, "interpolation",
+            "Between two frames the surface moves smoothly (linear), or it waits for the next (hold).",
+            {.words = {"hold", "linear"}}, [](auto& run) -> auto& { return Place::interpolation(run); }),
+        // No more than a pointer exerts in a window.
+        setting_row(felt, "max-force", "No force on a finger is ever larger.",
+                    {.least = 0.1, .most = 20, .unit = "N"}, in_guard(&GuardSettings::max_force)),
+        setting_row(
+            felt, "max-stiffness",
+            "How hard the surface can be at most: newtons for each millimetre that a finger is pressed in.",
+            {.least = 0.1, .most = 10, .unit = "N/mm"}, in_guard(&GuardSettings::max_stiffness), per_mm),
+        setting_row(
+            device, "hand-scale",
+            "How far a finger goes for a way of the hand: at 1 the picture fits into the device's reach, "
+            "below it is finer.",
+            {.least = 0.01, .most = 100, .by_ratio = true},
+            [](auto& run) -> auto& { return run.hand_scale; }),
+        {.name = "filters",
+         .what = "What cleans the depth before it is felt: as the clip asks for, as measured in its first "
+                 "frames, or nothing.",
+         .of = filters,
+         .range = {.words = {"clip", "auto", "off"}},
+         .set = [](double place, SessionOptions& options) {
+             options.clip.single_filters = {};  // what was said of them one by one
+             options.clip.filters =
+                 place == 2 ? FiltersChoice::off() : FiltersChoice{.measured = all_unstated};
+         }}};
+    for (const FilterSetting& filter : filter_settings())
+        if (*filter.what)
+            all.push_back({filter.typed_name(), filter.what, filters, filter.range,
+                           [&filter](double value, SessionOptions& options) {
+                               options.clip.single_filters.state(filter, filter.range.word_of(value));
+                           },
+                           [&filter](const TouchSetup& setup) {
+                               return filter.range.word_of(filter.value.of(setup.scene.filter).constant);
+                           }});
+    const std::vector<SessionSetting> rest{
+        setting_row(
+            relief, "relief",
+            "Makes a relief of the colour: what is bright stands out, in place of the clip's own heights. "
+            "How much of the height its largest details get.",
+            {.most = 400, .whole = true, .unit = "%"},
+            [](auto& run) -> auto& { return Place::relief(run).settings.amount; }),
+        setting_row(
+            relief, "relief-height",
+            "The height of the relief, from the deepest to the highest, under the hand.",
+            {.least = 0.05, .most = 5, .unit = "mm", .by_ratio = true},
+            [](auto& run) -> auto& { return Place::relief(run).height_mm; }),
+        share_of(0, "relief-fine", "The share of details of 2 to 4 pixels; below 0 they are turned round."),
+        share_of(1, "relief-medium", "The share of details of 5 to 10 pixels."),
+        share_of(2, "relief-coarse", "The share of details of 11 to 25 pixels."),
+        setting_row(
+            relief, "relief-invert", "What is dark stands out, not what is bright.", {.words = {"off", "on"}},
+            [](auto& run) -> auto& { return Place::relief(run).settings.invert; }),
+        {.name = "materials",
+         .what = "Segments feel as they are painted, or the clip as it does by itself.",
+         .of = brush,
+         .range = {.words = {"off", "on"}},
+         .set =
+             [](double is_on, SessionOptions& options) {
+                 if (is_on == 0) options.clip.painted.reset();
+             },
+         .get = [](const TouchSetup& setup) { return std::string(setup.clip.painted ? "on" : "off"); }},
+        setting_row(
+            expert, "stribeck",
+            "Friction falls from static to dynamic about this speed; 0: the moment it slides.",
+            {.unit = "m/s"}, [](auto& run) -> auto& { return Place::touch(run).stribeck_speed; }),
+        setting_row(
+            expert, "stiffness",
+            "In contact it is the clip's (map), or rises only as far as losses pay for (passive).",
+            {.words = {"map", "passive"}}, [](auto& run) -> auto& { return Place::guard(run).rise.paid; }),
+        {.name = "stiffness-slew",
+         .what = "How fast stiffness may rise in contact; otherwise at once.",
+         .of = expert,
+         .range = {.unit = "N/mm per second"},
+         .set = [](double slew,
+                   SessionOptions& options) { options.guard.rise.per_tick = slew * per_mm * tick_seconds; }},
+        setting_row(expert, "damping", "Beside the spring, against the hand's motion.", {.unit = "N s/m"},
+                    in_guard(&GuardSettings::damping)),
+        setting_row(expert, "passivity",
+                    "The most by which a controller may brake to take back created energy; 0: off.",
+                    {.unit = "N s/m"}, in_guard(&GuardSettings::passivity))};
+    all.insert(all.end(), rest.begin(), rest.end());
+    return all;
+}
+
+}  // namespace
+
+std::span<const SessionSetting> run_settings() {
+    static const std::vector<SessionSetting> settings = all_settings();
+    return settings;
+}
+
+std::span<const SessionSetting> session_settings() {
+    const auto all = run_settings();
+    return {all.begin(), std::ranges::find(all, SettingOf::expert, &SessionSetting::of)};
+}
+
+const SessionSetting* session_setting(std::string_view name) {
+    const auto all = session_settings();
+    const auto found = std::ranges::find(all, name, &SessionSetting::name);
+    return found == all.end() ? nullptr : &*found;
+}
+
+}  // namespace touchable
