@@ -77,7 +77,7 @@ Result<void> take_stream(SessionOptions& session) {
 
 }  // namespace
 
-std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed) {
+void add_camera_options(CLI::App& sub, CameraTyped& typed) {
     std::string names;
     for (const SourceDescription::Preset& preset : all_presets())
         names += (names.empty() ? "" : ", ") + std::string(preset.name);
@@ -96,10 +96,8 @@ std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed) 
                                   "likewise, what is known of " + names +
                                       "; of videos also that depth is hue, or the mean of colours")
                        ->type_name("NAME");
-    std::vector<CLI::Option*> options{intrinsics, fov, unit, preset};
     if (CLI::Option* const scene = sub.get_option_no_throw("--scene"))
-        for (CLI::Option* option : options) option->excludes(scene);
-    return options;
+        for (CLI::Option* option : {intrinsics, fov, unit, preset}) option->excludes(scene);
 }
 
 Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
@@ -217,8 +215,8 @@ Result<ClipChoice> read_clip(const ClipTyped& typed) {
     return choice;
 }
 
-CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session) {
-    return sub.add_option(
+void add_live_camera_option(CLI::App& sub, SessionOptions& session) {
+    sub.add_option(
         "--camera", session.camera,
         "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; pipe:CMD or "
         "tcp://HOST:PORT, a program that sends framesets; stream:ADDRESS, as CLIP may be; or "
@@ -226,12 +224,11 @@ CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session) {
         "behaves like one (docs/camera.md)");
 }
 
-CLI::Option* add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {
-    return add_number_option(
-        sub, "--stale-after", milliseconds,
-        "ms: a live surface that no newer frame has renewed for so long is not felt any more, "
-        "until one comes; 0: it stays as it is (otherwise 250 of a stream, 0 of a camera)",
-        0, 3'600'000);
+void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {
+    add_number_option(sub, "--stale-after", milliseconds,
+                      "ms: a live surface that no newer frame has renewed for so long is not felt any more, "
+                      "until one comes; 0: it stays as it is (otherwise 250 of a stream, 0 of a camera)",
+                      0, 3'600'000);
 }
 
 CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session) {

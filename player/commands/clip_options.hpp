@@ -18,7 +18,7 @@ struct CameraTyped {
 };
 
 /// --intrinsics, --fov, --depth-unit and --preset, which exclude --scene where `sub` has that already.
-std::vector<CLI::Option*> add_camera_options(CLI::App& sub, CameraTyped& typed);
+void add_camera_options(CLI::App& sub, CameraTyped& typed);
 
 /// Nothing where none was typed. Refused (ErrorKind::usage) where numbers are none; a camera's file is read.
 Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed);
@@ -44,10 +44,10 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed);
 Result<ClipChoice> read_clip(const ClipTyped& typed);
 
 /// --camera: what is touched in place of CLIP.
-CLI::Option* add_live_camera_option(CLI::App& sub, SessionOptions& session);
+void add_live_camera_option(CLI::App& sub, SessionOptions& session);
 
 /// --stale-after, ms.
-CLI::Option* add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds);
+void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds);
 
 /// --latency.
 CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session);

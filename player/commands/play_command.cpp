@@ -54,12 +54,8 @@ struct PlayWords {
     CLI::Option* typed_size = nullptr;
     std::vector<CLI::Option*> filters{};
     std::string dent;
-    CLI::Option* seconds = nullptr;
     CLI::Option* latency = nullptr;
-    double seconds_value = 0;
     std::optional<double> stale_after_ms;
-    CLI::Option* max_force = nullptr;
-    double max_force_n = 0;
     KioskWords kiosk;
 };
 
@@ -359,8 +355,6 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (!words.dent.empty()) options.dent = words.dent == "on";
     options.filters_are_stated = std::any_of(words.filters.begin(), words.filters.end(),
                                              [](const CLI::Option* option) { return option->count() > 0; });
-    if (words.seconds->count() > 0) options.seconds = words.seconds_value;
-    if (words.max_force->count() > 0) options.most_newtons = words.max_force_n;
     TRY_ASSIGN(options.kiosk, read_kiosk(words.kiosk, options.segments));
     TRY_ASSIGN(options.study, read_study(words.kiosk, 1 + options.next_clips.size()));
     options.study_results = words.kiosk.results.value_or("");
@@ -540,9 +534,8 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                       "the moment of --screenshot, seconds after the window opens", 0.1, 1e6)
         ->needs(picture)
         ->capture_default_str();
-    words.seconds =
-        add_number_option(sub, "--seconds", words.seconds_value, "close the window after so long", 0.1, 1e6)
-            ->excludes("--at");
+    add_number_option(sub, "--seconds", o.seconds, "close the window after so long", 0.1, 1e6)
+        ->excludes("--at");
     add_file_option(sub, "--record", o.record,
                     "keep what it takes to repeat the touch: touchable touch --replay FILE");
     add_file_option(sub, "--settings", o.settings_file,
@@ -559,33 +552,9 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                     "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
         ->check(ends_as_film());
     sub.get_option("--segments")->excludes("--record")->excludes("--camera");
-    words.max_force =
-        add_number_option(sub, "--max-force", words.max_force_n,
-                          "N: no finger's force is above it, whatever is chosen in the panel", 0.1, 20);
-    add_kiosk_options(sub, words.kiosk);
     add_overwrite_option(sub, o.existing);
-}
-
-/// What few people need comes last.
-void group_window_options(CLI::App& sub) {
-    const struct {
-        const char* name;
-        std::vector<const char*> options;
-    } groups[] = {
-        {"The clip",
-         {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height", "--align",
-          "--fill-from-motion", "--least-confidence", "--camera", "--latency", "--stale-after", "--start",
-          "--rate", "--loop"}},
-        {"The window",
-         {"--size", "--scale", "--fullscreen", "--dent", "--seconds", "--screenshot", "--at", "--record",
-          "--sound", "--rumble", "--video", "--settings", "--segments", "--brush-history", "--overwrite"}},
-        {"A kiosk",
-         {"--kiosk", "--idle", "--kiosk-texts", "--kiosk-bar", "--labels", "--use-log", "--study",
-          "--results"}},
-        {"A device that you hold", {"--device", "--world-from-camera", "--hand-scale", "--max-force"}},
-        {"Expert", {"--headless", "--script", "--painter", "--builder", "--gpu"}}};
-    for (const auto& group : groups)
-        for (const char* option : group.options) sub.get_option(option)->group(group.name);
+    for (const char* expert : {"--headless", "--script", "--painter"})
+        sub.get_option(expert)->group("Expert");
 }
 
 }  // namespace
@@ -594,22 +563,34 @@ void add_play_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<PlayWords>();
     CLI::App* const sub =
         app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse or a device");
+    SessionOptions& session = words->options.session;
+    // In the help each option stands under what it is about; what few people need comes last.
+    const auto begin_group = [sub](const char* name) { sub->option_defaults()->group(name); };
+    begin_group("The clip");
     words->clip_word = add_clip_options(*sub, words->clip);
     add_file_option(*sub, "MORE", words->more_clips,
                     "further clips, shown one after the other; a folder of clips is all of them")
         ->expected(0, -1);
-    add_live_camera_option(*sub, words->options.session);
-    words->latency = add_latency_option(*sub, words->options.session);
+    add_live_camera_option(*sub, session);
+    words->latency = add_latency_option(*sub, session);
     add_stale_after_option(*sub, words->stale_after_ms);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
     // Of commands that come later the person in the window is the one who gives them.
     sub->remove_option(sub->get_option("--play"));
+    begin_group("The window");
     add_window_options(*sub, *words);
-    add_window_device_options(*sub, words->held, words->options.session);
+    begin_group("A kiosk");
+    add_kiosk_options(*sub, words->kiosk);
+    begin_group("A device that you hold");
+    add_device_options(*sub, words->held, session, true);
+    const SettingRange& force = session_setting("max-force")->range;
+    add_number_option(*sub, "--max-force", words->options.most_newtons,
+                      "N: no finger's force is above it, whatever is chosen in the panel", force.least,
+                      force.most);
     words->filters = add_filter_options(*sub, words->clip);
-    add_builder_options(*sub, words->options.session.builder, {"auto", "cpu", "vulkan"});
-    group_window_options(*sub);
+    begin_group("Expert");
+    add_builder_options(*sub, session.builder, {"auto", "cpu", "vulkan"});
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
             TRY_ASSIGN(auto options, read_words(*words));

@@ -46,20 +46,6 @@ bool is_simulated(const std::string& device) {
     return device.substr(0, device.find(':')) == "simulated";
 }
 
-std::vector<CLI::Option*> add_mapping_options(CLI::App& sub, HeldDeviceWords& words,
-                                              SessionOptions& session) {
-    return {sub.add_option(
-                "--world-from-camera", words.world_from_camera,
-                "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
-                "row by row, or a file with them"),
-            add_number_option(
-                sub, "--hand-scale", session.hand_scale,
-                "how far a finger goes for a way of the device: 1 fits the picture into its reach, 0.5 "
-                "is finer",
-                0.01, 100)
-                ->capture_default_str()};
-}
-
 /// All of them as one.
 Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
     TRY_ASSIGN(auto watchdog, SafetyWatchdog::start());
@@ -139,32 +125,29 @@ Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
     return {};
 }
 
-std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
-                                                  SessionOptions& session) {
-    std::vector<CLI::Option*> options{
-        sub.add_option(
-               "--device", words.devices,
-               "live: what is held, NAME[:key=value,...] (touchable devices; docs/devices.md). Several "
-               "are fingers of one hand. simulated is held by --hand, others by you")
-            ->allow_extra_args(false),
+void add_device_options(CLI::App& sub, HeldDeviceWords& words, SessionOptions& session, bool in_window) {
+    sub.add_option("--device", words.devices,
+                   in_window
+                       ? "what leads the fingers: mouse, or NAME[:key=value,...] of a device that you hold "
+                         "(docs/devices.md). Several are fingers of one hand. Forces begin when you ask "
+                         "for them"
+                       : "live: what is held, NAME[:key=value,...] (touchable devices; "
+                         "docs/devices.md). Several are fingers of one hand. simulated is held by "
+                         "--hand, others by you")
+        ->allow_extra_args(false);
+    if (!in_window)
         sub.add_flag(
             "--force-on", words.force_on,
             "a device that you hold exerts forces from the start; otherwise its button or Enter asks "
-            "for them")};
-    for (CLI::Option* const option : add_mapping_options(sub, words, session)) options.push_back(option);
-    return options;
-}
-
-std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWords& words,
-                                                    SessionOptions& session) {
-    std::vector<CLI::Option*> options{
-        sub.add_option(
-               "--device", words.devices,
-               "what leads the fingers: mouse, or NAME[:key=value,...] of a device that you hold "
-               "(docs/devices.md). Several are fingers of one hand. Forces begin when you ask for them")
-            ->allow_extra_args(false)};
-    for (CLI::Option* const option : add_mapping_options(sub, words, session)) options.push_back(option);
-    return options;
+            "for them");
+    sub.add_option(
+        "--world-from-camera", words.world_from_camera,
+        "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, row by "
+        "row, or a file with them");
+    const SessionSetting& scale = *session_setting("hand-scale");
+    add_number_option(sub, "--" + scale.name, session.hand_scale, scale.what, scale.range.least,
+                      scale.range.most)
+        ->capture_default_str();
 }
 
 Result<glm::dmat4> read_world_from_camera(const std::string& words) {
@@ -253,20 +236,19 @@ std::string state_of(const HapticDevice& device, const HandControl& control) {
     return prompt.empty() ? forces : forces + "; " + prompt;
 }
 
-std::vector<CLI::Option*> add_playback_options(CLI::App& sub, PlaybackTyped& typed) {
-    return {
-        add_number_option(sub, "--start", typed.start, "seconds: the moment of the clip to begin with", 0,
-                          longest_seconds),
-        add_number_option(sub, "--rate", typed.rate,
-                          "how fast the clip is played, 0.001 to 8; 0.5: in slow motion. Fingers and forces "
-                          "keep their own time",
-                          slowest_rate * 1e-3, fastest_rate * 1e-3),
-        add_number_option(sub, "--loop", typed.loop,
-                          "two times in seconds: play the clip between them, and again", 0, longest_seconds)
-            ->expected(2),
-        add_file_option(sub, "--play", typed.script,
-                        "a file of commands to the clip's clock at their times: play, pause, rate, seek, "
-                        "step, loop (docs/playback.md)")};
+void add_playback_options(CLI::App& sub, PlaybackTyped& typed) {
+    add_number_option(sub, "--start", typed.start, "seconds: the moment of the clip to begin with", 0,
+                      longest_seconds);
+    add_number_option(sub, "--rate", typed.rate,
+                      "how fast the clip is played, 0.001 to 8; 0.5: in slow motion. Fingers and forces keep "
+                      "their own time",
+                      slowest_rate * 1e-3, fastest_rate * 1e-3);
+    add_number_option(sub, "--loop", typed.loop,
+                      "two times in seconds: play the clip between them, and again", 0, longest_seconds)
+        ->expected(2);
+    add_file_option(sub, "--play", typed.script,
+                    "a file of commands to the clip's clock at their times: play, pause, rate, seek, step, "
+                    "loop (docs/playback.md)");
 }
 
 Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {

@@ -34,13 +34,9 @@ struct HeldDeviceWords {
 /// it is none.
 Result<glm::dmat4> read_world_from_camera(const std::string& words);
 
-/// --device, --force-on, --world-from-camera, --hand-scale.
-std::vector<CLI::Option*> add_held_device_options(CLI::App& sub, HeldDeviceWords& words,
-                                                  SessionOptions& session);
-
-/// Those of a window, in which forces are asked for once it is there: all but --force-on.
-std::vector<CLI::Option*> add_window_device_options(CLI::App& sub, HeldDeviceWords& words,
-                                                    SessionOptions& session);
+/// --device, --force-on, --world-from-camera, --hand-scale. In a window forces are asked for once it is
+/// there, and there is no --force-on.
+void add_device_options(CLI::App& sub, HeldDeviceWords& words, SessionOptions& session, bool in_window);
 
 /// Files that they are read from.
 std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words);
@@ -63,7 +59,7 @@ struct PlaybackTyped {
 };
 
 /// --start, --rate, --loop and --play.
-std::vector<CLI::Option*> add_playback_options(CLI::App& sub, PlaybackTyped& typed);
+void add_playback_options(CLI::App& sub, PlaybackTyped& typed);
 
 /// What is typed takes effect with the first tick, before what a script says of it. A loop is begun with
 /// where no --start says otherwise.

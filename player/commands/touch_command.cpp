@@ -3,7 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <limits>
 #include <memory>
-#include <vector>
+#include <set>
+#include <string>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -21,27 +22,33 @@ struct TouchWords {
     TouchOptions options;
     ClipTyped clip;
     PlaybackTyped playback;
-    double seconds = 0, picture_seconds = 0;
-    std::optional<double> stale_after_ms;
-    std::vector<CLI::Option*> fixed_by_recording;
+    std::optional<double> seconds, picture_seconds, stale_after_ms;
+    CLI::App* command = nullptr;
     CLI::Option* clip_word = nullptr;
-    CLI::Option* duration = nullptr;
-    CLI::Option* picture_moment = nullptr;
     CLI::Option* latency = nullptr;
-
-    void fix_by_recording(const std::vector<CLI::Option*>& more) {
-        fixed_by_recording.insert(fixed_by_recording.end(), more.begin(), more.end());
-    }
 };
 
 /// The run's length and the picture's moment, in ticks.
 Result<void> read_moments(const TouchWords& words, TouchOptions& options) {
+    const auto in_ticks = [](double seconds) { return static_cast<std::int64_t>(seconds * 1000 + 0.5); };
     auto& ticks = options.session.ticks;
-    if (words.picture_moment->count() > 0)
-        options.picture_tick = static_cast<std::int64_t>(words.picture_seconds * 1000 + 0.5);
-    if (words.duration->count() > 0) ticks = static_cast<std::int64_t>(words.seconds * 1000 + 0.5);
+    if (words.picture_seconds) options.picture_tick = in_ticks(*words.picture_seconds);
+    if (words.seconds) ticks = in_ticks(*words.seconds);
     if (ticks && options.picture_tick && *options.picture_tick >= *ticks)
         return usage_error("--picture-at lies beyond the run's end; --seconds says when that is");
+    return {};
+}
+
+/// With --replay a recording says all of the run; but where the clip is now, how it is built, what is
+/// written.
+Result<void> check_replay(const CLI::App& command) {
+    const std::set<std::string> free{"CLIP",      "--scene", "--haptic", "--height",
+                                     "--builder", "--gpu",   "--painter"};
+    for (const CLI::Option* const option : command.get_options()) {
+        const std::string &group = option->get_group(), name = option->get_name();
+        if (option->count() > 0 && group != "Files" && group != "A picture" && !free.contains(name))
+            return usage_error(name + " comes from the recording; leave it out with --replay");
+    }
     return {};
 }
 
@@ -49,10 +56,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     TouchOptions options = words.options;
     TRY(read_moments(words, options));
     if (options.replay) {
-        for (const CLI::Option* option : words.fixed_by_recording)
-            if (option->count() > 0)
-                return usage_error(option->get_name() +
-                                   " comes from the recording; leave it out with --replay");
+        TRY(check_replay(*words.command));
     } else if (words.clip_word->count() == 0 && !options.session.camera) {
         return usage_error(
             "touch needs a CLIP, a --camera, or a recording to --replay; see touchable touch -h");
@@ -87,34 +91,22 @@ void add_file_options(CLI::App& sub, TouchOptions& o) {
     sub.add_flag("--strict", o.strict, "end with code 6 where the first line is a warning");
 }
 
-void add_moment_options(CLI::App& sub, TouchWords& words) {
-    words.picture_moment =
-        add_number_option(
-            sub, "--picture-at", words.picture_seconds,
-            "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)", 0,
-            1e6)
-            ->needs("--picture");
-    words.duration =
-        add_number_option(sub, "--seconds", words.seconds,
-                          "length of the run; otherwise that of a recorded hand or device; with a device "
-                          "that you hold until Ctrl-C; else the clip's and at least 3",
-                          0.001, 1e6);
-    words.fix_by_recording({words.duration});
-}
-
-/// Who touches, and with what.
-std::vector<CLI::Option*> add_hand_options(CLI::App& sub, SessionOptions& session) {
-    return {
-        sub.add_flag("--live", session.live,
-                     "in real time on the wall clock, each part on a thread of its own"),
-        add_live_camera_option(sub, session),
-        sub.add_option(
-               "--hand", session.hand,
-               "wander, stroke, press, poke, csv:FILE or rec:FILE, each with :key=value,... (docs/hands.md)")
-            ->capture_default_str(),
-        add_whole_option(sub, "--fingers", session.fingers, "copies of the hand's path, spread on a circle",
-                         1, 256)
-            ->capture_default_str()};
+/// What touches, and for how long.
+void add_hand_options(CLI::App& sub, TouchWords& words) {
+    SessionOptions& session = words.options.session;
+    sub.add_flag("--live", session.live, "in real time on the wall clock, each part on a thread of its own");
+    sub.add_option(
+           "--hand", session.hand,
+           "wander, stroke, press, poke, csv:FILE or rec:FILE, each with :key=value,... (docs/hands.md)")
+        ->capture_default_str();
+    add_whole_option(sub, "--fingers", session.fingers, "copies of the hand's path, spread on a circle", 1,
+                     256)
+        ->capture_default_str();
+    add_number_option(
+        sub, "--seconds", words.seconds,
+        "length of the run; otherwise that of a recorded hand or device; with a device that you "
+        "hold until Ctrl-C; else the clip's and at least 3",
+        0.001, 1e6);
 }
 
 /// A run's setting. Numbers may be any: the run refuses those that cannot be.
@@ -137,40 +129,16 @@ CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, Se
         ->type_name(is_number ? "NUMBER" : "WORD");
 }
 
-/// How forces come about.
-std::vector<CLI::Option*> add_force_options(CLI::App& sub, SessionOptions& session) {
-    std::vector<CLI::Option*> options{
-        sub.add_flag("--start-buried", session.start_buried,
-                     "live: a finger that is inside the surface when it first meets it is pushed out at "
-                     "once; otherwise it feels nothing until it has been free")};
+/// How forces come about. Few people need most of it.
+void add_force_options(CLI::App& sub, SessionOptions& session) {
+    sub.add_flag("--start-buried", session.start_buried,
+                 "live: a finger that is inside the surface when it first meets it is pushed out at once; "
+                 "otherwise it feels nothing until it has been free");
     for (const SessionSetting& setting : run_settings())
         if (setting.of == SettingOf::felt || setting.of == SettingOf::expert)
-            options.push_back(add_setting_option(sub, setting, session));
-    return options;
-}
-
-/// In the help each option stands under what it is about; what few people need comes last.
-void group_options(CLI::App& sub) {
-    const struct {
-        const char* name;
-        std::vector<const char*> options;
-    } groups[] = {{"The clip",
-                   {"--scene", "--intrinsics", "--fov", "--depth-unit", "--preset", "--haptic", "--height",
-                    "--align", "--fill-from-motion", "--least-confidence", "--camera", "--latency",
-                    "--stale-after", "--start", "--rate", "--loop", "--play"}},
-                  {"The hand",
-                   {"--hand", "--fingers", "--seconds", "--live", "--device", "--force-on", "--hand-scale",
-                    "--world-from-camera", "--max-force", "--max-stiffness"}},
-                  {"Filters of depth", {"--interpolation"}},
-                  {"Files",
-                   {"--json", "--forces", "--device-log", "--record", "--replay", "--overwrite", "--verbose",
-                    "--strict"}},
-                  {"A picture", {"--picture", "--picture-at", "--picture-size", "--view", "--show"}},
-                  {"Expert",
-                   {"--builder", "--gpu", "--painter", "--metric", "--stribeck", "--stiffness",
-                    "--stiffness-slew", "--damping", "--passivity", "--start-buried"}}};
-    for (const auto& group : groups)
-        for (const char* option : group.options) sub.get_option(option)->group(group.name);
+            add_setting_option(sub, setting, session);
+    for (const char* limit : {"--max-force", "--max-stiffness"}) sub.get_option(limit)->group("The hand");
+    sub.get_option("--interpolation")->group("Filters of depth");
 }
 
 }  // namespace
@@ -180,24 +148,32 @@ void add_touch_command(CLI::App& app, Command& command) {
         "touch", "touch a clip with a scripted or recorded hand: forces, figures, a recording");
     auto words = std::make_shared<TouchWords>();
     TouchOptions& o = words->options;
-    // In the order in which the help names their groups.
+    words->command = sub;
+    // In the help each option stands under what it is about; what few people need comes last.
+    const auto begin_group = [sub](const char* name) { sub->option_defaults()->group(name); };
+    begin_group("The clip");
     words->clip_word = add_clip_options(*sub, words->clip);
-    words->fix_by_recording({sub->get_option("--align"), sub->get_option("--fill-from-motion"),
-                             sub->get_option("--least-confidence")});
-    words->fix_by_recording(add_camera_options(*sub, words->clip.camera));
-    words->fix_by_recording(add_playback_options(*sub, words->playback));
-    words->fix_by_recording(add_hand_options(*sub, o.session));
+    add_camera_options(*sub, words->clip.camera);
+    add_playback_options(*sub, words->playback);
+    add_live_camera_option(*sub, o.session);
     words->latency = add_latency_option(*sub, o.session);
-    words->fix_by_recording({words->latency});
-    words->fix_by_recording({add_stale_after_option(*sub, words->stale_after_ms)});
-    words->fix_by_recording(add_held_device_options(*sub, o.held, o.session));
-    words->fix_by_recording(add_filter_options(*sub, words->clip));
+    add_stale_after_option(*sub, words->stale_after_ms);
+    begin_group("The hand");
+    add_hand_options(*sub, *words);
+    add_device_options(*sub, o.held, o.session, false);
+    add_filter_options(*sub, words->clip);
+    begin_group("Files");
     add_file_options(*sub, o);
+    begin_group("A picture");
     add_picture_options(*sub, o.picture);
-    add_moment_options(*sub, *words);
-    words->fix_by_recording(add_force_options(*sub, o.session));
+    add_number_option(
+        *sub, "--picture-at", words->picture_seconds,
+        "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)", 0, 1e6)
+        ->needs("--picture");
+    begin_group("Expert");
+    sub->get_option("--painter")->group("Expert");
+    add_force_options(*sub, o.session);
     add_builder_options(*sub, o.session.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
-    group_options(*sub);
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {
             TRY_ASSIGN(const auto options, read_words(*words));
