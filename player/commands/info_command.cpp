@@ -17,7 +17,6 @@
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/run_options.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
 
@@ -377,7 +376,7 @@ void add_info_command(CLI::App& app, Command& command) {
     verify->excludes(as_text);
     add_file_option(*info, "--picture", options.picture.file,
                     "with --verify: the first frame with the places where that is, as a PNG")
-        ->check(ends_in_png())
+        ->check(ends_in({".png"}, "a picture"))
         ->needs(verify);
     add_overwrite_option(*info, options.picture.existing);
     add_camera_options(*info, typed->clip.camera);

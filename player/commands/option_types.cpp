@@ -79,6 +79,16 @@ Result<void> refuse(const NamedFile& output, const std::string& why) {
 
 }  // namespace
 
+CLI::Validator ends_in(const std::vector<std::string>& endings, const std::string& what) {
+    return {[=](std::string& name) {
+                const std::string ending = CLI::detail::to_lower(fs::path(name).extension());
+                if (std::ranges::find(endings, ending) != endings.end()) return std::string();
+                return "'" + name + "' does not end in " + CLI::detail::join(endings, " or ") + ", as " +
+                       what + " does";
+            },
+            ""};
+}
+
 Result<FrameRate> read_frame_rate(const std::string& option, std::string_view text) {
     constexpr std::int64_t fastest = 1000, slowest_seconds = 1000;
     const auto rate = exact_fraction(text);

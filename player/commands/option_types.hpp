@@ -24,6 +24,9 @@ CLI::Option* add_file_option(CLI::App& sub, const std::string& name, Path& file,
     return sub.add_option(name, file, what)->check(named)->type_name("FILE");
 }
 
+/// Refuses a file's name with none of these endings, as `what` has one: other programs go by it.
+CLI::Validator ends_in(const std::vector<std::string>& endings, const std::string& what);
+
 /// An option whose word `read` takes, or refuses: its error follows the option's name.
 inline CLI::Option* add_read_option(CLI::App& sub, const std::string& name,
                                     std::function<Result<void>(const std::string& word)> read,

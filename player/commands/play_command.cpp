@@ -154,26 +154,6 @@ Result<void> check_segments(const fs::path& file) {
     return names ? Result<void>() : names.error();
 }
 
-/// A WAV file is written, so that its name says so.
-CLI::Validator ends_in_wav() {
-    return {[](std::string& name) {
-                return CLI::detail::to_lower(fs::path(name).extension()) == ".wav"
-                           ? std::string()
-                           : name + " is no name of a WAV file; right would be one that ends in .wav";
-            },
-            ""};
-}
-
-CLI::Validator ends_as_film() {
-    return {[](std::string& name) {
-                const std::string end = CLI::detail::to_lower(fs::path(name).extension());
-                return end == ".mp4" || end == ".mkv"
-                           ? std::string()
-                           : name + " is no name of a film; right would be one that ends in .mp4 or .mkv";
-            },
-            ""};
-}
-
 bool ends_by_itself(const std::vector<ScriptedInput>& script) {
     return std::any_of(script.begin(), script.end(), [](const ScriptedInput& input) {
         const auto* const command = std::get_if<WindowCommand>(&input.what);
@@ -529,7 +509,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                     "timed inputs, as a person would give them (docs/play-options.md)");
     auto* picture = add_file_option(sub, "--screenshot", o.screenshot,
                                     "keep what the window shows in the end as this PNG file")
-                        ->check(ends_in_png());
+                        ->check(ends_in({".png"}, "a picture"));
     add_number_option(sub, "--at", o.screenshot_s,
                       "the moment of --screenshot, seconds after the window opens", 0.1, 1e6)
         ->needs(picture)
@@ -546,11 +526,12 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                    "where changes by the brush of materials last from window to window, instead of this "
                    "person's own folder")
         ->type_name("FOLDER");
-    add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")->check(ends_in_wav());
+    add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")
+        ->check(ends_in({".wav"}, "sound"));
     sub.add_flag("--rumble", o.rumble, "a gamepad that is plugged in rumbles by what is felt");
     add_file_option(sub, "--video", o.video,
                     "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
-        ->check(ends_as_film());
+        ->check(ends_in({".mp4", ".mkv"}, "a film"));
     sub.get_option("--segments")->excludes("--record")->excludes("--camera");
     add_overwrite_option(sub, o.existing);
     for (const char* expert : {"--headless", "--script", "--painter"})

@@ -15,7 +15,6 @@
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/run_options.hpp"
 
 namespace touchable {
 namespace {
@@ -141,7 +140,9 @@ void add_plot_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("plot", "draw the forces of a run over time, or its ways over a frame");
     auto options = std::make_shared<PlotOptions>();
     add_file_option(*sub, "FORCES", options->forces, "forces file (touch --forces)")->required();
-    add_file_option(*sub, "PICTURE", options->picture, "PNG file to write")->required()->check(ends_in_png());
+    add_file_option(*sub, "PICTURE", options->picture, "PNG file to write")
+        ->required()
+        ->check(ends_in({".png"}, "a picture"));
     add_file_option(
         *sub, "--over", options->over,
         "instead: where the fingers went over the depth of the frame in this folder (export --out)")

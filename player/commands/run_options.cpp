@@ -83,12 +83,6 @@ std::int64_t nanoseconds(double seconds) {
 
 constexpr int largest_side = 8192;
 
-/// What other programs take a picture for by its name is what it is.
-std::string fault_of_name(const std::string& name) {
-    const std::string ending = small_letters(std::filesystem::path(name).extension().string());
-    return ending == ".png" ? "" : "'" + name + "' does not end in .png; a picture is a PNG file";
-}
-
 Words<Overlay> words_of_overlays() {
     Words<Overlay> words;
     Overlay overlay = Overlay::colour;
@@ -267,13 +261,9 @@ Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {
     return commands;
 }
 
-CLI::Validator ends_in_png() {
-    return {[](std::string& name) { return fault_of_name(name); }, ""};
-}
-
 void add_picture_options(CLI::App& sub, PictureOptions& options) {
     auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene to this PNG file")
-                        ->check(ends_in_png());
+                        ->check(ends_in({".png"}, "a picture"));
     sub.add_option("--view", options.view,
                    "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES; "
                    "what is left out is the clip's camera's")

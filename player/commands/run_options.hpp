@@ -76,9 +76,6 @@ struct PictureOptions {
     bool draws_on_gpu() const { return file && painter != "cpu"; }
 };
 
-/// Refuses a name of a picture that other programs would take for something else than PNG.
-CLI::Validator ends_in_png();
-
 /// Adds --picture FILE, --view, --painter, --picture-size and --show.
 void add_picture_options(CLI::App& sub, PictureOptions& options);
 
