@@ -16,76 +16,70 @@ std::optional<DepthLength> length_of(std::string_view word) {
     return *constant + *quadratic > 0 ? std::optional(DepthLength{*constant, *quadratic}) : std::nullopt;
 }
 
-template <auto member>
-constexpr FilterSetting::Value value_at{
-    [](const FilterSettings& filter) -> DepthLength {
-        if constexpr (std::is_same_v<decltype(member), DepthLength FilterSettings::*>)
-            return filter.*member;
-        else
-            return {static_cast<double>(filter.*member), 0};
-    },
-    [](FilterSettings& filter, const DepthLength& value) {
-        if constexpr (std::is_same_v<decltype(member), DepthLength FilterSettings::*>)
-            filter.*member = value;
-        else
-            filter.*member = static_cast<std::remove_reference_t<decltype(filter.*member)>>(value.constant);
-    }};
-
 /// A reach says nothing of removal that is stated to be on or off.
 bool removal_is_open(const FilterSettings& filter, const FilterSet& unstated) {
     return unstated.terraces || filter.terraces == TerraceRemoval::automatic;
 }
 
+/// Of FilterSetting's members those that most rows have.
+template <auto member>
+FilterSetting filter_row(const char* name, SettingRange range, bool FilterSet::*open = nullptr,
+                         const char* what = "", const char* in_list = "", const char* usual = "") {
+    constexpr bool is_length = std::is_same_v<decltype(member), DepthLength FilterSettings::*>;
+    range.is_length = is_length;
+    const auto of = [](const FilterSettings& filter) -> DepthLength {
+        if constexpr (is_length)
+            return filter.*member;
+        else
+            return {static_cast<double>(filter.*member), 0};
+    };
+    const auto set = [](FilterSettings& filter, const DepthLength& value) {
+        if constexpr (is_length)
+            filter.*member = value;
+        else
+            filter.*member = static_cast<std::remove_reference_t<decltype(filter.*member)>>(value.constant);
+    };
+    return {.name = name,
+            .value = {of, set},
+            .range = std::move(range),
+            .open = open,
+            .what = what,
+            .in_list = in_list,
+            .usual = usual};
+}
+
 std::vector<FilterSetting> all_filter_settings() {
     using Filter = FilterSettings;
+    using Open = FilterSet;
+    FilterSetting reach = filter_row<&Filter::terrace_reach>(
+        "terrace_reach", {.words = {"16", "32", "64", "128"}, .whole = true, .unit = "pixels"},
+        &Open::terrace_reach);
+    reach.opens = removal_is_open;
+    FilterSetting temporal =
+        filter_row<&Filter::temporal>("temporal", {.words = {"off", "on"}}, &Open::temporal,
+                                      "Calms depth that trembles from frame to frame, where nothing moves: "
+                                      "by its noise, which is given, or "
+                                      "as the clip has it.",
+                                      "temporal[=C[+Q]]", "on");
+    temporal.length = &Filter::temporal_noise;
     return {
-        {.name = "median",
-         .value = value_at<&Filter::median>,
-         .range = {.words = {"0", "3", "5"}, .whole = true},
-         .open = &FilterSet::median,
-         .what =
-             "Takes out single wrong pixels: each becomes the middle one of its 3 x 3 or 5 x 5 neighbours.",
-         .in_list = "median[=3|5]",
-         .usual = "5"},
-        {.name = "fill_holes",
-         .value = value_at<&Filter::fill_holes>,
-         .range = {.most = 16, .whole = true, .unit = "passes"},
-         .open = &FilterSet::fill_holes,
-         .what = "Closes gaps in the depth from their rims, one pixel with each pass.",
-         .in_list = "holes[=PASSES]",
-         .usual = "2"},
-        {.name = "terraces",
-         .value = value_at<&Filter::terraces>,
-         .range = {.words = {"off", "on", "auto"}},
-         .open = &FilterSet::terraces,
-         .what = "Smooths the steps that coarsely stored depth has, as a hillside has terraces.",
-         .in_list = "terraces",
-         .usual = "on"},
-        {.name = "terrace_noise",
-         .value = value_at<&Filter::terrace_noise>,
-         .range = {.most = 4, .unit = "codes"}},
-        {.name = "terrace_reach",
-         .value = value_at<&Filter::terrace_reach>,
-         .range = {.words = {"16", "32", "64", "128"}, .whole = true, .unit = "pixels"},
-         .open = &FilterSet::terrace_reach,
-         .opens = removal_is_open},
-        {.name = "levels", .value = value_at<&Filter::levels>, .range = {.is_length = true}},
-        {.name = "temporal",
-         .value = value_at<&Filter::temporal>,
-         .range = {.words = {"off", "on"}},
-         .open = &FilterSet::temporal,
-         .what = "Calms depth that trembles from frame to frame, where nothing moves: by its noise, which is "
-                 "given, "
-                 "or as the clip has it.",
-         .in_list = "temporal[=C[+Q]]",
-         .usual = "on",
-         .length = &Filter::temporal_noise},
-        {.name = "temporal_noise", .value = value_at<&Filter::temporal_noise>, .range = {.is_length = true}},
-        {.name = "flying_pixels",
-         .value = value_at<&Filter::flying_pixels>,
-         .range = {.is_length = true},
-         .open = &FilterSet::flying_pixels,
-         .in_list = "flying=C[+Q]"}};
+        filter_row<&Filter::median>(
+            "median", {.words = {"0", "3", "5"}, .whole = true}, &Open::median,
+            "Takes out single wrong pixels: each becomes the middle one of its 3 x 3 or 5 x 5 neighbours.",
+            "median[=3|5]", "5"),
+        filter_row<&Filter::fill_holes>(
+            "fill_holes", {.most = 16, .whole = true, .unit = "passes"}, &Open::fill_holes,
+            "Closes gaps in the depth from their rims, one pixel with each pass.", "holes[=PASSES]", "2"),
+        filter_row<&Filter::terraces>(
+            "terraces", {.words = {"off", "on", "auto"}}, &Open::terraces,
+            "Smooths the steps that coarsely stored depth has, as a hillside has terraces.", "terraces",
+            "on"),
+        filter_row<&Filter::terrace_noise>("terrace_noise", {.most = 4, .unit = "codes"}),
+        std::move(reach),
+        filter_row<&Filter::levels>("levels", {}),
+        std::move(temporal),
+        filter_row<&Filter::temporal_noise>("temporal_noise", {}),
+        filter_row<&Filter::flying_pixels>("flying_pixels", {}, &Open::flying_pixels, "", "flying=C[+Q]")};
 }
 
 }  // namespace

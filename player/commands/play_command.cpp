@@ -69,27 +69,24 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
     if (options.sound) outputs.files.push_back({"--sound", *options.sound});
     if (options.video) outputs.files.push_back({"--video", *options.video});
     if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
-    for (const ScriptedInput& input : options.script)
-        if (const auto* command = std::get_if<WindowCommand>(&input.what))
-            if (command->verb == WindowVerb::screenshot && !command->word.empty())
-                outputs.files.push_back({"a screenshot of --script", command->word});
-    // Settings are there from the last time; they may stand in place of nothing else.
-    Outputs kept{outputs.files, Existing::replace};
-    if (options.settings_file) kept.files.push_back({"--settings", *options.settings_file});
-    for (const ScriptedInput& input : options.script)
-        if (const auto* command = std::get_if<WindowCommand>(&input.what))
-            if (command->verb == WindowVerb::save_materials && !command->word.empty())
-                kept.files.push_back({"what --script saves", command->word});
-    if (kept.files.empty()) return {};
-    std::vector<NamedFile> inputs;
+    std::vector<NamedFile> inputs, saved;
     for (const ScriptedInput& input : options.script) {
         const auto* const event = std::get_if<InputEvent>(&input.what);
         const auto* const command = std::get_if<WindowCommand>(&input.what);
         if (event && event->kind == InputEvent::Kind::dropped)
             inputs.push_back({"what --script drops", event->word});
-        if (command && command->verb == WindowVerb::open)
-            inputs.push_back({"what --script opens", command->word});
+        if (!command || command->word.empty()) continue;
+        if (command->verb == WindowVerb::open) inputs.push_back({"what --script opens", command->word});
+        if (command->verb == WindowVerb::screenshot)
+            outputs.files.push_back({"a screenshot of --script", command->word});
+        if (command->verb == WindowVerb::save_materials)
+            saved.push_back({"what --script saves", command->word});
     }
+    // Settings are there from the last time; they may stand in place of nothing else.
+    Outputs kept{outputs.files, Existing::replace};
+    if (options.settings_file) kept.files.push_back({"--settings", *options.settings_file});
+    kept.files.insert(kept.files.end(), saved.begin(), saved.end());
+    if (kept.files.empty()) return {};
     for (const ClipChoice& next : options.next_clips) inputs.push_back({"a clip", next.file});
     if (script) inputs.push_back({"--script", *script});
     if (options.session.clip.scene_file) inputs.push_back({"--scene", *options.session.clip.scene_file});

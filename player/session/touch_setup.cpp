@@ -11,19 +11,23 @@ namespace touchable {
 
 namespace {
 
-/// A command as it is written, and what stands in a unit of its own: seconds or a rate.
+/// A command as it is written, what stands in a unit of its own (seconds or a rate), and the setting that
+/// gives it from the beginning.
 struct Spelling {
     PlaybackVerb verb;
     const char* word;
     int numbers;
     double per_unit;  ///< of `first` and `second`
+    std::string_view setting = Setting::playback;
 };
 constexpr double ns_per_s = 1e9, thousandths = 1000;
-constexpr std::array spellings{
-    Spelling{PlaybackVerb::play, "play", 0, 0},           Spelling{PlaybackVerb::pause, "pause", 0, 0},
-    Spelling{PlaybackVerb::rate, "rate", 1, thousandths}, Spelling{PlaybackVerb::seek, "seek", 1, ns_per_s},
-    Spelling{PlaybackVerb::step, "step", 0, 0},           Spelling{PlaybackVerb::loop, "loop", 2, ns_per_s},
-    Spelling{PlaybackVerb::unloop, "unloop", 0, 0}};
+constexpr std::array spellings{Spelling{PlaybackVerb::play, "play", 0, 0},
+                               Spelling{PlaybackVerb::pause, "pause", 0, 0},
+                               Spelling{PlaybackVerb::rate, "rate", 1, thousandths, Setting::rate},
+                               Spelling{PlaybackVerb::seek, "seek", 1, ns_per_s, Setting::start},
+                               Spelling{PlaybackVerb::step, "step", 0, 0},
+                               Spelling{PlaybackVerb::loop, "loop", 2, ns_per_s, Setting::loop},
+                               Spelling{PlaybackVerb::unloop, "unloop", 0, 0}};
 constexpr const char* all_words = "play, pause, rate X, seek S, step, loop S S or unloop";
 
 /// Rounded; nothing where it is no number from 0 to 1e6, which is where all times end.
@@ -255,22 +259,19 @@ Result<void> make_solver(TouchSetup& setup) {
 /// Why the recorded clip could not be opened; where it, or its scene file, is gone, how to say where it is
 /// now.
 Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
-    std::error_code ignored;
-    const auto say = [&error](std::string_view setting) {
+    const std::optional<std::filesystem::path> clip(setup.clip.file), none;
+    const std::pair<std::string_view, std::optional<std::filesystem::path>> files[] = {
+        {Setting::clip, instead.file.empty() ? clip : none},
+        {Setting::scene_file, instead.scene_file ? none : setup.clip.scene_file},
+        {Setting::haptic_map, setup.clip.maps.haptic},
+        {Setting::height_map, setup.clip.maps.height}};
+    for (const auto& [setting, file] : files) {
+        std::error_code ignored;
+        if (!file || std::filesystem::exists(*file, ignored)) continue;
         error.message += "; say where it is now";
         error.hints.push_back({setting, setting == Setting::clip ? "" : "FILE"});
-    };
-    const auto& scene_file = setup.clip.scene_file;
-    if (instead.file.empty() && !std::filesystem::exists(setup.clip.file, ignored))
-        say(Setting::clip);
-    else if (!instead.scene_file && scene_file && !std::filesystem::exists(*scene_file, ignored))
-        say(Setting::scene_file);
-    else if (const auto& haptic = setup.clip.maps.haptic;
-             haptic && !std::filesystem::exists(*haptic, ignored))
-        say(Setting::haptic_map);
-    else if (const auto& height = setup.clip.maps.height;
-             height && !std::filesystem::exists(*height, ignored))
-        say(Setting::height_map);
+        break;
+    }
     return error;
 }
 
@@ -382,16 +383,11 @@ Hints settings_of(const std::vector<PlaybackCommand>& commands) {
         const auto begins_loop = [&](const PlaybackCommand& loop) {
             return loop.tick == 0 && loop.verb == PlaybackVerb::loop && loop.first == command.first;
         };
-        if (command.tick > 0)
-            add(Setting::playback);
-        else if (command.verb == PlaybackVerb::rate)
-            add(Setting::rate);
-        else if (command.verb == PlaybackVerb::loop)
-            add(Setting::loop);
-        else if (command.verb != PlaybackVerb::seek)
-            add(Setting::playback);
-        else if (std::none_of(commands.begin(), commands.end(), begins_loop))
-            add(Setting::start);
+        const bool is_first = command.tick == 0;
+        if (is_first && command.verb == PlaybackVerb::seek && std::ranges::any_of(commands, begins_loop))
+            continue;
+        const auto* const spelling = std::ranges::find(spellings, command.verb, &Spelling::verb);
+        add(is_first && spelling != spellings.end() ? spelling->setting : Setting::playback);
     }
     return settings;
 }

@@ -52,7 +52,9 @@ TEST(SessionSettings, MakeTheOptionsOfARun) {
     EXPECT_EQ(off.clip.single_filters.stated, FilterSet{.fill_holes = true})
         << "nothing that the command line says of filters";
     EXPECT_EQ(off.clip.single_filters.settings, FilterSettings{.fill_holes = 2});
-    EXPECT_EQ(off.clip.filters.stated, (FilterSet{true, true, true, true, true})) << "not the reach";
+    FilterSet but_the_reach = all_unstated;
+    but_the_reach.terrace_reach = false;
+    EXPECT_EQ(off.clip.filters.stated, but_the_reach);
     EXPECT_EQ(off.clip.filters.settings, FilterSettings());
     EXPECT_EQ(off.clip.filters.measured, FilterSet());
     EXPECT_EQ(off.touch.metric, TouchMetric::pixel);
