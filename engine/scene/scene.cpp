@@ -1,6 +1,5 @@
 #include "engine/scene/scene.hpp"
 
-#include <bit>
 #include <tuple>
 
 #include "engine/base/same_bits.hpp"

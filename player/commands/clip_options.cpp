@@ -160,19 +160,16 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
                     "grey: stiffness), X3D or glTF");
     add_file_option(sub, "--height", typed.choice.maps.height,
                     "map of heights for all frames, instead of the clip's: a picture in grey");
-    const Words<DepthAlignment> words{
-        {"off", DepthAlignment::off}, {"on", DepthAlignment::on}, {"auto", DepthAlignment::automatic}};
     add_word_option(
         sub, "--align", typed.choice.alignment,
         "depth without a scale, as networks guess it, to one scale for all frames: off, on, or auto "
         "(of pictures and videos that came without one, where it pumps)",
-        words);
-    const Words<bool> on_or_off{{"off", false}, {"on", true}};
+        {"auto", "on", "off"});
     add_word_option(sub, "--fill-from-motion", typed.choice.fill_from_motion,
                     "of a clip whose camera stands still: fill holes of depth from frames that saw what is "
                     "behind: off or "
                     "on",
-                    on_or_off);
+                    {"off", "on"});
     add_number_option(
         sub, "--least-confidence", typed.camera.least_confidence,
         "of a .npz with an array conf beside depth: what is below it is no depth; otherwise half of the "

@@ -231,10 +231,9 @@ void add_convert_command(CLI::App& app, Command& command) {
         ->required();
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, options.existing);
-    typed->archive =
-        add_word_option<Archive>(*sub, "--archive", options.storage.archive,
-                                 "of a clip. fast: decodes quickest (default); small: fewest bytes",
-                                 {{"fast", Archive::fast}, {"small", Archive::small}});
+    typed->archive = add_word_option(*sub, "--archive", options.storage.archive,
+                                     "of a clip. fast: decodes quickest (default); small: fewest bytes",
+                                     {"fast", "small"});
     typed->exact_colour =
         sub->add_flag("--exact-colour", options.storage.exact_colour,
                       "of a clip: colour keeps every value too; otherwise it is as good as the "

@@ -122,6 +122,11 @@ Result<double> read_number(const std::string& option, std::string_view text, dou
     return usage_error(std::move(message));
 }
 
+Result<double> read_word(const SettingRange& range, const std::string& word) {
+    if (const auto value = range.value_of(word)) return *value;
+    return usage_error("'" + word + "' will not do; right would be " + range.in_words());
+}
+
 Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most) {
     const std::size_t cross = text.find('x');
     if (cross != std::string_view::npos) {

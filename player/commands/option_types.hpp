@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <functional>
 #include <limits>
 
 #include "engine/base/files.hpp"
@@ -95,27 +96,22 @@ CLI::Option* add_whole_option(CLI::App& sub, const std::string& name, Option& nu
     return sub.add_option(name, number, what)->transform(decimal)->type_name("N");
 }
 
-template <class Value>
-using Words = std::vector<std::pair<std::string, Value>>;
+/// What a setting's word stands for; refused (ErrorKind::usage) where it is none of the range's.
+Result<double> read_word(const SettingRange& range, const std::string& word);
 
-/// An option whose value, an enumerator, is said by one of some words. `what` says which.
-template <class Value, class Option>
-CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Option& option, const std::string& what,
-                             const Words<Value>& words) {
-    const CLI::Validator to_number(
-        [words](std::string& text) {
-            std::string known;
-            for (const auto& [word, value] : words) {
-                if (word == text) {
-                    text = std::to_string(static_cast<int>(value));
-                    return std::string();
-                }
-                known += (known.empty() ? "" : ", ") + word;
-            }
-            return std::string("'").append(text).append("' is none of ").append(known);
-        },
-        "");
-    return sub.add_option(name, option, what)->transform(to_number)->type_name("WORD");
+/// An option whose value, an enumerator or a bool, is said by one of some words, which are in the order of
+/// its values. `what` says which.
+template <class Value>
+CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Value& value, const std::string& what,
+                             std::vector<const char*> words) {
+    const auto read =
+        [&value, range = SettingRange{.words = std::move(words)}](const std::string& word) -> Result<void> {
+        const auto place = read_word(range, word);
+        if (!place) return place.error();
+        value = static_cast<Value>(*place);
+        return {};
+    };
+    return add_read_option(sub, name, read, what)->type_name("WORD");
 }
 
 /// What --fragmented is for, where it is refused.

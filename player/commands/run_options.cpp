@@ -83,16 +83,6 @@ std::int64_t nanoseconds(double seconds) {
 
 constexpr int largest_side = 8192;
 
-Words<Overlay> words_of_overlays() {
-    Words<Overlay> words;
-    Overlay overlay = Overlay::colour;
-    do {
-        words.emplace_back(name_of(overlay), overlay);
-        overlay = overlay_after(overlay, "").value();
-    } while (overlay != Overlay::colour);
-    return words;
-}
-
 }  // namespace
 
 void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names) {
@@ -275,11 +265,16 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
         ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
     sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
-    add_word_option(
-        sub, "--show", options.show,
+    const auto read_overlay = [&options](const std::string& name) -> Result<void> {
+        if (name.empty()) return usage_error("names no overlay");
+        TRY_ASSIGN(options.show, overlay_after(options.show, name));
+        return {};
+    };
+    add_read_option(
+        sub, "--show", read_overlay,
         "coloured by: colour (the clip's), depth (equalised), depth-linear, stiffness, friction (static), "
-        "dynamic-friction, height, normals, tiles (which are drawn) or validity",
-        words_of_overlays())
+        "dynamic-friction, height, normals, tiles (which are drawn) or validity")
+        ->type_name("WORD")
         ->needs(picture);
 }
 

@@ -115,11 +115,9 @@ CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, Se
     const bool is_number = range.words.empty();
     const auto read = [&setting, &range, is_number, &session](const std::string& word) -> Result<void> {
         using Limits = std::numeric_limits<double>;
-        const auto number = is_number ? read_number("", word, Limits::lowest(), Limits::max())
-                                      : Result<double>(range.value_of(word).value_or(-1));
+        const auto number =
+            is_number ? read_number("", word, Limits::lowest(), Limits::max()) : read_word(range, word);
         if (!number) return number.error();
-        if (!is_number && *number < 0)
-            return usage_error("'" + word + "' will not do; right would be " + range.in_words());
         setting.set(*number, session);
         return {};
     };

@@ -107,27 +107,6 @@ std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings&
            number(without->left_deg, " as stored");
 }
 
-/// Lines of filters that are on, and of those that were left out by choice.
-class FilterList {
-public:
-    void add(bool is_on, bool is_chosen, const std::string& name, const std::string& why) {
-        const std::string reason = " (" + (is_chosen ? why : "stated") + ")";
-        if (is_on)
-            on_.push_back(name + reason);
-        else if (is_chosen)
-            off_.push_back("no " + name + reason);
-    }
-    bool has_any() const { return !on_.empty(); }
-    std::string in_words() const {
-        if (on_.empty() && off_.empty()) return "none (stated)";
-        if (on_.empty()) return "none: " + joined(off_);
-        return joined(on_) + (off_.empty() ? "" : "; " + joined(off_));
-    }
-
-private:
-    std::vector<std::string> on_, off_;
-};
-
 /// `depth`: that the noise is given for, scene units; 0: not known.
 std::string temporal_name(const Scene& scene, double depth) {
     if (!scene.filter.temporal) return "temporal";
@@ -214,22 +193,29 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
     const FilterSettings& filter = scene.filter;
     const double unit = scene.metres_per_unit;
     const std::string side = std::to_string(filter.median);
-    FilterList list;
-    list.add(filter.flying_pixels != DepthLength{}, by.flying_pixels, "flying pixels",
-             flying_reason(measured));
-    list.add(filter.fill_holes > 0, by.fill_holes, "hole filling",
-             share(measured.tiny_holes, "are tiny holes"));
-    list.add(filter.median > 0, by.median, filter.median > 0 ? "median " + side + "x" + side : "median",
-             median_reason(measured, unit));
-    list.add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
-             "noise " + noise_found(measured, unit));
+    std::vector<std::string> on, off;
+    const auto add = [&](bool is_on, bool is_chosen, const std::string& name, const std::string& why) {
+        const std::string words = name + " (" + (is_chosen ? why : "stated") + ")";
+        if (is_on)
+            on.push_back(words);
+        else if (is_chosen)
+            off.push_back("no " + words);
+    };
+    add(filter.flying_pixels != DepthLength{}, by.flying_pixels, "flying pixels", flying_reason(measured));
+    add(filter.fill_holes > 0, by.fill_holes, "hole filling", share(measured.tiny_holes, "are tiny holes"));
+    add(filter.median > 0, by.median, filter.median > 0 ? "median " + side + "x" + side : "median",
+        median_reason(measured, unit));
+    add(filter.temporal, by.temporal, temporal_name(scene, measured.median),
+        "noise " + noise_found(measured, unit));
     const bool is_reach_chosen = by.terrace_reach && filter.terrace_reach != least_terrace_reach;
-    list.add(filter.terraces == TerraceRemoval::on, by.terraces || is_reach_chosen, terraces_name(filter),
-             removal_reason(measured, filter, unit));
-    if (known && by == all_unstated && !list.has_any())
+    add(filter.terraces == TerraceRemoval::on, by.terraces || is_reach_chosen, terraces_name(filter),
+        removal_reason(measured, filter, unit));
+    if (known && by == all_unstated && on.empty())
         return "none needed (levels " + where_it_is(measured, unit) + ", noise " +
                noise_found(measured, unit) + ", " + median_reason(measured, unit) + ")" + damage;
-    return list.in_words() + effect_in_words(measured, filter) +
+    std::string words = on.empty() && off.empty() ? "none (stated)" : on.empty() ? "none: " : joined(on);
+    if (!off.empty()) words += (on.empty() ? "" : "; ") + joined(off);
+    return words + effect_in_words(measured, filter) +
            (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
 }
 

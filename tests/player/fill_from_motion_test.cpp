@@ -56,7 +56,8 @@ TEST_F(RecordedTable, SaysWhatIsFilled) {
               std::string::npos);
     const Outcome refused = run_touchable({"info", scene(), "--fill-from-motion", "maybe"});
     EXPECT_EQ(refused.code, 2);
-    EXPECT_NE(refused.err.find("'maybe' is none of off, on"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("'maybe' will not do; right would be off or on"), std::string::npos)
+        << refused.err;
 }
 
 TEST_F(RecordedTable, IsTouchedAndReplayedAsItWas) {

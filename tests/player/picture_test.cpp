@@ -172,8 +172,9 @@ TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
     EXPECT_EQ(touch({"--painter", "oils"}).code, 2);
     EXPECT_EQ(run_touchable({"touch", clip(), "--view", "own"}).code, 2);  // of what?
     EXPECT_EQ(run_touchable({"touch", clip(), "--show", "depth"}).code, 2);
-    expect_refused(touch({"--show", "smell"}), 2,
-                   "'smell' is none of colour, depth, depth-linear, stiffness, friction,");
+    expect_refused(
+        touch({"--show", "smell"}), 2,
+        "there is no overlay 'smell'; there are colour, depth, depth-linear, stiffness, friction,");
     EXPECT_EQ(run_touchable({"touch", clip(), "--picture-at", "1"}).code, 2);
 }
 
