@@ -27,12 +27,12 @@ using namespace touchable::capi;
 namespace {
 
 /// The members of touch_clip_settings that state a setting; empty: none does.
-std::string_view members_of(std::string_view setting) {
-    constexpr std::pair<std::string_view, std::string_view> all[] = {{Setting::depth_unit, "metres_per_code"},
-                                                                     {Setting::field_of_view, "fov_degrees"},
-                                                                     {Setting::intrinsics, "fx_px and fy_px"},
-                                                                     {Setting::preset, "preset"},
-                                                                     {Setting::scene_file, "scene_file"}};
+std::string_view members_of(Setting::Name setting) {
+    constexpr std::pair<Setting::Name, std::string_view> all[] = {{Setting::depth_unit, "metres_per_code"},
+                                                                  {Setting::field_of_view, "fov_degrees"},
+                                                                  {Setting::intrinsics, "fx_px and fy_px"},
+                                                                  {Setting::preset, "preset"},
+                                                                  {Setting::scene_file, "scene_file"}};
     for (const auto& [name, members] : all)
         if (name == setting) return members;
     return {};

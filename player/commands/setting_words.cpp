@@ -10,7 +10,7 @@ namespace {
 
 /// What a person types for a setting: an option, or another word of a command.
 struct Spelling {
-    std::string_view setting;
+    Setting::Name setting;
     std::string option;
     std::string_view value{};  ///< as --help has it; empty: it has none, or messages say it
 };

@@ -118,9 +118,9 @@ int whole_number(const Json& facts, const char* name, int least, int most) {
 }
 
 TouchMetric metric_named(const std::string& name) {
-    for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled})
-        if (name_of(metric) == name) return metric;
-    throw std::out_of_range("metric must be world, pixel or scaled");
+    const SettingRange& range = session_setting("metric")->range;
+    if (const auto metric = range.value_of(name)) return static_cast<TouchMetric>(*metric);
+    throw std::out_of_range("metric must be " + range.in_words());
 }
 
 /// The lens that stood in for the scene file of a single depth picture.

@@ -18,7 +18,7 @@ struct Spelling {
     const char* word;
     int numbers;
     double per_unit;  ///< of `first` and `second`
-    std::string_view setting = Setting::playback;
+    Setting::Name setting = Setting::playback;
 };
 constexpr double ns_per_s = 1e9, thousandths = 1000;
 constexpr std::array spellings{Spelling{PlaybackVerb::play, "play", 0, 0},
@@ -260,7 +260,7 @@ Result<void> make_solver(TouchSetup& setup) {
 /// now.
 Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
     const std::optional<std::filesystem::path> clip(setup.clip.file), none;
-    const std::pair<std::string_view, std::optional<std::filesystem::path>> files[] = {
+    const std::pair<Setting::Name, std::optional<std::filesystem::path>> files[] = {
         {Setting::clip, instead.file.empty() ? clip : none},
         {Setting::scene_file, instead.scene_file ? none : setup.clip.scene_file},
         {Setting::haptic_map, setup.clip.maps.haptic},
@@ -374,7 +374,7 @@ Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& 
 
 Hints settings_of(const std::vector<PlaybackCommand>& commands) {
     Hints settings;
-    const auto add = [&settings](std::string_view setting) {
+    const auto add = [&settings](Setting::Name setting) {
         for (const Hint& known : settings)
             if (known.setting == setting) return;
         settings.push_back({setting});
