@@ -192,7 +192,8 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
         add_read_option(sub, "--filters", read_all,
                         "all filters at once, instead of the scene's: off, auto (what the first frames ask "
                         "for), or those that shall be on: " +
-                            parts + ", with commas between")};
+                            parts + ", with commas between")
+            ->type_name("WORD|LIST")};
     for (const FilterSetting& setting : filter_settings()) {
         if (!*setting.what) continue;
         const auto read = [&clip, &setting](const std::string& word) -> Result<void> {
@@ -200,7 +201,10 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
             return usage_error("'" + word + "' will not do; right would be " + setting.right());
         };
         options.push_back(add_read_option(sub, "--" + setting.typed_name(), read,
-                                          setting.right() + ", instead of the scene's. " + setting.what));
+                                          setting.right() + ", instead of the scene's. " + setting.what)
+                              ->type_name(setting.length        ? "WORD|C[,Q]"
+                                          : setting.range.whole ? "N"
+                                                                : "WORD"));
     }
     for (CLI::Option* const option : options) option->group("Filters of depth");
     return options;

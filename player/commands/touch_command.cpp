@@ -124,7 +124,7 @@ CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, Se
     return add_read_option(sub, "--" + setting.name, read,
                            (is_number ? range.unit : range.in_words()) + ". " + setting.what)
         ->default_str(setting.usual)
-        ->type_name(is_number ? "NUMBER" : "WORD");
+        ->type_name(is_number ? "FLOAT" : "WORD");
 }
 
 /// How forces come about. Few people need most of it.
