@@ -223,7 +223,9 @@ TEST_F(Replay, OptionsThatTheRecordingFixesAreCode2) {
     for (const Words& fixed :
          {Words{"--hand", "wander"}, Words{"--fingers", "1"}, Words{"--seconds", "0.1"},
           Words{"--metric", "world"}, Words{"--median", "0"}, Words{"--fill-holes", "0"},
-          Words{"--interpolation", "linear"}, Words{"--max-force", "10"}, Words{"--max-stiffness", "10"}})
+          Words{"--interpolation", "linear"}, Words{"--max-force", "10"}, Words{"--max-stiffness", "10"},
+          Words{"--filters", "off"}, Words{"--temporal", "off"}, Words{"--damping", "0"}, Words{"--live"},
+          Words{"--fov", "60"}, Words{"--start", "0"}, Words{"--device", "simulated"}})
         expect_ends_with(2, fixed[0], fixed);
     const std::string other = folder / "other.rec";
     expect_ends_with(2, "--record", {"--record", other});
