@@ -123,7 +123,7 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
     if (!std::filesystem::exists(*typed.intrinsics, ignored))
         return usage_error(
             "--intrinsics '" + printable(*typed.intrinsics) +
-            "' will not do; right would be FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a file "
+            "' is not allowed; must be FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a file "
             "of the camera");
     TRY_ASSIGN(known.intrinsics, read_intrinsics(*typed.intrinsics));
     known.file = *typed.intrinsics;
@@ -141,8 +141,8 @@ Result<FiltersChoice> read_filters(const std::string& typed) {
         const auto value =
             equals == std::string::npos ? std::nullopt : std::optional(part.substr(equals + 1));
         if (const std::string why = why_not(part.substr(0, equals), value, choice); !why.empty())
-            return usage_error("'" + part + "' will not do" + why +
-                               "; right would be auto, off, or those that shall be on, such as "
+            return usage_error("'" + part + "' is not allowed" + why +
+                               "; must be auto, off, or those that shall be on, such as "
                                "median=5,terraces,temporal=1.5+2e-6,holes=2");
     }
     return choice;
@@ -198,7 +198,7 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
         if (!*setting.what) continue;
         const auto read = [&clip, &setting](const std::string& word) -> Result<void> {
             if (clip.single_filters.state(setting, word)) return {};
-            return usage_error("'" + word + "' will not do; right would be " + setting.right());
+            return usage_error("'" + word + "' is not allowed; must be " + setting.right());
         };
         options.push_back(add_read_option(sub, "--" + setting.typed_name(), read,
                                           setting.right() + ", instead of the scene's. " + setting.what)

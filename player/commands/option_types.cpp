@@ -98,7 +98,7 @@ Result<FrameRate> read_frame_rate(const std::string& option, std::string_view te
         return FrameRate{rate->num / common, rate->den / common};
     }
     return usage_error(option + " '" + std::string(text) +
-                       "' will not do; right would be frames per second, 0.001 to 1000, such as 30, 29.97 "
+                       "' is not allowed; must be frames per second, 0.001 to 1000, such as 30, 29.97 "
                        "or 30000/1001");
 }
 
@@ -111,7 +111,7 @@ Result<double> read_number(const std::string& option, std::string_view text, dou
         value >= least && value <= most)
         return value;
     std::string message = (option.empty() ? "'" : option + " '").append(text);
-    message += "' will not do; right would be a number";
+    message += "' is not allowed; must be a number";
     const bool has_least = least != std::numeric_limits<double>::lowest(),
                has_most = most != std::numeric_limits<double>::max();
     if (has_least && has_most)
@@ -124,7 +124,7 @@ Result<double> read_number(const std::string& option, std::string_view text, dou
 
 Result<double> read_word(const SettingRange& range, const std::string& word) {
     if (const auto value = range.value_of(word)) return *value;
-    return usage_error("'" + word + "' will not do; right would be " + range.in_words());
+    return usage_error("'" + word + "' is not allowed; must be " + range.in_words());
 }
 
 Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most) {

@@ -47,7 +47,7 @@ Result<Whole> read_whole_number(const std::string& option, std::string_view text
     if (failure == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
         return value;
     std::string message = (option.empty() ? "'" : option + " '").append(text);
-    message += "' will not do; right would be a whole number";
+    message += "' is not allowed; must be a whole number";
     if (least != std::numeric_limits<Whole>::min() || most != std::numeric_limits<Whole>::max())
         message += ", " + std::to_string(least) + " to " + std::to_string(most);
     return usage_error(std::move(message));

@@ -300,7 +300,7 @@ Result<SceneDescription> read_recorded_facts(const Json& facts, const std::strin
     try {
         scene = read_facts(facts, setup);
     } catch (const std::exception& fault) {
-        return input_error(name + ": its facts will not do: " + fault.what());
+        return input_error(name + ": invalid recording header: " + fault.what());
     }
     return parse_scene(scene, name);
 }

@@ -87,7 +87,7 @@ TEST(Usage, NumbersAreFiniteAndInTheirRange) {
         for (const char* number : {"nan", "-nan", "inf", "1e999", "1x"}) {
             const Outcome run = run_touchable({option[0], "clip.mkv", option[1] + '=' + number});
             EXPECT_EQ(run.code, 2) << option[1] << ' ' << number;
-            EXPECT_NE(run.err.find(option[1] + ": '" + number + "' will not do; right would be a number"),
+            EXPECT_NE(run.err.find(option[1] + ": '" + number + "' is not allowed; must be a number"),
                       std::string::npos)
                 << run.err;
             EXPECT_NE(run.err.find(option[2]), std::string::npos) << run.err;
