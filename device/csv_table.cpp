@@ -123,25 +123,21 @@ Result<void> CsvTable::check_fields() {
 Result<void> CsvTable::split(std::string_view line, std::vector<std::string_view>& fields) const {
     const std::string_view blanks = separator_ == '\t' ? " " : " \t";
     const std::string_view separators = separator_ == ' ' ? blanks : std::string_view(&separator_, 1);
-    const auto trimmed = [blanks](std::string_view text) {
-        const std::size_t first = text.find_first_not_of(blanks), last = text.find_last_not_of(blanks);
-        return first == text.npos ? std::string_view() : text.substr(first, last - first + 1);
-    };
     fields.clear();
-    line = trimmed(line);
+    line = trimmed(line, blanks);
     for (bool more = true; more;) {
-        line = trimmed(line);
+        line = trimmed(line, blanks);
         std::size_t end = line.find_first_of(separators);
         if (line.starts_with('"')) {
             const std::size_t quote = line.find('"', 1);
             if (quote == line.npos) return input_error(": a quote is opened and not closed");
             end = line.find_first_of(separators, quote);
-            if (!trimmed(line.substr(quote + 1, end == line.npos ? end : end - quote - 1)).empty())
+            if (!trimmed(line.substr(quote + 1, end == line.npos ? end : end - quote - 1), blanks).empty())
                 return input_error(std::string(": text follows a closing quote; expected ") +
                                    separator_name(separator_));
             fields.push_back(line.substr(1, quote - 1));
         } else {
-            fields.push_back(trimmed(line.substr(0, end)));
+            fields.push_back(trimmed(line.substr(0, end), blanks));
         }
         more = end != line.npos;
         if (more) line.remove_prefix(end + 1);

@@ -76,6 +76,18 @@ std::string short_number(double number, int count) {
     return std::abs(number) > 1 && text.find('e') != std::string::npos ? formatted("%.0f", number) : text;
 }
 
+std::string small_letters(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
+std::string_view trimmed(std::string_view text, std::string_view blanks) {
+    const std::size_t first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
+}
+
 std::optional<double> parsed_number(std::string_view text) {
     double value = 0;
     const char* const end = text.data() + text.size();
@@ -130,12 +142,6 @@ std::string shell_word(std::string_view file) {
                           : std::string(1, c);
     }
     return (has_control ? "$'" : "'") + inside + '\'';
-}
-
-std::string small_letters(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
 }
 
 std::string nearest_word(std::string_view typed, std::span<const std::string> words) {

@@ -4,9 +4,10 @@
 //
 // formatted is printf into a string. exact_number writes the fewest digits that are read as the same number,
 // for files; short_number and trimmed_number are for people; decimal_of is the decimal number that a float
-// came from; parsed_number reads a whole text as a number, or not at all. printable, in_quotes and shell_word
-// make text from outside safe to show: on one line, without control characters, cut where it is too long.
-// nearest_word finds the word that a mistyped one may have meant; listed names several things in a row.
+// came from; parsed_number reads a whole text as a number, or not at all. small_letters and trimmed bring a
+// text into the form in which it is compared. printable, in_quotes and shell_word make text from outside safe
+// to show: on one line, without control characters, cut where it is too long. nearest_word finds the word
+// that a mistyped one may have meant; listed names several things in a row.
 //
 // All are pure functions, of no locale, for any thread.
 
@@ -41,6 +42,11 @@ double decimal_of(float value);
 /// not 1.235e+03. 0 has no sign.
 std::string short_number(double number, int count = 4);
 
+/// A to Z become a to z.
+std::string small_letters(std::string text);
+/// Without these letters at its ends.
+std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
+
 /// A finite number, where the text is one and nothing else.
 std::optional<double> parsed_number(std::string_view text);
 
@@ -61,9 +67,6 @@ std::string listed(const All& all, Name name = {}, std::string_view between = ",
         list.append(list.empty() ? std::string_view() : between).append(std::invoke(name, each));
     return list;
 }
-
-/// A to Z in small letters, all else as it is.
-std::string small_letters(std::string text);
 
 /// The one of `words` that a person who typed `typed` may have meant: the fewest letters put in, left out or
 /// changed (Levenshtein's distance), three at most and less than half of them. Empty: none.

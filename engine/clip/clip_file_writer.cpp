@@ -2,8 +2,6 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
-
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/containers.hpp"

@@ -579,12 +579,6 @@ bool is_file(const fs::path& file) {
     return fs::is_regular_file(file, ignored);
 }
 
-std::string_view trimmed(std::string_view text, std::string_view blanks) {
-    const std::size_t first = text.find_first_not_of(blanks);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
-}
-
 bool has_word(const std::string& name, std::initializer_list<const char*> words) {
     const std::string small = small_letters(name);
     return std::ranges::any_of(words,

@@ -94,8 +94,6 @@ std::string folder_of(const PictureGroup& group);
 /// Whether a regular file is there.
 bool is_file(const std::filesystem::path& file);
 
-/// Without these letters at its ends.
-std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
 /// Whether a name, in small letters, has one of these words.
 bool has_word(const std::string& name, std::initializer_list<const char*> words);
 

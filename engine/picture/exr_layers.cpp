@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/base/words.hpp"
+
 namespace touchable {
 
 namespace {

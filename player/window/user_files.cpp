@@ -21,9 +21,7 @@ constexpr std::array clip_endings{".mkv", ".mp4", ".mov", ".webm", ".m4v", ".avi
 bool looks_like_clip(const fs::directory_entry& entry) {
     std::error_code failed;
     if (entry.is_directory(failed)) return fs::exists(entry.path() / "scene.json", failed);
-    std::string ending = entry.path().extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    const std::string ending = small_letters(entry.path().extension().string());
     return std::find(clip_endings.begin(), clip_endings.end(), ending) != clip_endings.end();
 }
 
