@@ -180,16 +180,12 @@ std::string ReplayDriver::prompt() const {
 
 Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text,
                                                            std::unique_ptr<ReplayClock> clock) {
-    // A file's name may have colons; keys have an equals sign after the last one.
-    const std::size_t colon = text.rfind(':');
-    const bool keys = colon != text.npos && text.find('=', colon) != text.npos;
-    const std::string file(keys ? text.substr(0, colon) : text);
+    const auto [name, pairs] = HandOptions::file_and_pairs(text);
+    const std::string file(name);
     if (file.empty())
         return usage_error(
             "device 'recorded': no file is given; right would be recorded:FILE with a device's log");
-    TRY_ASSIGN(const auto given,
-               HandOptions::parse("device 'recorded'", keys ? text.substr(colon + 1) : std::string_view(),
-                                  recorded_keys));
+    TRY_ASSIGN(const auto given, HandOptions::parse("device 'recorded'", pairs, recorded_keys));
     TRY_ASSIGN(auto log, DeviceLog::read(file));
     const DeviceLimits limits{given.number("force"), given.number("stiffness") * 1000};
     return std::make_unique<ReplayDriver>(file, std::move(log), limits, std::move(clock));
