@@ -153,10 +153,28 @@ inline Result<std::vector<RawFrame>> read_clip(const std::filesystem::path& file
     return read_all(**reader);
 }
 
+inline ::testing::AssertionResult has_words(const std::string& text, const std::string& words) {
+    const bool has = text.find(words) != std::string::npos;
+    return (has ? ::testing::AssertionSuccess() : ::testing::AssertionFailure())
+           << '"' << words << "\" in: " << text;
+}
+/// Whether something that a person should know of a clip has these words.
+inline ::testing::AssertionResult is_noted(const ClipReader& clip, const std::string& words) {
+    std::string all;
+    for (const std::string& note : clip_notes(clip)) all += note + '\n';
+    return has_words(all, words);
+}
+
 /// What is wrong, or "" where nothing is.
 template <class T>
 std::string message(const Result<T>& result) {
     return result ? "" : result.error().message;
+}
+
+/// Whether it is an error with these words.
+template <class T>
+::testing::AssertionResult is_refused(const Result<T>& result, const std::string& words) {
+    return has_words(message(result), words);
 }
 
 }  // namespace touchable::test

@@ -77,14 +77,12 @@ TEST(CameraFiles, WithoutACameraAreRefused) {
                              "500 9 320\n0 500 240\n0 0 1\n",
                              R"({"K": [0.9, 0, 0.1, 0, 1, 0, -0.1, 0, 0.9]})"}) {
         write_bytes(folder / "camera.txt", text);
-        EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("has no camera"), std::string::npos)
-            << text;
+        EXPECT_TRUE(is_refused(read_camera_file(folder / "camera.txt"), "has no camera")) << text;
         EXPECT_EQ(camera_beside({.folder = folder.path()}).camera, std::nullopt);
     }
     write_bytes(folder / "camera.txt", "640 480 500 501 3200 240");
-    EXPECT_NE(message(read_camera_file(folder / "camera.txt")).find("principal point"), std::string::npos);
-    EXPECT_NE(message(read_camera_file(folder.path())).find("is a folder; right would be a camera's file"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(read_camera_file(folder / "camera.txt"), "principal point"));
+    EXPECT_TRUE(is_refused(read_camera_file(folder.path()), "is a folder; right would be a camera's file"));
 }
 
 TEST(CameraFiles, ThatOfDepthIsTakenBeforeOthers) {

@@ -61,13 +61,8 @@ TEST(Cinematic, DisparityIsDepthAndTheFilmIsItsColour) {
     EXPECT_EQ(scene.height, disparity_height);
     EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
     EXPECT_TRUE(scene.depth.near_is_high);
-    const std::vector<std::string> notes = clip_notes(**clip);
-    const auto noted = [&](const std::string& words) {
-        return std::any_of(notes.begin(), notes.end(),
-                           [&](const std::string& note) { return note.find(words) != std::string::npos; });
-    };
-    EXPECT_TRUE(noted("depth is the disparity of a Cinematic video, colour is its other track"));
-    EXPECT_TRUE(noted("its nearest is taken for 0.5 m and its farthest for 1.5 m"));
+    EXPECT_TRUE(is_noted(**clip, "depth is the disparity of a Cinematic video, colour is its other track"));
+    EXPECT_TRUE(is_noted(**clip, "its nearest is taken for 0.5 m and its farthest for 1.5 m"));
     const auto frames = read_all(**clip);
     ASSERT_EQ(message(frames), "");
     ASSERT_EQ(frames->size(), 4U);

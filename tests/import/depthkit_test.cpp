@@ -156,12 +156,10 @@ TEST(Depthkit, ASceneFileReplacesTheDescription) {
 
     scene.width = 9;
     write_bytes(folder / "scene.json", scene_to_json(scene));
-    EXPECT_NE(
-        message(open_clip(folder / "Clip.mov", folder / "scene.json")).find("is 8x6, but the scene is 9x6"),
-        std::string::npos);
+    EXPECT_TRUE(
+        is_refused(open_clip(folder / "Clip.mov", folder / "scene.json"), "is 8x6, but the scene is 9x6"));
     write_bytes(folder / "scene.json", scene_to_json(small_scene(width, height)));
-    EXPECT_NE(message(open_clip(folder / "Clip.mov", folder / "scene.json")).find("8-bit RGB"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(open_clip(folder / "Clip.mov", folder / "scene.json"), "8-bit RGB"));
 }
 
 /// The command that is proposed must do: a folder whose name has a dot ends in /.
@@ -219,20 +217,18 @@ TEST(Depthkit, MetadataThatDoNotFitAreRefusedByName) {
 TEST(Depthkit, AVideoWithoutMetadataIsRefusedSayingWhatIsMissing) {
     const TemporaryFolder folder;
     write_quicktime(folder / "Clip.mov", noise(1), {24, 1});
-    EXPECT_NE(
-        message(open_clip(folder / "Clip.mov")).find("Depthkit video needs Clip.Metadata.asset beside it"),
-        std::string::npos);
+    EXPECT_TRUE(
+        is_refused(open_clip(folder / "Clip.mov"), "Depthkit video needs Clip.Metadata.asset beside it"));
     write_bytes(folder / "Other.mov", "no video at all");
     write_bytes(folder / "Other.Metadata.asset", metadata);
-    EXPECT_NE(message(open_clip(folder / "Other.mov")).find("is truncated, or no QuickTime or MP4 file"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(open_clip(folder / "Other.mov"), "is truncated, or no QuickTime or MP4 file"));
 }
 
 TEST(Depthkit, AVideoThatIsNotAsTheMetadataSayIsRefused) {
     const TemporaryFolder folder;
     for (const auto& [w, h, word] : {std::tuple{8, 10, "is 8x5, but the scene is 8x6"}, {8, 11, "8x11"}}) {
         write_depthkit(folder, noise(2, w, h));
-        EXPECT_NE(message(open_clip(folder / "Clip.mov")).find(word), std::string::npos) << word;
+        EXPECT_TRUE(is_refused(open_clip(folder / "Clip.mov"), word));
     }
 }
 
@@ -243,7 +239,7 @@ TEST(Depthkit, FramesThatAreNotEvenlySpacedAreRefused) {
                     [](int number) { return number * 1000 + (number == 3 ? 400 : 0); });
     auto clip = open_clip(folder / "Clip.mov");
     ASSERT_EQ(message(clip), "");
-    EXPECT_NE(message(read_all(**clip)).find("frame 3: is not at its time"), std::string::npos);
+    EXPECT_TRUE(is_refused(read_all(**clip), "frame 3: is not at its time"));
 }
 
 /// Its codec, its two halves, and a person who was cut out of the background: the head, blue in hue, half the

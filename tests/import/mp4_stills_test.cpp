@@ -138,12 +138,6 @@ protected:
     std::map<PlaneRole, std::string> pictures;
 };
 
-bool says_of_stills(const ClipReader& clip, const std::string& part) {
-    const auto notes = clip_notes(clip);
-    return std::ranges::any_of(notes,
-                               [&](const std::string& note) { return note.find(part) != std::string::npos; });
-}
-
 /// Sixteen bits are in one picture; twelve need more than nodes say.
 TEST_F(Mp4StillClips, EveryPlaneComesBackByTheObjectsOfItsScene) {
     for (const int bits : {8, 12, 16}) {
@@ -175,9 +169,7 @@ TEST_F(Mp4StillClips, EveryPlaneComesBackByTheObjectsOfItsScene) {
 }
 
 TEST_F(Mp4StillClips, ReadsTracksOfMp4Box) {
-    const auto clip = open_clip(written(nodes(), 1, true));
-    ASSERT_EQ(message(clip), "");
-    const auto frames = read_all(**clip);
+    const auto frames = read_clip(written(nodes(), 1, true));
     ASSERT_EQ(message(frames), "");
     ASSERT_EQ(frames->size(), 1U);
     EXPECT_TRUE(same_frame(frames->front(), frame));
@@ -205,9 +197,9 @@ TEST_F(Mp4StillClips, JpegAndLaterPicturesAreReadAndSaid) {
         });
     const auto clip = open_clip(written(nodes(), 2));
     ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(says_of_stills(**clip, "haptic is stored as mjpeg, which changes values"));
-    EXPECT_FALSE(says_of_stills(**clip, "colour is stored as"));
-    EXPECT_TRUE(says_of_stills(**clip, "track depth has 2 pictures; its ImageTexture is the first"));
+    EXPECT_TRUE(is_noted(**clip, "haptic is stored as mjpeg, which changes values"));
+    EXPECT_FALSE(is_noted(**clip, "colour is stored as"));
+    EXPECT_TRUE(is_noted(**clip, "track depth has 2 pictures; its ImageTexture is the first"));
     const auto frames = read_all(**clip);
     ASSERT_EQ(message(frames), "");
     ASSERT_EQ(frames->size(), 1U);
@@ -252,7 +244,7 @@ TEST_F(Mp4StillClips, WhatIsMissingOrWrongIsNamed) {
     put(PlaneRole::haptic, PlaneView{grey.data(), 7, 7, 5, 1, 1});
     const auto clip = open_clip(written(nodes()));
     ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(says_of_stills(**clip, "haptic is 7x5: resampled"));
+    EXPECT_TRUE(is_noted(**clip, "haptic is 7x5: resampled"));
 }
 
 /// Cut anywhere it is refused in one line, but for the zero behind the scene's samples and for tags.

@@ -33,8 +33,7 @@ TEST(PictureFiles, OfAStarComeInTheOrderOfTheirNumbers) {
     EXPECT_EQ(rate_of(found), std::nullopt) << "numbers that only count";
     for (const char* name : {"t1.25.png", "t1.3.png", "t1.5.png", "t2.0.png"}) write_bytes(folder / name, "");
     EXPECT_EQ(found_in(folder, "t*.png").keys, (std::vector<double>{1.25, 1.3, 1.5, 2}));
-    EXPECT_NE(message(found_files(folder.path(), "x*.png")).find("no file has such a name"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(found_files(folder.path(), "x*.png"), "no file has such a name"));
 }
 
 TEST(PictureFiles, OfOtherPlanesAreThoseNearestInTime) {
@@ -73,7 +72,7 @@ TEST(PictureFiles, OfAListHaveItsTimes) {
                                                        {"1 a.png\n0.5 b.png", "backward"}};
     for (const auto& [text, words] : bad) {
         write_bytes(folder / "depth.txt", text);
-        EXPECT_NE(message(found_files(folder.path(), "depth.txt")).find(words), std::string::npos) << text;
+        EXPECT_TRUE(is_refused(found_files(folder.path(), "depth.txt"), words)) << text;
     }
 }
 
@@ -149,8 +148,7 @@ TEST(PictureFiles, OfAPlaneHaveNumbersOfTheirOwn) {
     EXPECT_EQ(names(*beside(PlaneRole::haptic)), (Names{"t9.png", "t11.png", "t13.png"})) << "depth's step";
     EXPECT_EQ(names(*beside(PlaneRole::height)), (Names{"h3.png", "h5.png", "h7.png"})) << "depth's numbers";
     std::filesystem::remove(folder / "c104.png");
-    EXPECT_NE(message(beside(PlaneRole::colour)).find("c104.png (colour, frame 1): is missing"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(beside(PlaneRole::colour), "c104.png (colour, frame 1): is missing"));
     source.count = 2;
     EXPECT_EQ(depth_files(folder.path(), source)->count(), 2U);
 }
@@ -177,7 +175,7 @@ TEST(PictureFiles, OfAStarSayWhichNumbersAreMissing) {
     ASSERT_EQ(mkfifo((folder / "d6.png").c_str(), 0600), 0);
     EXPECT_EQ(found_in(folder, "d*.png").remark, "d*.png: missing numbers: 6, 12 to 14");
     FolderSource source{.depth = "d6.png", .colour = "", .haptic = "", .height = ""};
-    EXPECT_NE(message(depth_files(folder.path(), source)).find("is no regular file"), std::string::npos);
+    EXPECT_TRUE(is_refused(depth_files(folder.path(), source), "is no regular file"));
 }
 
 TEST(PictureFiles, OfAStarSayWhichNumbersAreMissingHoweverMany) {

@@ -340,12 +340,10 @@ TEST(PinholeFrames, ASceneWithAColourCameraIsReadAsItIsWritten) {
     EXPECT_EQ(again->scene.colour_camera->from_depth, scene.colour_camera->from_depth);
     std::string skewed = castle_scene();
     skewed.replace(skewed.find("0.99999225"), 5, "0.5555");
-    EXPECT_NE(message(parse_scene(skewed, "scene")).find("does not begin with a rotation"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(parse_scene(skewed, "scene"), "does not begin with a rotation"));
     std::string both = castle_scene();
     both.insert(both.find("\"to_depth\""), "\"from_depth\": [], ");
-    EXPECT_NE(message(parse_scene(both, "scene")).find("left out where from_depth is given"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(parse_scene(both, "scene"), "left out where from_depth is given"));
 }
 
 /// The wall z = 2 m as a lens shows it, and a step of depth that is a straight line in the world.

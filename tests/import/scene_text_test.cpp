@@ -86,10 +86,7 @@ TEST_F(SceneTextClips, AHapticPictureInJpegIsReadAndSaid) {
         folder / "haptic.jpg");
     const auto clip = open(scene_with(R"(ImageTexture { url "depth.png" })", "haptic.jpg"));
     ASSERT_EQ(message(clip), "");
-    bool is_said = false;
-    for (const std::string& note : clip_notes(**clip))
-        is_said = is_said || note.find("haptic is stored as mjpeg") != std::string::npos;
-    EXPECT_TRUE(is_said);
+    EXPECT_TRUE(is_noted(**clip, "haptic is stored as mjpeg"));
     EXPECT_EQ(message(read_all(**clip)), "");
 }
 
@@ -115,16 +112,8 @@ TEST_F(SceneTextClips, ASceneFileMayCallItsDepthDisparities) {
     ASSERT_EQ(message((*writer)->finish()), "");
     write_bytes(folder / "scene.bt",
                 R"(Shape { geometry Depth { texture MovieTexture { url "video.mkv" } } })");
-    EXPECT_NE(message(open_clip(folder / "scene.bt", folder / "other.json"))
-                  .find("video.mkv: depth.coding disparity"),
-              std::string::npos)
-        << message(open_clip(folder / "scene.bt", folder / "other.json"));
-}
-
-bool says_of_it(const ClipReader& clip, const std::string& part) {
-    const auto notes = clip_notes(clip);
-    return std::ranges::any_of(notes,
-                               [&](const std::string& note) { return note.find(part) != std::string::npos; });
+    EXPECT_TRUE(is_refused(open_clip(folder / "scene.bt", folder / "other.json"),
+                           "video.mkv: depth.coding disparity"));
 }
 
 /// A clip whose nodes cannot say all: cut short, of 12 bits, with holes.
@@ -164,8 +153,8 @@ TEST_F(WrittenSceneText, ComesBackWithAllThatNodesCannotSay) {
                                                "my scene_haptic.png", "my scene_height.png"}));
     const auto clip = open_clip(file);
     ASSERT_EQ(message(clip), "");
-    EXPECT_FALSE(says_of_it(**clip, "its nodes say another"));
-    EXPECT_TRUE(says_of_it(**clip, "guessed: the camera"));
+    EXPECT_FALSE(is_noted(**clip, "its nodes say another"));
+    EXPECT_TRUE(is_noted(**clip, "guessed: the camera"));
     Scene read = (*clip)->scene();
     ASSERT_TRUE(read.folder);
     read.folder.reset();
@@ -196,14 +185,13 @@ TEST_F(WrittenSceneText, NodesThatWereEditedStandAndThatIsSaid) {
     change("maxHeight 0", "maxHeight 2");
     const auto clip = open_clip(file);
     ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(says_of_it(
+    EXPECT_TRUE(is_noted(
         **clip, "its nodes say another camera, other planes or ranges than its WorldInfo T3D_SCENE"));
     EXPECT_EQ((*clip)->scene().depth.far, 300);
     EXPECT_EQ((*clip)->scene().height_coding.max_height, 2);
     EXPECT_EQ((*clip)->scene().depth.semantics, DepthSemantics::planar);
     change("farPlane 300", "farPlane 5");
-    EXPECT_NE(message(open_clip(file)).find("my scene.bt: depth.near"), std::string::npos)
-        << message(open_clip(file));
+    EXPECT_TRUE(is_refused(open_clip(file), "my scene.bt: depth.near"));
 }
 
 TEST_F(WrittenSceneText, OnlyPicturesThatNodesNameAreRead) {
@@ -217,9 +205,7 @@ TEST_F(WrittenSceneText, OnlyPicturesThatNodesNameAreRead) {
     EXPECT_EQ((*clip)->scene().folder->depth, "my scene_depth.png");
     write_bytes(file, whole);
     change(R"(\"touchable_scene\": 1,)", R"(\"touchable_scene\": 99,)");
-    EXPECT_NE(message(open_clip(file)).find("my scene.bt: its WorldInfo T3D_SCENE: touchable_scene"),
-              std::string::npos)
-        << message(open_clip(file));
+    EXPECT_TRUE(is_refused(open_clip(file), "my scene.bt: its WorldInfo T3D_SCENE: touchable_scene"));
 }
 
 TEST_F(WrittenSceneText, PicturesThatAreMissingOrOthersAreNamed) {
@@ -229,17 +215,15 @@ TEST_F(WrittenSceneText, PicturesThatAreMissingOrOthersAreNamed) {
     };
     for (const char* role : {"depth", "haptic", "height", "colour"}) {
         std::filesystem::rename(picture(role), folder / "aside");
-        EXPECT_NE(message(open_clip(file)).find("my scene_" + std::string(role) + ".png"), std::string::npos)
-            << role;
+        EXPECT_TRUE(is_refused(open_clip(file), "my scene_" + std::string(role) + ".png")) << role;
         std::filesystem::rename(folder / "aside", picture(role));
     }
     const Image other{7, 5, 1, 3, Samples(105, 9)};
     ASSERT_TRUE(write_png(picture("haptic"), other.view()));
-    EXPECT_TRUE(says_of_it(**open_clip(file), "haptic is 7x5: resampled"));
+    EXPECT_TRUE(is_noted(**open_clip(file), "haptic is 7x5: resampled"));
     const Image small{7, 5, 2, 1, Samples(70, 1)};
     ASSERT_TRUE(write_png(picture("depth"), small.view()));
-    EXPECT_NE(message(open_clip(file)).find("is 7x5, but the scene is 23x14"), std::string::npos)
-        << message(open_clip(file));
+    EXPECT_TRUE(is_refused(open_clip(file), "is 7x5, but the scene is 23x14"));
 }
 
 /// Grey in JPEG is read as depth, and what that does to it is said.
@@ -253,30 +237,26 @@ TEST_F(SceneTextClips, DepthInJpegIsReadAndSaid) {
                 }));
     const auto clip = open(scene_with(R"(ImageTexture { url "depth.jpg" })"));
     ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(says_of_it(**clip, "depth is stored as mjpeg, which changes values"));
+    EXPECT_TRUE(is_noted(**clip, "depth is stored as mjpeg, which changes values"));
     EXPECT_EQ(read_all(**clip)->front().depth.sample(3, 1), 100);
 }
 
 TEST_F(SceneTextClips, NothingOutsideItsFolderIsRead) {
     for (const std::string url :
          {"/etc/depth.png", "../depth.png", "a/../../depth.png", "http://example.org/depth.png", ""})
-        EXPECT_NE(message(open(scene_with("ImageTexture { url \"" + url + "\" }")))
-                      .find("must be a file beside this text"),
-                  std::string::npos)
+        EXPECT_TRUE(is_refused(open(scene_with("ImageTexture { url \"" + url + "\" }")),
+                               "must be a file beside this text"))
             << url;
-    EXPECT_NE(message(open(scene_with("MovieTexture { url [11] }"))).find("is object 11 of an MP4 file"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(open(scene_with("MovieTexture { url [11] }")), "is object 11 of an MP4 file"));
 }
 
 TEST_F(SceneTextClips, ErrorsNameFileLineAndColumn) {
     EXPECT_EQ(message(open("Shape {\n  appearance Nothing {} }")),
               (folder / "scene.bt").string() +
                   ": line 2, column 14: \"Nothing\" is no node that a touchable clip has");
-    EXPECT_NE(message(open(scene_with(R"(ImageTexture { url "none.png" })"))).find("none.png"),
-              std::string::npos);
-    EXPECT_NE(message(open(scene_with(R"(MovieTexture { url "depth.png" })")))
-                  .find("depth and colour must both be"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(open(scene_with(R"(ImageTexture { url "none.png" })")), "none.png"));
+    EXPECT_TRUE(
+        is_refused(open(scene_with(R"(MovieTexture { url "depth.png" })")), "depth and colour must both be"));
 }
 
 }  // namespace

@@ -294,7 +294,7 @@ TEST_F(StoredClips, WhatTheSourceFoundSettlesWhatTheDescriptionLeavesOpen) {
         EXPECT_EQ((*reader)->inputs().front(), "some/file");
     }
     described.unstated.camera = true;
-    EXPECT_NE(message(opened()).find("the clip: camera is missing"), std::string::npos);
+    EXPECT_TRUE(is_refused(opened(), "the clip: camera is missing"));
 }
 
 }  // namespace

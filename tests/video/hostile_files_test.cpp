@@ -57,7 +57,7 @@ TEST(HostileFiles, AFileThatBeginsLikeAJpeg) {
     const TemporaryFolder folder;
     EXPECT_NE(refusal_in(sparse(folder, "\xff\xd8\xff\xe1", 5 * gibibyte), 256).find("larger than 257 MiB"),
               std::string::npos);
-    EXPECT_NE(message(read_image(folder / "large")).find("larger than 257 MiB"), std::string::npos);
+    EXPECT_TRUE(is_refused(read_image(folder / "large"), "larger than 257 MiB"));
 }
 
 TEST(HostileFiles, LargePicturesAreReadUpToTheSizeThatIsSaid) {
@@ -92,9 +92,8 @@ TEST(HostileFiles, OnlyCodecsThatAreNeededAreRead) {
     const TemporaryFolder folder;
     ASSERT_EQ(message(write_clip(folder / "good.mkv", small_scene(64, 48), 2, {true})), "");
     remux(folder / "good.mkv", folder / "clip.mkv", {.transcoded = {{"colour", "msmpeg4v2"}}});
-    EXPECT_NE(message(open_clip(folder / "clip.mkv"))
-                  .find("track colour: has codec msmpeg4v2: must be one of ffv1,"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(open_clip(folder / "clip.mkv"),
+                           "track colour: has codec msmpeg4v2: must be one of ffv1,"));
 }
 
 TEST(HostileFiles, WhatIsQuotedIsShortAndOnOneLine) {

@@ -72,8 +72,7 @@ TEST(Mp4Clip, AnySizeComesBackAndWhatH264HasNotIsRefused) {
     constexpr int sizes[][2] = {{1, 1}, {1, 40}, {40, 1}, {2, 2}, {17, 16}, {16, 33}, {16384, 2}};
     for (const auto& [width, height] : sizes)
         expect_mp4_comes_back(folder / "clip.mp4", scene_of_bits(width, height, 12, 16), 2, all_planes);
-    EXPECT_NE(message(write_mp4(folder / "wide.mp4", small_scene(16385, 1), 1, {})).find("from 1 to 16384"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(write_mp4(folder / "wide.mp4", small_scene(16385, 1), 1, {}), "from 1 to 16384"));
     const Scene largest = small_scene(16384, 16384);
     const std::vector<std::uint8_t> row(16384, 77);
     RawFrame frame;
@@ -154,7 +153,7 @@ void expect_same_by_any_way(const fs::path& file, const Scene& scene, int frames
     const auto again = read_all(**reader);
     ASSERT_EQ(message(again), "");
     EXPECT_EQ(again->size(), static_cast<std::size_t>(frames));
-    EXPECT_NE(message((*reader)->seek(frames + 1)).find("has no frame"), std::string::npos);
+    EXPECT_TRUE(is_refused((*reader)->seek(frames + 1), "has no frame"));
 }
 
 TEST(Mp4Clip, IsReadFromAnyFrameAtAnyRate) {
@@ -173,8 +172,7 @@ TEST(Mp4Clip, IsReadFromAnyFrameAtAnyRate) {
     expect_mp4_comes_back(folder / "clip.mp4", scene, 17, all_planes);
     expect_same_by_any_way(folder / "clip.mp4", scene, 17);
     scene.rate = {1001, 1};
-    EXPECT_NE(message(write_mp4(folder / "fast.mp4", scene, 1, {})).find("a clip has at most 1000"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(write_mp4(folder / "fast.mp4", scene, 1, {}), "a clip has at most 1000"));
 }
 
 TEST(Mp4Clip, OneFrameIsAClip) {
@@ -182,8 +180,7 @@ TEST(Mp4Clip, OneFrameIsAClip) {
     const Scene scene = scene_of_bits(16, 12, 16, 8);
     expect_mp4_comes_back(folder / "clip.mp4", scene, 1, all_planes);
     expect_same_by_any_way(folder / "clip.mp4", scene, 1);
-    EXPECT_NE(message(write_mp4(folder / "none.mp4", scene, 0, {})).find("no frame was given"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(write_mp4(folder / "none.mp4", scene, 0, {}), "no frame was given"));
     EXPECT_FALSE(fs::exists(folder / "none.mp4"));
 }
 
@@ -289,17 +286,13 @@ TEST(Mp4Clip, ASceneThatWasEditedStandsOverItsTagAndSaysSo) {
     ASSERT_EQ(message(frame), "");
     EXPECT_TRUE(same_plane((*frame)->depth, test_frame(scene, 0, all_planes).depth)) << "with its low bits";
     const auto far = opened([](mpeg4::ClipNodes& nodes) { nodes.far = 5; });
-    EXPECT_NE(message(far).find("edited.mp4: its MPEG-4 scene: depth.near"), std::string::npos)
-        << message(far);
+    EXPECT_TRUE(is_refused(far, "edited.mp4: its MPEG-4 scene: depth.near"));
     const auto flat = opened([](mpeg4::ClipNodes& nodes) { nodes.pixel_width = 0; });
-    EXPECT_NE(message(flat).find("focalLength and pixelWidth must be above 0"), std::string::npos)
-        << message(flat);
+    EXPECT_TRUE(is_refused(flat, "focalLength and pixelWidth must be above 0"));
     const auto shared = opened([](mpeg4::ClipNodes& nodes) { nodes.haptic = nodes.colour; });
-    EXPECT_NE(message(shared).find("its haptic is the same track as its colour"), std::string::npos)
-        << message(shared);
+    EXPECT_TRUE(is_refused(shared, "its haptic is the same track as its colour"));
     const auto missing = opened([](mpeg4::ClipNodes& nodes) { nodes.haptic->url.object = 77; });
-    EXPECT_NE(message(missing).find("haptic is object 77, which is no track"), std::string::npos)
-        << message(missing);
+    EXPECT_TRUE(is_refused(missing, "haptic is object 77, which is no track"));
 }
 
 TEST(Mp4Clip, AnotherSceneThanItsOwnIsReadWithAllBits) {
@@ -318,8 +311,7 @@ TEST(Mp4Clip, AnotherSceneThanItsOwnIsReadWithAllBits) {
     scene.depth.code_max = 65535;
     derive_valid_range(scene.depth);
     write_bytes(folder / "scene.json", scene_to_json(scene));
-    EXPECT_NE(message(open_clip(folder / "clip.mp4", folder / "scene.json")).find("is 12-bit grey"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(open_clip(folder / "clip.mp4", folder / "scene.json"), "is 12-bit grey"));
 }
 
 TEST(Mp4Clip, WithoutTagsItsSceneDescribesItAndLowBitsAreSaidToBeLeftOut) {
@@ -426,11 +418,10 @@ TEST(Mp4Clip, AForeignFileWithAnotherSceneIsAVideoToWhoeverDescribesIt) {
         EXPECT_TRUE(same_plane((*frames)[2].depth, test_frame(scene, 2, {}).depth));
         // A clip of ours has tags, by which a scene file is enough.
         EXPECT_EQ(message(opened(with_scene(tagged, other), true)), "");
-        EXPECT_NE(message(opened(with_scene(tagged, other), false)).find("describe it with a scene file"),
-                  std::string::npos);
+        EXPECT_TRUE(is_refused(opened(with_scene(tagged, other), false), "describe it with a scene file"));
     }
     const auto unknown = opened(with_scene(bare, ""), false);
-    EXPECT_NE(message(unknown).find("its MPEG-4 scene is damaged"), std::string::npos) << message(unknown);
+    EXPECT_TRUE(is_refused(unknown, "its MPEG-4 scene is damaged"));
 }
 
 TEST(Mp4Clip, TimesThatAreTooFewAreToldByTheNameOfTheirTag) {
