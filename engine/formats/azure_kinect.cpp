@@ -117,8 +117,9 @@ Result<StoredImage> first_depth(VideoFile& video) {
 
 }  // namespace
 
-bool is_k4a_recording(const SourceFile& file) {
-    const auto opened = Demuxer::open_matroska(file);
+bool is_k4a_recording(const Candidate& file) {
+    if (!file.begin.starts_with(matroska_magic)) return false;
+    const auto opened = Demuxer::open_matroska(file.source);
     return opened && ((*opened)->tag("K4A_DEPTH_MODE") || (*opened)->attachment(calibration_file)) &&
            size_of_track((*opened)->container(), "DEPTH");
 }
@@ -146,10 +147,8 @@ Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& 
         said.intrinsics = Intrinsics{camera.fx, camera.fy, camera.cx, camera.cy};
         add_remark(remarks, {"the cameras are those of the recording's calibration.json"});
     }
-    auto guessed = guess_scene(file.path().parent_path(), first, said);
-    if (!guessed) return error_at(file.string(), guessed.error());
-    Scene& scene = guessed->scene;
-    scene.name = file.path().stem().string();
+    TRY_ASSIGN(auto guessed, guess_scene(file.path(), first, said));
+    Scene& scene = guessed.scene;
     scene.rate = video->rate();
     scene.video.emplace().depth = file.path().filename().string();
     if (colour_size) scene.video->colour = scene.video->depth;
@@ -163,7 +162,7 @@ Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& 
     if (auto valid = validate(scene); !valid)
         return input_error(file.string() + ": its " + calibration_file + ": " + valid.error().message);
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
-    guessed->video = std::move(video);
+    guessed.video = std::move(video);
     return guessed;
 }
 

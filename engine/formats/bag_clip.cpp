@@ -330,11 +330,11 @@ bool tell_times(const std::vector<Stamped>& depth, const std::vector<Stamped>& c
 /// The depth of a recording, and the colour that goes with it, picture by picture.
 class BagRecording final : public FrameSource {
 public:
-    static Result<BagRecording> open(const SourceFile& file) {
-        BagRecording recording;
-        TRY_ASSIGN(recording.bag_, BagFile::open(file));
-        TRY_ASSIGN(recording.streams_, choose_bag_streams(*recording.bag_));
-        TRY(recording.put_in_order());
+    static Result<std::shared_ptr<BagRecording>> open(const SourceFile& file) {
+        auto recording = std::make_shared<BagRecording>();
+        TRY_ASSIGN(recording->bag_, BagFile::open(file));
+        TRY_ASSIGN(recording->streams_, choose_bag_streams(*recording->bag_));
+        TRY(recording->put_in_order());
         return recording;
     }
 
@@ -490,21 +490,21 @@ void say_streams(BagRecording& recording, std::vector<Remark>& remarks) {
         add_remark(remarks, {left_out});
 }
 
-Result<GuessedScene> guessed_scene(BagRecording& recording, const fs::path& file,
-                                   const SourceDescription& known) {
+}  // namespace
+
+Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& known) {
+    TRY_ASSIGN(const auto recording, BagRecording::open(file));
     std::vector<Remark> remarks;
-    say_streams(recording, remarks);
-    TRY_ASSIGN(const auto said, completed(recording, known, remarks));
-    TRY_ASSIGN(const auto first, recording.stored(PlaneRole::depth, 0));
-    auto guessed = guess_scene(file.parent_path(), first, said);
-    if (!guessed) return error_at(file.string(), guessed.error());
-    Scene& scene = guessed->scene;
-    scene.name = file.stem().string();
-    scene.video.emplace().depth = file.filename().string();
-    TRY(add_cameras(recording, scene, remarks));
+    say_streams(*recording, remarks);
+    TRY_ASSIGN(const auto said, completed(*recording, known, remarks));
+    TRY_ASSIGN(const auto first, recording->stored(PlaneRole::depth, 0));
+    TRY_ASSIGN(auto guessed, guess_scene(file.path(), first, said));
+    Scene& scene = guessed.scene;
+    scene.video.emplace().depth = file.path().filename().string();
+    TRY(add_cameras(*recording, scene, remarks));
     if (auto valid = validate(scene); !valid)
         return input_error(file.string() + ": its cameras are damaged: " + valid.error().message);
-    const auto rate = rate_of_seconds(recording.times());
+    const auto rate = rate_of_seconds(recording->times());
     if (rate) scene.rate = *rate;
     add_remark(remarks, {short_number(scene.rate.per_second()) + " frames a second" +
                              (scene.rate.own_times ? " on average, each at its own time"
@@ -512,31 +512,25 @@ Result<GuessedScene> guessed_scene(BagRecording& recording, const fs::path& file
                                                    : ""),
                          !rate});
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
+    guessed.recording = recording;
     return guessed;
 }
 
-}  // namespace
-
-Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& known) {
-    TRY_ASSIGN(auto recording, BagRecording::open(file));
-    return guessed_scene(recording, file.path(), known);
-}
-
-Opened open_bag_clip(const SourceFile& file, const std::optional<SceneDescription>& described,
-                     const SourceDescription& known, Colour colour) {
-    TRY_ASSIGN(auto recording, BagRecording::open(file));
-    TRY_ASSIGN(auto made, described ? Result<GuessedScene>(GuessedScene{*described, {}, {}, {}})
-                                    : guessed_scene(recording, file.path(), known));
-    if (described) say_streams(recording, made.scene.remarks);
-    StoredClip clip{recording.bag().name(), made};
-    clip.count = recording.count();
+Opened open_bag_clip(const Candidate& file) {
+    GuessedScene scene = *file.scene;
+    auto recording = std::static_pointer_cast<BagRecording>(scene.recording);
+    if (!recording) {
+        TRY_ASSIGN(recording, BagRecording::open(file.source));
+        say_streams(*recording, scene.scene.remarks);
+    }
+    StoredClip clip{recording->bag().name(), std::move(scene)};
+    clip.count = recording->count();
     clip.roles = {PlaneRole::depth};
-    if (recording.has_colour()) clip.roles.push_back(PlaneRole::colour);
-    clip.found.rate = rate_of_seconds(recording.times());
-    clip.inputs = made.inputs;
-    clip.inputs.insert(clip.inputs.begin(), file.path());
-    clip.pictures = std::make_unique<BagRecording>(std::move(recording));
-    return open_stored_clip(std::move(clip), colour);
+    if (recording->has_colour()) clip.roles.push_back(PlaneRole::colour);
+    clip.found.rate = rate_of_seconds(recording->times());
+    clip.inputs = {file.source.path()};
+    clip.pictures = std::move(recording);
+    return open_stored_clip(std::move(clip), file.wanted.colour);
 }
 
 Result<std::optional<fs::path>> ros2_recording_in(const fs::path& folder) {

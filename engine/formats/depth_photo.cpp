@@ -227,20 +227,14 @@ XmpProperties properties_of(const XmpEntries& entries) {
     return properties;
 }
 
-std::optional<XmpProperties> parse_xmp(std::string_view packet) {
-    const auto entries = parse_xmp_entries(packet);
-    if (!entries) return std::nullopt;
-    return properties_of(*entries);
-}
-
 std::optional<double> xmp_number(const XmpProperties& xmp, std::string_view name) {
     const auto found = xmp.find(name);
     return found == xmp.end() ? std::nullopt : parsed_number(found->second);
 }
 
-Result<std::unique_ptr<ClipReader>> open_depth_photo(const std::filesystem::path& file, DepthPhoto photo,
-                                                     const std::optional<SceneDescription>& described,
-                                                     const SourceDescription& known) {
+Opened open_depth_photo(const Candidate& candidate, DepthPhoto photo) {
+    const std::filesystem::path& file = candidate.source.path();
+    const SourceDescription& known = candidate.wanted.known;
     if (known.metres_per_code || !known.preset.empty())
         return usage_error(file.string() +
                                ": says itself what its depths are, so a unit or a preset says nothing of it: "
@@ -248,8 +242,8 @@ Result<std::unique_ptr<ClipReader>> open_depth_photo(const std::filesystem::path
                            {{Setting::depth_unit}, {Setting::preset}});
     photo.depth.image = upright(photo.depth.image, photo.depth_turn);
     photo.colour.image = upright(photo.colour.image, photo.colour_turn);
-    TRY_ASSIGN(auto scene,
-               described ? Result<SceneDescription>(*described) : described_photo(file, photo, known));
+    TRY_ASSIGN(auto scene, candidate.scene ? Result<SceneDescription>(*candidate.scene)
+                                           : described_photo(file, photo, known));
     StoredClip clip{file.string(), std::move(scene)};
     if (photo.colour_turn != Orientation{})
         clip.notes.emplace_back("the picture is turned upright, as its orientation says");

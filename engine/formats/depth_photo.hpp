@@ -6,12 +6,8 @@
 
 #include <map>
 
-#include "engine/base/files.hpp"
-#include "engine/base/result.hpp"
-#include "engine/clip/clip.hpp"
-#include "engine/formats/source_description.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/scene/scene.hpp"
 
 struct heif_depth_representation_info;
 
@@ -57,7 +53,6 @@ using XmpEntries = std::vector<XmpEntry>;
 /// Properties of one packet: attributes, and elements that hold nothing but text (an empty one has no
 /// value). Nothing where it is not well-formed.
 std::optional<XmpEntries> parse_xmp_entries(std::string_view packet);
-std::optional<XmpProperties> parse_xmp(std::string_view packet);
 
 /// The last of each name.
 XmpProperties properties_of(const XmpEntries& entries);
@@ -83,10 +78,8 @@ struct DepthPhoto {
 };
 
 /// A clip of one frame, of depth's size. Camera: as known, by the file's, by its focal length, or 60 degrees
-/// wide. What is guessed is noted. `described` replaces the scene made from the photograph.
-Result<std::unique_ptr<ClipReader>> open_depth_photo(const std::filesystem::path& file, DepthPhoto photo,
-                                                     const std::optional<SceneDescription>& described,
-                                                     const SourceDescription& known);
+/// wide. What is guessed is noted. The file's scene replaces the one made from the photograph.
+Opened open_depth_photo(const Candidate& file, DepthPhoto photo);
 
 // --- JPEG
 
@@ -97,9 +90,7 @@ Result<std::unique_ptr<ClipReader>> open_depth_photo(const std::filesystem::path
 bool has_jpeg_depth(const SourceFile& file);
 
 /// A clip of one frame as of open_depth_photo; the JPEG's own picture is its colour.
-Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const SourceFile& file,
-                                                    const std::optional<SceneDescription>& described,
-                                                    const SourceDescription& known);
+Opened open_jpeg_depth(const Candidate& file);
 
 /// The contents of a JPEG's segments APP1, up to its picture. Nothing where a segment is cut.
 std::optional<std::vector<std::string_view>> app1_segments(std::string_view jpeg);
@@ -131,12 +122,10 @@ std::optional<Intrinsics> dynamic_depth_camera(const XmpProperties& xmp);
 // decodes them; what it hides or would trip over is read of the file's boxes here.
 
 /// Whether a file is one of these, by its first 12 bytes.
-bool is_heif(std::string_view begin);
+bool is_heif(const Candidate& file);
 
 /// A clip of one frame as of open_depth_photo.
-Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
-                                                    const std::optional<SceneDescription>& described,
-                                                    const SourceDescription& known);
+Opened open_heic_image(const Candidate& file);
 
 /// How each picture of a HEIF file is turned and mirrored, by its number; those without such properties are
 /// left out. libheif applies them and does not tell. Of a file that is cut, what is there.

@@ -25,14 +25,6 @@ constexpr int deepest_code = DepthCoding::hue_circle - DepthCoding::hue_circle /
 /// blocks' dark rims.
 constexpr FilterSettings usual_filter{5, 2};
 
-/// Of digits that are nothing but a number.
-std::optional<double> finite_number(std::string_view digits) {
-    double number = 0;
-    const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (failure != std::errc() || end != digits.data() + digits.size() || !std::isfinite(number)) return {};
-    return number;
-}
-
 /// The few fields that matter, of a YAML text that Unity wrote.
 class DepthkitMetadata {
 public:
@@ -67,7 +59,7 @@ public:
 
     Result<double> number(std::string_view field) const {
         TRY_ASSIGN(const auto value, text(field));
-        if (const auto number = finite_number(value)) return *number;
+        if (const auto number = parsed_number(value)) return *number;
         return refuse(field, value, "a number");
     }
 
@@ -80,7 +72,7 @@ public:
             const std::string_view part = trimmed(rest.substr(0, end));
             rest.remove_prefix(std::min(end + 1, rest.size()));
             if (!part.starts_with(name) || part.substr(name.size(), 1) != ":") continue;
-            if (const auto number = finite_number(trimmed(part.substr(name.size() + 1)))) return *number;
+            if (const auto number = parsed_number(trimmed(part.substr(name.size() + 1)))) return *number;
             break;
         }
         return refuse(field, value, "such as {x: 512, y: 424}, with a number " + std::string(name));
@@ -329,14 +321,15 @@ Result<SceneDescription> read_depthkit_metadata(const std::filesystem::path& fil
     return scene_from(metadata);
 }
 
-Opened open_depthkit_clip(const SourceFile& video, const std::filesystem::path& metadata,
-                          const std::optional<SceneDescription>& described) {
-    auto pictures = std::make_unique<DepthkitPictures>(video);
+Opened open_depthkit_clip(const Candidate& video) {
+    const std::filesystem::path& file = video.source.path();
+    const std::filesystem::path metadata = file.parent_path() / depthkit_metadata_name(file);
+    auto pictures = std::make_unique<DepthkitPictures>(video.source);
     TRY(pictures->open());
     TRY_ASSIGN(auto scene,
-               described ? Result<SceneDescription>(*described) : read_depthkit_metadata(metadata));
-    if (!described) scene.scene.name = video.path().stem().string();
-    StoredClip clip{video.string(), std::move(scene)};
+               video.scene ? Result<SceneDescription>(*video.scene) : read_depthkit_metadata(metadata));
+    if (!video.scene) scene.scene.name = file.stem().string();
+    StoredClip clip{file.string(), std::move(scene)};
     const FrameRate& rate = pictures->rate();
     if (!clip.described.unstated.rate)
         if (auto note = clip_tags::rate_note(clip.described.scene.rate, rate))
@@ -344,7 +337,7 @@ Opened open_depthkit_clip(const SourceFile& video, const std::filesystem::path& 
     clip.count = pictures->count();
     clip.roles = {PlaneRole::depth, PlaneRole::colour};
     clip.found.rate = rate;
-    clip.inputs = {video.path(), metadata};
+    clip.inputs = {file, metadata};
     clip.pictures = std::move(pictures);
     return open_stored_clip(std::move(clip));
 }

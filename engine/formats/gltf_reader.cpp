@@ -12,7 +12,6 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/formats/open_clip.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/touch_maps.hpp"
 #include "engine/scene/checked_json.hpp"
@@ -452,12 +451,13 @@ std::optional<Node> own_extras(const Node& mesh) {
 
 class GltfClip {
 public:
-    GltfClip(const SourceFile& source, std::string_view bytes)
-        : gltf_(source.path(), bytes),
-          folder_(source.path().parent_path()),
+    GltfClip(const Candidate& file, std::string_view bytes)
+        : file_(file),
+          gltf_(file.source.path(), bytes),
+          folder_(file.home()),
           own_(first_of(gltf_.root(), "meshes",
                         [](const Node& mesh, std::size_t) { return own_extras(mesh); })) {}
-    Opened open(const std::optional<SceneDescription>& replacement, Colour colour);
+    Opened open();
 
 private:
     std::string name_beside(const std::string& uri) const;
@@ -481,9 +481,10 @@ private:
     }
     const ClipTexture& depth() const { return *planes_.front(); }
     std::vector<std::filesystem::path> files_of_others() const;
-    Opened open_tracks(const SceneDescription& described, Colour colour) const;
-    Opened open_files(SceneDescription described, Colour colour) const;
+    Opened open_tracks(const SceneDescription& described) const;
+    Opened open_files(SceneDescription described) const;
 
+    const Candidate& file_;
     GltfFile gltf_;
     std::filesystem::path folder_;
     const std::optional<Node> own_;  // what we wrote of it
@@ -621,10 +622,9 @@ SceneDescription GltfClip::assumed() const {
     coding.far = far;
     StoredImage size;
     size.image = {video->width, video->height, 1, 1, {}};
-    auto guessed = guess_scene(folder_, size, {}, &coding);
+    auto guessed = guess_scene(gltf_.file(), size, {}, &coding);
     if (!guessed) throw guessed.error();
     Scene& scene = guessed->scene;
-    scene.name = gltf_.file().stem().string();
     for (Remark& remark : scene.remarks)
         if (remark.is_guess || !remark.hints.empty()) remark.hints = {{Setting::scene_file, "FILE"}};
     add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
@@ -694,7 +694,7 @@ void GltfClip::take_touch(Scene& scene) {
 }
 
 /// Tracks of one file, and pictures beside them.
-Opened GltfClip::open_tracks(const SceneDescription& described, Colour colour) const {
+Opened GltfClip::open_tracks(const SceneDescription& described) const {
     const std::string& file = depth().video->file;
     PlaneTracks tracks;
     StillMaps maps = maps_;
@@ -715,13 +715,13 @@ Opened GltfClip::open_tracks(const SceneDescription& described, Colour colour) c
                           " tracks of its file: must be one, or one of the high bits and one of the low"};
         tracks[static_cast<std::size_t>(role)] = numbers;
     }
-    auto reader = open_mp4_tracks(SourceFile(folder_ / file), tracks, described, colour);
+    auto reader = open_mp4_tracks(SourceFile(folder_ / file), tracks, described, file_.wanted.colour);
     if (!maps.haptic && !maps.height) return reader;
     return with_still_maps(std::move(reader), maps);
 }
 
 /// Pictures; or videos, each a file of its own.
-Opened GltfClip::open_files(SceneDescription described, Colour colour) const {
+Opened GltfClip::open_files(SceneDescription described) const {
     FolderSource files;
     const bool is_moving = depth().video.has_value();
     for (const PlaneRole role : all_roles) {
@@ -747,22 +747,23 @@ Opened GltfClip::open_files(SceneDescription described, Colour colour) const {
         files.count = 1;
         scene.folder = std::move(files);
     }
-    auto reader = is_moving ? open_video_clip(folder_, described, colour)
-                            : open_image_folder(folder_, described, {}, colour);
+    const auto open_planes = is_moving ? open_videos : open_image_folder;
+    auto reader = open_planes(folder_, GuessedScene{std::move(described)}, file_.wanted.colour,
+                              DepthAlignment::automatic);
     return maps_.haptic ? with_still_maps(std::move(reader), maps_) : std::move(reader);
 }
 
-Opened GltfClip::open(const std::optional<SceneDescription>& replacement, Colour colour) {
+Opened GltfClip::open() {
     find_planes();
-    SceneDescription scene = replacement ? *replacement : described();
-    if (!replacement && touch_) take_touch(scene.scene);
+    SceneDescription scene = file_.scene ? SceneDescription(*file_.scene) : described();
+    if (!file_.scene && touch_) take_touch(scene.scene);
     if (touch_ && !maps_.haptic)  // otherwise the map says so
         for (const std::string& note : touch_->notes) add_remark(remarks_, {note});
     scene.scene.remarks = joined_remarks(std::move(scene.scene.remarks), remarks_);
     scene.scene.folder.reset();
     scene.scene.video.reset();
     const bool has_tracks = depth().video && !depth().video->tracks.empty();
-    auto reader = has_tracks ? open_tracks(scene, colour) : open_files(std::move(scene), colour);
+    auto reader = has_tracks ? open_tracks(scene) : open_files(std::move(scene));
     if (sources_) reader = with_touch_videos(std::move(reader), *sources_);
     if (!reader) return reader;
     (*reader)->add_input(gltf_.file());
@@ -808,16 +809,15 @@ Result<HapticLayers> read_gltf_material(const std::filesystem::path& file, std::
     });
 }
 
-bool is_gltf(const SourceFile& file) {
-    const std::string ending = small_letters(file.path().extension().string());
-    return ending == ".gltf" || ending == ".glb" || first_bytes(file, 4) == "glTF";
+bool is_gltf(const Candidate& file) {
+    const std::string ending = small_letters(file.source.path().extension().string());
+    return ending == ".gltf" || ending == ".glb" || file.begin.starts_with("glTF");
 }
 
-Opened open_gltf_clip(const SourceFile& file, const std::optional<SceneDescription>& described,
-                      Colour colour) {
+Opened open_gltf_clip(const Candidate& file) {
     constexpr std::size_t largest = std::size_t{64} << 20;
-    TRY_ASSIGN(const auto bytes, file.read("a glTF scene", largest));
-    return read_gltf(file.path(), [&] { return GltfClip(file, bytes).open(described, colour); });
+    TRY_ASSIGN(const auto bytes, file.source.read("a glTF scene", largest));
+    return read_gltf(file.source.path(), [&] { return GltfClip(file, bytes).open(); });
 }
 
 }  // namespace touchable

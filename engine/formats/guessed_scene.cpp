@@ -11,7 +11,6 @@
 #include "engine/clip/readers.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_read.hpp"
-#include "engine/formats/open_clip.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/value_evidence.hpp"
@@ -263,7 +262,7 @@ public:
     /// Of depth as in this picture; `coding`, if any, stands, whatever its values are.
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
                           const DepthCoding* coding = nullptr);
-    GuessedScene made() { return {std::move(described_), std::move(inputs_), {}, {}}; }
+    GuessedScene made() { return {std::move(described_), std::move(inputs_)}; }
     Scene& scene() { return scene_; }
     void say(std::string guess, std::string otherwise = {}, Hints hints = {}) {
         add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints)});
@@ -728,17 +727,23 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     return made;
 }
 
-Result<GuessedScene> guess_scene(const fs::path& folder, const StoredImage& depth,
+Result<GuessedScene> guess_scene(const fs::path& file, const StoredImage& depth,
                                  const SourceDescription& known, const DepthCoding* coding) {
-    TRY_ASSIGN(const auto preset, known_preset(known));
-    SceneGuess guess(known, preset);
-    TRY(guess.describe(folder, depth, coding));
+    const auto preset = known_preset(known);
+    if (!preset) return error_at(file.string(), preset.error());
+    SceneGuess guess(known, *preset);
+    if (auto described = guess.describe(file.parent_path(), depth, coding); !described)
+        return error_at(file.string(), described.error());
+    guess.scene().name = file.stem().string();
     return guess.made();
 }
 
 Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
                                       std::vector<fs::path>& inputs) {
-    TRY_ASSIGN(auto guessed, guess_scene("/dev", first, known));  // where no camera's file lies
+    TRY_ASSIGN(const auto preset, known_preset(known));
+    SceneGuess guess(known, preset);
+    TRY(guess.describe("/dev", first));  // where no camera's file lies
+    GuessedScene guessed = guess.made();
     inputs = std::move(guessed.inputs);
     return SceneDescription(std::move(guessed));
 }
@@ -747,8 +752,6 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const fs::path& file = source.path();
     TRY_ASSIGN(const auto preset, known_preset(known));
     const std::string name = file.filename().string();
-    if (!is_still(name))
-        return input_error(file.string() + ": has a % or * in its name, which stand for numbers: rename it");
     const auto pictures = std::make_shared<ReadPictures>(source);
     pictures->trust_from(known.least_confidence);
     TRY_ASSIGN(const auto told, telling_depth({file}, *pictures));

@@ -472,18 +472,17 @@ private:
 
 }  // namespace
 
-bool is_heif(std::string_view begin) {
+bool is_heif(const Candidate& file) {
+    const std::string_view begin = file.begin;
     constexpr std::string_view brands[] = {"heic", "heix", "heim", "heis", "hevc", "hevx",
                                            "mif1", "mif2", "msf1", "avif", "avis"};
     return begin.size() >= 12 && begin.substr(4, 4) == "ftyp" &&
            std::find(std::begin(brands), std::end(brands), begin.substr(8, 4)) != std::end(brands);
 }
 
-Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
-                                                    const std::optional<SceneDescription>& described,
-                                                    const SourceDescription& known) {
-    TRY_ASSIGN(auto whole, read_picture_bytes(file));
-    auto read = unless_stopped([bytes = std::move(whole), where = file.string()]() mutable {
+Opened open_heic_image(const Candidate& file) {
+    TRY_ASSIGN(auto whole, read_picture_bytes(file.source));
+    auto read = unless_stopped([bytes = std::move(whole), where = file.source.string()]() mutable {
         try {  // libheif's own containers
             return HeicImage(std::move(bytes), where).read();
         } catch (const std::bad_alloc&) {
@@ -493,7 +492,7 @@ Result<std::unique_ptr<ClipReader>> open_heic_image(const SourceFile& file,
     });
     if (!read) return interrupted_error();
     if (!*read) return read->error();
-    return open_depth_photo(file.path(), std::move(**read), described, known);
+    return open_depth_photo(file, std::move(**read));
 }
 
 std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file) {

@@ -16,7 +16,6 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_written.hpp"
-#include "engine/formats/open_clip.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/stored_clip.hpp"
@@ -509,22 +508,17 @@ bool is_picture_name(const std::string& name) {
 
 }  // namespace
 
-Opened open_image_folder(const fs::path& folder, const SceneDescription& described,
-                         std::vector<std::string> notes, Colour colour, std::shared_ptr<ReadPictures> opened,
+Opened open_image_folder(const fs::path& folder, const GuessedScene& described, Colour colour,
                          DepthAlignment alignment) {
-    if (!described.scene.folder)
-        return input_error(
-            folder.string() +
-            ": is a folder, but its scene file has no member \"folder\" that says which images to read");
     StoredClip clip{folder.string(), described};
-    clip.notes = std::move(notes);
+    clip.notes = described.notes;
     clip.alignment = alignment;
     StillMaps maps;
     if (std::string& haptic = clip.described.scene.folder->haptic; is_surface_file(haptic)) {
         maps.haptic = folder / haptic;
         haptic.clear();
     }
-    auto pictures = std::make_unique<FolderPictures>(folder, described.scene, std::move(opened));
+    auto pictures = std::make_unique<FolderPictures>(folder, described.scene, described.pictures);
     TRY(pictures->find(clip, colour));
     clip.pictures = std::move(pictures);
     return with_still_maps(open_stored_clip(std::move(clip), colour), maps);

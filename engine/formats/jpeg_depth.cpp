@@ -280,12 +280,10 @@ bool has_jpeg_depth(const SourceFile& file) {
     return xmp && (xmp->contains("GDepth:Data") || has_dynamic_depth(*xmp));
 }
 
-Result<std::unique_ptr<ClipReader>> open_jpeg_depth(const SourceFile& file,
-                                                    const std::optional<SceneDescription>& described,
-                                                    const SourceDescription& known) {
-    TRY_ASSIGN(auto bytes, read_picture_bytes(file));
-    TRY_ASSIGN(auto photo, JpegDepth(std::move(bytes), file.string()).read(!described));
-    return open_depth_photo(file.path(), std::move(photo), described, known);
+Opened open_jpeg_depth(const Candidate& file) {
+    TRY_ASSIGN(auto bytes, read_picture_bytes(file.source));
+    TRY_ASSIGN(auto photo, JpegDepth(std::move(bytes), file.source.string()).read(!file.scene));
+    return open_depth_photo(file, std::move(photo));
 }
 
 std::optional<std::vector<std::string_view>> app1_segments(std::string_view jpeg) {

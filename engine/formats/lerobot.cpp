@@ -204,12 +204,12 @@ private:
     Result<void> add(const RawFrame& frame) override {
         if (!encoder_) TRY(begin());
         const FramePtr picture(av_frame_alloc());
-        if (!picture) return failed("out of memory");
+        if (!picture) return memory_error();
         picture->width = scene_.width;
         picture->height = scene_.height;
         picture->format = AV_PIX_FMT_GRAY12;
         picture->color_range = AVCOL_RANGE_JPEG;
-        if (av_frame_get_buffer(picture.get(), 0) < 0) return failed("out of memory");
+        if (av_frame_get_buffer(picture.get(), 0) < 0) return memory_error();
         for (int y = 0; y < scene_.height; ++y)
             std::memcpy(picture->data[0] + std::ptrdiff_t{picture->linesize[0]} * y, frame.depth.row(y),
                         2 * static_cast<std::size_t>(scene_.width));
@@ -227,7 +227,7 @@ private:
             return failed("this machine's libx265 was built without 12 bits (gray12le)");
         encoder_.reset(avcodec_alloc_context3(codec));
         AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
-        if (!encoder_ || !stream) return failed("out of memory");
+        if (!encoder_ || !stream) return memory_error();
         encoder_->width = scene_.width;
         encoder_->height = scene_.height;
         encoder_->pix_fmt = AV_PIX_FMT_GRAY12;
@@ -242,8 +242,7 @@ private:
         if (status < 0)
             return usage_error("pictures of " + std::to_string(scene_.width) + "x" +
                                std::to_string(scene_.height) + " cannot be HEVC: " + ffmpeg_text(status));
-        if (avcodec_parameters_from_context(stream->codecpar, encoder_.get()) < 0)
-            return failed("out of memory");
+        if (avcodec_parameters_from_context(stream->codecpar, encoder_.get()) < 0) return memory_error();
         stream->codecpar->codec_tag = MKTAG('h', 'v', 'c', '1');
         stream->id = 1;
         stream->time_base = tick();
@@ -255,7 +254,7 @@ private:
         int status = avcodec_send_frame(encoder_.get(), picture);
         while (status >= 0) {
             const PacketPtr packet(av_packet_alloc());
-            if (!packet) return failed("out of memory");
+            if (!packet) return memory_error();
             status = avcodec_receive_packet(encoder_.get(), packet.get());
             if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return {};
             if (status < 0) break;

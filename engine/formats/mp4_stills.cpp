@@ -21,6 +21,12 @@
 namespace touchable {
 namespace {
 
+/// What the file's movie box says, but for where samples are.
+Result<mpeg4::Bytes> movie_of(const SourceFile& file) {
+    TRY_ASSIGN(const auto bytes, bytes_of_file(file));
+    return mpeg4::movie_head_of(*bytes);
+}
+
 /// Nothing where the scene has no such plane. Errors have no place.
 Result<std::optional<mpeg4::FirstSample>> sample_of_plane(const mpeg4::Bytes& movie, const Mp4Scene& scene,
                                                           PlaneRole role) {
@@ -57,8 +63,7 @@ public:
 
     Result<void> find(const Mp4Scene& scene, StoredClip& clip) {
         TRY(check_textures(scene.nodes, file_));
-        const auto bytes = bytes_of_file(source_);
-        const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
+        const auto movie = movie_of(source_);
         if (!movie) return error_at(file_, movie.error());
         for (const PlaneRole role : all_roles) {
             const auto sample = sample_of_plane(*movie, scene, role);
@@ -175,7 +180,7 @@ private:
 
     Result<void> add_track(AVFormatContext& muxer, const Still& still) const {
         AVStream* const stream = avformat_new_stream(&muxer, nullptr);
-        if (!stream) return refuse("out of memory");
+        if (!stream) return memory_error();
         AVCodecParameters& stored = *stream->codecpar;
         stored.codec_type = AVMEDIA_TYPE_VIDEO;
         stored.codec_id = AV_CODEC_ID_PNG;
@@ -191,8 +196,7 @@ private:
     Result<void> add_picture(AVFormatContext& muxer, std::size_t track) const {
         const std::string& png = stills_[track].png;
         const PacketPtr packet(av_packet_alloc());
-        if (!packet || av_new_packet(packet.get(), static_cast<int>(png.size())) < 0)
-            return refuse("out of memory");
+        if (!packet || av_new_packet(packet.get(), static_cast<int>(png.size())) < 0) return memory_error();
         std::memcpy(packet->data, png.data(), png.size());
         packet->stream_index = static_cast<int>(track);
         packet->pts = packet->dts = 0;
@@ -260,26 +264,26 @@ private:
 bool is_mp4_stills(const SourceFile& file) {
     const auto scene = read_mp4_scene(file);
     if (!scene || !*scene || (*scene)->nodes.depth.is_movie) return false;
+    const auto movie = movie_of(file);
+    if (!movie) return false;
+    const auto sample = sample_of_plane(*movie, **scene, PlaneRole::depth);
     const auto bytes = bytes_of_file(file);
-    const auto movie = bytes ? mpeg4::movie_head_of(**bytes) : Result<mpeg4::Bytes>(bytes.error());
-    const auto sample = movie ? sample_of_plane(*movie, **scene, PlaneRole::depth)
-                              : Result<std::optional<mpeg4::FirstSample>>(movie.error());
-    if (!sample || !*sample) return false;
+    if (!sample || !*sample || !bytes) return false;
     constexpr std::uint64_t told_by = 16;
     const auto begin = mpeg4::bytes_at(**bytes, (*sample)->at, std::min(told_by, (*sample)->bytes));
     return begin && is_png_or_jpeg(*begin);
 }
 
-Opened open_mp4_stills(const SourceFile& file, const std::optional<SceneDescription>& described,
-                       Colour colour) {
+Opened open_mp4_stills(const Candidate& candidate) {
+    const SourceFile& file = candidate.source;
     TRY_ASSIGN(const auto scene, read_mp4_scene(file));
     if (!scene) return input_error(file.string() + ": has no MPEG-4 scene");
-    StoredClip clip{file.string(), described.value_or(SceneDescription())};
+    StoredClip clip{file.string(), candidate.described().value_or(SceneDescription())};
     auto pictures = std::make_unique<Mp4Stills>(file);
     TRY(pictures->find(*scene, clip));
     clip.inputs = {file.path()};
     clip.count = 1;
-    if (!described) {
+    if (!candidate.scene) {
         TRY_ASSIGN(const auto depth, pictures->stored(PlaneRole::depth));
         auto said = mpeg4::described_by_pictures(scene->nodes, depth.image.width, depth.image.height,
                                                  depth.bits, clip.notes);
@@ -291,7 +295,7 @@ Opened open_mp4_stills(const SourceFile& file, const std::optional<SceneDescript
     clip.described.scene.video.reset();
     pictures->rule(clip.described.scene.depth.kind);
     clip.pictures = std::move(pictures);
-    return open_stored_clip(std::move(clip), colour);
+    return open_stored_clip(std::move(clip), candidate.wanted.colour);
 }
 
 Result<std::unique_ptr<ClipWriter>> create_mp4_stills(const std::filesystem::path& path,

@@ -8,8 +8,7 @@
 // from a SourceDescription, which is what a person knows of them; the rest is guessed: camera, unit, coding,
 // rate, and which files are depth and which are colour. Each guess is a remark in the reader's scene, with
 // the settings that say another, so that a program can show what was assumed. `guess_clip` returns that
-// description alone, to be written as a scene file and corrected. `with_still_maps` lays pictures of touch
-// under all frames of an open clip.
+// description alone, to be written as a scene file and corrected.
 //
 //   TRY_ASSIGN(const auto guessed, guess_clip("pictures", known));
 //   for (const Remark& remark : guessed.scene.remarks) show(remark);
@@ -29,9 +28,6 @@
 
 namespace touchable {
 
-class VideoFile;
-struct StoredImage;
-
 /// A kind of clip that can be opened.
 struct ClipFormat {
     const char* what;     ///< in words
@@ -45,18 +41,6 @@ std::vector<ClipFormat> clip_formats();
 /// recording. Of a clip of ours, the scene that is in it.
 /// What only a whole clip tells is left open (unstated): a reader settles it.
 Result<SceneDescription> guess_clip(const std::filesystem::path& path, const SourceDescription& known);
-/// The scene of a camera's depth, as in its first picture; it says nothing of files. `inputs` gets those that
-/// were read for it.
-Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
-                                      std::vector<std::filesystem::path>& inputs);
-
-/// A remark that doubts the unit of a clip whose median depth, in metres, no depth camera measures; nothing
-/// where the unit may be right. `otherwise` and `hints` are the remark's.
-std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints);
-
-/// Whether a remark guesses the camera, or doubts the unit; also one that was read from a scene file.
-bool guesses_camera(const Remark& remark);
-bool doubts_unit(const Remark& remark);
 
 /// Opens a file, a folder, a URL, or a scene file, whose patterns are relative to it. A folder is described
 /// by `scene_file`, by a scene.json in it, or by `known` and guesses. With a clip that has a scene,
@@ -68,23 +52,10 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               Colour colour = Colour::wanted,
                                               DepthAlignment alignment = DepthAlignment::automatic);
 
-/// The video, or the two, that the scene's VideoSource names in `folder`; `depth`: the first of them, if the
-/// caller has opened it already.
+/// The video, or the two, that the scene's VideoSource names in `folder`.
 Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder,
                                                     const SceneDescription& described,
                                                     Colour colour = Colour::wanted,
-                                                    std::shared_ptr<VideoFile> depth = nullptr,
                                                     DepthAlignment alignment = DepthAlignment::automatic);
-
-/// Pictures of touch that serve a whole clip, in place of its own.
-struct StillMaps {
-    /// A picture (RGB: stiffness, static and dynamic friction; grey: stiffness), X3D with a
-    /// HapticTexturesSurface, or glTF with MPEG_haptic_material.
-    std::optional<std::filesystem::path> haptic;
-    std::optional<std::filesystem::path> height;  ///< a picture in grey
-};
-/// The clip with these maps under every frame.
-Result<std::unique_ptr<ClipReader>> with_still_maps(Result<std::unique_ptr<ClipReader>> clip,
-                                                    const StillMaps& maps);
 
 }  // namespace touchable

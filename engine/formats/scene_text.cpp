@@ -8,7 +8,6 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
-#include "engine/formats/open_clip.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 
 namespace touchable {
@@ -27,21 +26,21 @@ std::string_view without_mark(std::string_view text) {
 /// The texts of a scene and of what it means, with the file's name before every error.
 class SceneTextClip {
 public:
-    explicit SceneTextClip(const SourceFile& file) : source_(file), folder_(file.path().parent_path()) {}
+    explicit SceneTextClip(const Candidate& file) : file_(file), folder_(file.home()) {}
 
-    Opened open(const std::optional<SceneDescription>& replacement, Colour colour) {
+    Opened open() {
         TRY(read_nodes());
         TRY_ASSIGN(auto described, describe());
         if (described.scene.name.empty()) described.scene.name = source_.path().stem().string();
-        if (replacement) {
-            SceneDescription other = *replacement;
+        if (file_.scene) {
+            SceneDescription other = *file_.scene;
             other.scene.folder = described.scene.folder;
             other.scene.video = described.scene.video;
             described = std::move(other);
         }
-        auto reader = described.scene.video
-                          ? open_video_clip(folder_, described, colour, video_)
-                          : open_image_folder(folder_, described, notes_, colour, pictures_);
+        const auto open_planes = described.scene.video ? open_videos : open_image_folder;
+        auto reader = open_planes(folder_, {std::move(described), {}, notes_, pictures_, video_},
+                                  file_.wanted.colour, DepthAlignment::automatic);
         if (reader) (*reader)->add_input(source_.path());
         return reader;
     }
@@ -127,7 +126,8 @@ private:
         return is_movie ? with_videos(files) : with_pictures(std::move(files));
     }
 
-    SourceFile source_;
+    const Candidate& file_;
+    const SourceFile& source_ = file_.source;
     std::filesystem::path folder_;
     mpeg4::ClipNodes nodes_;
     std::shared_ptr<ReadPictures> pictures_ = std::make_shared<ReadPictures>();
@@ -137,10 +137,10 @@ private:
 
 }  // namespace
 
-bool is_scene_text(const SourceFile& file) {
+bool is_scene_text(const Candidate& file) {
     constexpr std::size_t looked_at = 4096;
     constexpr std::array<std::string_view, 5> words{"PROTO", "EXTERNPROTO", "DEF", "Group", "Shape"};
-    const std::string bytes = first_bytes(file, looked_at);
+    const std::string bytes = first_bytes(file.source, looked_at);
     const std::string_view begin = without_mark(bytes);
     std::size_t at = 0;
     while (at < begin.size() && (begin[at] == '#' || begin[at] == ' ' || begin[at] == '\t' ||
@@ -153,9 +153,8 @@ bool is_scene_text(const SourceFile& file) {
     });
 }
 
-Opened open_scene_text(const SourceFile& file, const std::optional<SceneDescription>& described,
-                       Colour colour) {
-    return SceneTextClip(file).open(described, colour);
+Opened open_scene_text(const Candidate& file) {
+    return SceneTextClip(file).open();
 }
 
 }  // namespace touchable

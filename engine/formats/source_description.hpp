@@ -2,7 +2,8 @@
 
 // What is known of depth pictures, videos and recordings that have no scene file: a SourceDescription. A
 // program fills it in from what a person typed and passes it to open_clip, guess_clip (open_clip.hpp) or a
-// camera (engine/camera). Everything that it leaves out is guessed, and the scene's remarks say so.
+// camera (engine/camera, guess_camera). Everything that it leaves out is guessed, and the scene's remarks say
+// so. What a person names of touch, StillMaps, is laid under all frames of an open clip by with_still_maps.
 //
 //   SourceDescription known;
 //   known.metres_per_code = 0.001;
@@ -15,12 +16,13 @@
 // angles degrees, places in a picture pixels from the middle of its upper left pixel.
 //
 // All types are plain values. Any thread may call any function: the table of presets is constant, and nothing
-// else is shared.
+// else is shared. A clip is one thread's at a time.
 
 #include <filesystem>
 #include <span>
 
 #include "engine/base/result.hpp"
+#include "engine/clip/clip.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -70,5 +72,29 @@ std::optional<VideoValues> video_values_named(const std::string& name);
 /// of COLMAP, Kalibr, Middlebury, ORB-SLAM and ARKitScenes. An error says what a file without a camera should
 /// have.
 Result<Intrinsics> read_intrinsics(const std::filesystem::path& file);
+
+/// The scene of a camera's depth, as in its first picture; it says nothing of files. `inputs` gets those that
+/// were read for it.
+Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
+                                      std::vector<std::filesystem::path>& inputs);
+
+/// A remark that doubts the unit of a clip whose median depth, in metres, no depth camera measures; nothing
+/// where the unit may be right. `otherwise` and `hints` are the remark's.
+std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints);
+
+/// Whether a remark guesses the camera, or doubts the unit; also one that was read from a scene file.
+bool guesses_camera(const Remark& remark);
+bool doubts_unit(const Remark& remark);
+
+/// Pictures of touch that serve a whole clip, in place of its own.
+struct StillMaps {
+    /// A picture (RGB: stiffness, static and dynamic friction; grey: stiffness), X3D with a
+    /// HapticTexturesSurface, or glTF with MPEG_haptic_material.
+    std::optional<std::filesystem::path> haptic;
+    std::optional<std::filesystem::path> height;  ///< a picture in grey
+};
+/// The clip with these maps under every frame.
+Result<std::unique_ptr<ClipReader>> with_still_maps(Result<std::unique_ptr<ClipReader>> clip,
+                                                    const StillMaps& maps);
 
 }  // namespace touchable

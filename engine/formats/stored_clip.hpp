@@ -54,7 +54,7 @@ public:
 struct StoredClip {
     std::string name;  ///< its file or folder, for messages
     SceneDescription described;
-    std::unique_ptr<FrameSource> pictures{};
+    std::shared_ptr<FrameSource> pictures{};
     std::int64_t count = 0;          ///< of its frames, at least 1
     std::vector<PlaneRole> roles{};  ///< of its tracks, depth the first
     SceneDescription::FoundInClip found{};

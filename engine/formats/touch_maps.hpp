@@ -11,7 +11,8 @@
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/formats/open_clip.hpp"
+#include "engine/clip/readers.hpp"
+#include "engine/formats/source_description.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

@@ -10,7 +10,6 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/camera_sidecar.hpp"
-#include "engine/formats/open_clip.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/formats/stored_clip.hpp"
@@ -160,7 +159,6 @@ public:
                    is_hue ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
                           : of_grey(picture, *part));
         Scene& scene = guessed.scene;
-        scene.name = file_.path().stem().string();
         scene.rate = video->rate();
         scene.video = source_;
         std::string what = is_disparity ? "depth is the disparity of a Cinematic video" : words_of(*found);
@@ -201,7 +199,7 @@ private:
                                {{Setting::depth_unit}});
         StoredImage size;
         size.image = {part.width, part.height, 1, 3, {}};
-        return described(size, &coding);
+        return guess_scene(file_.path(), size, known_, &coding);
     }
 
     /// Samples of up to 11 bits are guessed as those of 8 are: they are too few for lengths.
@@ -228,7 +226,7 @@ private:
                 else
                     stored.image.samples.insert(stored.image.samples.end(), bytes_of, bytes_of + 2);
             }
-        TRY_ASSIGN(auto guessed, described(stored));
+        TRY_ASSIGN(auto guessed, guess_scene(file_.path(), stored, known_));
         Scene& scene = guessed.scene;
         scene.depth_bits = bits;
         scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
@@ -241,11 +239,10 @@ private:
         StoredImage size;
         size.image = {video->info().width, video->info().height, 2, 1, {}};
         if (depth.camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *depth.camera;
-        TRY_ASSIGN(auto guessed, described(size, &depth.coding));
+        TRY_ASSIGN(auto guessed, guess_scene(file_.path(), size, known_, &depth.coding));
         Scene& scene = guessed.scene;
         const DepthCoding& coding = depth.coding;
         scene.depth_bits = 12;
-        scene.name = file_.path().stem().string();
         scene.rate = video->rate();
         scene.video =
             VideoSource{file_.path().filename().string(), "", VideoLayout::alone, VideoValues::grey};
@@ -283,12 +280,6 @@ private:
                                        " frames and depth " + std::to_string(video.count()) +
                                        ": it is left out, as they are not of the same episodes"});
         }
-    }
-
-    Result<GuessedScene> described(const StoredImage& depth, const DepthCoding* coding = nullptr) const {
-        auto guessed = guess_scene(file_.path().parent_path(), depth, known_, coding);
-        if (!guessed) return error_at(file_.string(), guessed.error());
-        return guessed;
     }
 
     Error refuse(const std::string& what) const { return input_error(file_.string() + ": " + what); }
@@ -438,8 +429,8 @@ Result<GuessedScene> guess_video(const SourceFile& file, const SourceDescription
     return VideoGuess(file, known).make();
 }
 
-Opened open_video_clip(const fs::path& folder, const SceneDescription& described, Colour colour,
-                       std::shared_ptr<VideoFile> depth, DepthAlignment alignment) {
+Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour colour,
+                   DepthAlignment alignment) {
     const VideoSource& source = *described.scene.video;
     const StoredDepth& stored = described.scene.stored;
     StoredClip clip{(folder / source.depth).string(), described};
@@ -450,6 +441,7 @@ Opened open_video_clip(const fs::path& folder, const SceneDescription& described
             "not of videos: must be linear, inverse, metric, hue, relative or relative-inverse");
     clip.inputs = {folder / source.depth};
     clip.alignment = alignment;
+    std::shared_ptr<VideoFile> depth = described.video;
     if (!depth) {
         TRY_ASSIGN(depth, VideoFile::open(clip.inputs.front(), PlaneRole::depth));
     }

@@ -359,7 +359,7 @@ private:
         described.scene.folder.reset();
         described.scene.video =
             VideoSource{written.filename().string(), "", VideoLayout::alone, VideoValues::grey};
-        return open_video_clip(written.parent_path(), described, Colour::left_out, {}, DepthAlignment::off);
+        return open_video_clip(written.parent_path(), described, Colour::left_out, DepthAlignment::off);
     }
 
     /// Samples of another size are others; where that is wanted it has to be said.

@@ -10,16 +10,21 @@
 namespace touchable::fuzz {
 namespace {
 
+bool is_recording(const std::filesystem::path& file) {
+    const auto guessed = guess_bag(file, {});
+    return is_taken(guessed) && is_clip(open_bag_clip({file, {}, *guessed}));
+}
+
 bool parse_bag(std::string_view bytes) {
-    return is_clip(open_bag_clip(file_of(bytes, "input.bag"), std::nullopt, {}));
+    return is_recording(file_of(bytes, "input.bag"));
 }
 
 bool parse_mcap(std::string_view bytes) {
-    return is_clip(open_bag_clip(file_of(bytes, "input.mcap"), std::nullopt, {}));
+    return is_recording(file_of(bytes, "input.mcap"));
 }
 
 bool parse_db3(std::string_view bytes) {
-    return is_clip(open_bag_clip(file_of(bytes, "input.db3"), std::nullopt, {}));
+    return is_recording(file_of(bytes, "input.db3"));
 }
 
 /// A byte says how many pixels there are.

@@ -40,8 +40,8 @@ bool parse_heif_depth(std::string_view bytes) {
 }
 
 bool parse_heic(std::string_view bytes) {
-    return is_heif(bytes.substr(0, 12)) &&
-           is_clip(open_heic_image(file_of(bytes, "photo.heic"), std::nullopt, {}));
+    const Candidate file{file_of(bytes, "photo.heic")};
+    return is_heif(file) && is_clip(open_heic_image(file));
 }
 
 const Registered heif_boxes_target{{.name = "heif_boxes", .parse = parse_heif_boxes}};

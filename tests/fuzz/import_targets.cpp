@@ -45,7 +45,9 @@ bool parse_depthkit_video(std::string_view bytes) {
         Target seeds{.name = "depthkit", .parse = nullptr};
         return file_of(seeds_of(seeds).front().bytes, "depthkit.Metadata.asset");
     }();
-    return is_clip(open_depthkit_clip(file_of(bytes, "depthkit.mov"), description, std::nullopt));
+    const auto video = file_of(bytes, "depthkit.mov");
+    require(depthkit_metadata_of(video) == description, "the description is not beside the video");
+    return is_clip(open_depthkit_clip({video}));
 }
 
 /// A folder with a few pictures to be found.

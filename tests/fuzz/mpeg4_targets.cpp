@@ -103,8 +103,7 @@ bool parse_scene_stream(std::string_view bytes) {
 bool parse_mp4_clip(std::string_view bytes) {
     const auto file = file_of(bytes, "clip.mp4");
     if (!is_mp4_clip(file, false)) return false;
-    return is_clip(
-        (is_mp4_stills(file) ? open_mp4_stills : open_mp4_clip)(file, std::nullopt, Colour::wanted));
+    return is_clip(is_mp4_stills(file) ? open_mp4_stills({file}) : open_mp4_clip(file, std::nullopt));
 }
 
 const Registered scene_text_target{{.name = "scene_text",

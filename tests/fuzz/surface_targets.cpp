@@ -44,7 +44,7 @@ bool parse_gltf_clip(std::string_view bytes) {
         return put("depth.png", 1) && put("touch.png", 3);
     }();
     require(is_ready, "the files beside it cannot be written");
-    return is_clip(open_gltf_clip(file_of(bytes, "clip.gltf"), std::nullopt));
+    return is_clip(open_gltf_clip({file_of(bytes, "clip.gltf")}));
 }
 
 const Registered x3d_target{{.name = "x3d", .parse = parse_x3d}};
