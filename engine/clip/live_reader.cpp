@@ -110,7 +110,7 @@ Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
 }
 
 Result<void> ReplayCamera::wait_for(const CameraDelivery::Frame& frame) {
-    const std::int64_t zero_ns = ns_of(*zero_);
+    const std::int64_t zero_ns = steady_ns_of(*zero_);
     while (!interrupted_) {
         const bool never_comes = frame.at_ns == CameraDelivery::never;
         const std::int64_t left_ns = never_comes ? -1 : zero_ns + frame.at_ns - steady_now_ns();
@@ -200,7 +200,7 @@ Result<LiveReader::Taken> LiveReader::first_frame() {
 Result<void> LiveReader::begin(std::chrono::steady_clock::time_point zero) {
     constexpr std::int64_t most_before_a_run = 64;
     if (has_begun()) last_time_ns_ = most_before_a_run * ns_before_a_run;
-    zero_ns_ = ns_of(zero);
+    zero_ns_ = steady_ns_of(zero);
     last_count_.reset();
     interrupted_ = false;
     if (!is_gone_) drain();

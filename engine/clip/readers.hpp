@@ -206,11 +206,11 @@ struct CellPicture {
 CellPicture cell_picture(const RawFrame& frame, const DepthCoding& coding);
 
 /// The time of std::chrono::steady_clock, ns.
-inline std::int64_t ns_of(std::chrono::steady_clock::time_point moment) {
+inline std::int64_t steady_ns_of(std::chrono::steady_clock::time_point moment) {
     return std::chrono::nanoseconds(moment.time_since_epoch()).count();
 }
 inline std::int64_t steady_now_ns() {
-    return ns_of(std::chrono::steady_clock::now());
+    return steady_ns_of(std::chrono::steady_clock::now());
 }
 
 /// A descriptor of the system that is closed with its owner; -1: none.

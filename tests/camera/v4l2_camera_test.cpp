@@ -106,8 +106,8 @@ TEST_F(Camera, FramesAreOfTheTimeAtWhichTheyWereTaken) {
     const auto camera = opened();
     for (int n = 0; n < 2; ++n) next(*camera);
     const auto zero = steady_clock::now() - std::chrono::seconds(1);
-    zero_ns = ns_of(zero) / 1000 * 1000;
-    const std::int64_t rounded_ns = zero_ns - ns_of(zero);
+    zero_ns = steady_ns_of(zero) / 1000 * 1000;
+    const std::int64_t rounded_ns = zero_ns - steady_ns_of(zero);
     ASSERT_EQ(message(camera->begin(zero)), "");
     for (int n = 2; n < 6; ++n) EXPECT_EQ(next(*camera).time_ns, (n + 8) * 1'000'000 + rounded_ns);
 }
@@ -124,7 +124,7 @@ TEST_F(Camera, TimesNeverGoBack) {
     const auto zero = steady_clock::time_point(
         std::chrono::floor<std::chrono::microseconds>((steady_clock::now() - std::chrono::seconds(1)))
             .time_since_epoch());
-    zero_ns = ns_of(zero);
+    zero_ns = steady_ns_of(zero);
     ASSERT_EQ(message(camera->begin(zero)), "");
     std::vector<std::int64_t> times;
     for (std::int64_t n = 2; n < 8; ++n) {
@@ -146,7 +146,7 @@ TEST_F(Camera, AFrameThatWasTakenBeforeTheRunIsNoneOfIt) {
     const auto camera = opened();
     for (int n = 0; n < 2; ++n) next(*camera);
     const auto zero = steady_clock::now() - std::chrono::seconds(1);
-    zero_ns = ns_of(zero) / 1000 * 1000;
+    zero_ns = steady_ns_of(zero) / 1000 * 1000;
     ASSERT_EQ(message(camera->begin(zero)), "");
     const RawFrame frame = next(*camera);
     EXPECT_EQ(frame.number, 2);

@@ -35,7 +35,7 @@ private:
         if (there.empty()) return end.empty() ? MaybeTaken(std::nullopt) : gone(end);
         const Given given = there.front();
         there.pop_front();
-        return std::optional(Taken{given.count, ns_of(zero) + given.after_ns, 7});
+        return std::optional(Taken{given.count, steady_ns_of(zero) + given.after_ns, 7});
     }
     void wait(std::int64_t longest_ns) override {
         EXPECT_EQ(longest_ns < 0, has_begun());
