@@ -167,4 +167,18 @@ void filter_band(const RowBand& band, const LineSource& source, std::vector<Code
 
 }  // namespace
 
+void MedianFilter::begin(const RawFrame& raw, RowBands& bands) {
+    lines_->begin(raw, bands);
+    rings_.resize(static_cast<std::size_t>(bands.threads()));
+    for (std::vector<CodeLine>& ring : rings_) {
+        ring.resize(static_cast<std::size_t>(side_));
+        for (CodeLine& line : ring) line.resize(raw.depth.width, side_ / 2);
+    }
+}
+
+void MedianFilter::make(const RowBand& band, SurfaceFrame& out) {
+    const auto filter = side_ == 3 ? filter_band<3> : filter_band<5>;
+    filter(band, *lines_, rings_[static_cast<std::size_t>(band.thread)], unit_, out);
+}
+
 }  // namespace touchable
