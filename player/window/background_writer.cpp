@@ -85,7 +85,7 @@ void BackgroundWriter::Queue::work() {
         waiting.pop_front();
         at_work = Job{.file = job.file, .tag = job.tag};
         lock.unlock();
-        if (job.file.empty()) {
+        if (job.file.empty() && job.name) {
             job.file = job.name();
             const std::lock_guard named(mutex);
             if (at_work) at_work->file = job.file;
