@@ -18,7 +18,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/x11_screen.hpp"
 

@@ -13,17 +13,11 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {
 namespace {
-
-bool is_for_visitors(WindowVerb verb) {
-    using enum WindowVerb;
-    return is_one_of(verb, {play_pause, seek_by, step, faster, fingers, deeper, point_right, point_down,
-                            force, clutch, recentre, mute, overlay, home, turn, tilt, nearer});
-}
 
 constexpr struct {
     const char* member;
@@ -197,7 +191,7 @@ bool is_for_visitors(const InputEvent& event) {
     if (event.kind == Kind::close || event.kind == Kind::dropped) return false;
     if (event.kind != Kind::key) return true;
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
-    return !binding || is_for_visitors(binding->verb);
+    return !binding || row_of(binding->verb).has(CommandRow::for_visitors);
 }
 
 bool is_a_visit(const InputEvent& event) {

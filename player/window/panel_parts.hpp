@@ -87,7 +87,7 @@ struct HelpGroup {
     std::string title;
     std::vector<Row> rows;
 };
-/// All that does something now: by the keys' own list (key_groups), and the gestures beside them.
+/// All that does something now: by the list of keys (key_bindings), and the gestures beside them.
 std::vector<HelpGroup> help_groups(const PanelFacts& facts);
 
 /// In the middle, in two columns where the window is wide enough, as large as is legible; what does not fit

@@ -9,7 +9,7 @@
 
 #include "engine/base/words.hpp"
 #include "player/draw/overlays.hpp"
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 #include "player/window/panel_parts.hpp"
 #include "player/window/window_command.hpp"
 
@@ -94,45 +94,28 @@ std::string printed(std::string key) {
     return key;
 }
 
-/// Of keys that lead the pointer's fingers or a device's, whichever is not there.
-bool does_nothing(WindowVerb verb, bool is_held) {
-    switch (verb) {
-        case WindowVerb::fingers:
-        case WindowVerb::deeper:
-        case WindowVerb::point_right:
-        case WindowVerb::point_down:
-            return is_held;
-        case WindowVerb::clutch:
-        case WindowVerb::recentre:
-        case WindowVerb::coarser:
-            return !is_held;
-        default:
-            return false;
-    }
-}
-
 /// What is done without a key.
-std::vector<HelpRow> gestures(KeyGroup::Topic topic, const PanelFacts& facts) {
+std::vector<HelpRow> gestures(CommandRow::Topic topic, const PanelFacts& facts) {
     std::vector<HelpRow> rows;
-    if (topic == KeyGroup::Topic::begin && facts.hand) {
+    if (topic == CommandRow::Topic::begin && facts.hand) {
         rows = {{"Drag", "turns the view; with the right button: moves it"}, {"Wheel", "nearer, or farther"}};
-    } else if (topic == KeyGroup::Topic::begin) {
+    } else if (topic == CommandRow::Topic::begin) {
         rows = {{"Left button", "hold it down: the finger presses"},
                 {"Right button", "drag down: presses deeper, and stays so; up: less"},
                 {"Ctrl and drag", "turns the view; so does the middle button"}};
         if (facts.has_touch_screen)
             rows.push_back({"Touch screen", "each finger touches; two at once turn the view and zoom"});
-    } else if (topic == KeyGroup::Topic::touch && facts.hand) {
+    } else if (topic == CommandRow::Topic::touch && facts.hand) {
         rows = {{"Forces", facts.hand->state.words}};
         if (facts.hand->buttons > 0)
             rows.push_back({"Its buttons", "the first: forces on; then, held down, as C"});
         if (facts.hand->buttons > 1) rows.push_back({"", "the second: forces off"});
-    } else if (topic == KeyGroup::Topic::touch) {
+    } else if (topic == CommandRow::Topic::touch) {
         rows = {{"Wheel", "presses deeper, or less, and stays so"}};
-    } else if (topic == KeyGroup::Topic::view) {
+    } else if (topic == CommandRow::Topic::view) {
         if (!facts.hand) rows = {{"Ctrl Shift drag", "moves the view; so does Shift and the middle button"}};
         rows.push_back({"Middle button", "double click: turn round that place from now on"});
-    } else if (topic == KeyGroup::Topic::window) {
+    } else if (topic == CommandRow::Topic::window) {
         rows = {{"Drop", "a file, a folder, or several: shows them"}};
     }
     return rows;
@@ -370,16 +353,19 @@ void draw_brush_line(const BrushFacts& facts, float scale) {
 }
 
 std::vector<HelpGroup> help_groups(const PanelFacts& facts) {
+    static constexpr const char* titles[] = {"To begin with",      "Touch",           "Look around", "Play",
+                                             "Data and materials", "Window and files"};
+    const auto does_nothing = facts.hand ? CommandRow::of_pointer : CommandRow::of_hand;
+    const auto keys = key_bindings();
     std::vector<HelpGroup> groups;
-    for (const KeyGroup& of : key_groups()) {
-        HelpGroup group{of.title, gestures(of.topic, facts)};
-        for (std::size_t begin = 0, end = 0; begin < of.keys.size(); begin = end) {
-            do ++end;
-            while (end < of.keys.size() && !of.keys[end].what);
-            if (does_nothing(of.keys[begin].verb, facts.hand.has_value())) continue;
-            group.rows.push_back({names_of(of.keys.subspan(begin, end - begin)), of.keys[begin].what});
-        }
-        groups.push_back(std::move(group));
+    for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
+        const auto topic = keys[begin].topic;
+        if (const auto at = static_cast<std::size_t>(topic); at == groups.size())
+            groups.push_back({titles[at], gestures(topic, facts)});
+        do ++end;
+        while (end < keys.size() && !keys[end].what);
+        if (row_of(keys[begin].verb).has(does_nothing)) continue;
+        groups.back().rows.push_back({names_of(keys.subspan(begin, end - begin)), keys[begin].what});
     }
     return groups;
 }

@@ -10,7 +10,7 @@
 //     WindowCommand later{.verb = WindowVerb::seek_to, .number = 10};
 //     Result<WindowCommand> read = parse_window_command("seek 10");
 //
-// The window's loop carries commands out (window_input.cpp); keys.hpp has the key of each. All of this is
+// The table of commands (command_table.hpp) has the key of each, and what carries it out. All of this is
 // values and functions without state, for any thread; read_window_script waits for the disk. Refused words
 // are ErrorKind::usage, and the message says what would be right; no message names an option of the command
 // line.

@@ -1,6 +1,4 @@
-// When the window draws, and what: with a clip, and as long as there is none.
-
-#include "player/window/window_loop.hpp"
+#include "player/window/window_picture.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -10,10 +8,9 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "haptics_cpu/touch_step.hpp"
 #include "player/draw/pictures.hpp"
 #include "player/draw/view.hpp"
-#include "player/window/measure.hpp"
+#include "player/window/window_core.hpp"
 
 namespace touchable {
 namespace {
@@ -137,135 +134,266 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     return facts;
 }
 
+/// What was said, if anything was.
+void add_notices(PanelFacts& facts, const Notices& notices) {
+    facts.faults = {notices.faults().begin(), notices.faults().end()};
+    facts.message = notices.passing();
+    facts.message_is_bad = !notices.passing().empty() && notices.is_refusal();
+}
+
+/// Without its force a finger is on the surface where the hand is: nothing holds it back, and nothing gives
+/// way.
+void hide_forces(std::vector<FingerMark>& marks, const HeightField& field, double finger_radius) {
+    for (FingerMark& mark : marks) {
+        if (mark.touching)
+            if (const auto under = under_finger(field, mark.goal, finger_radius)) {
+                mark.proxy = under->foot;
+                mark.under = FingerMark::Under{under->foot, under->normal, 0};
+            }
+        mark.goal = mark.proxy;
+        mark.force = mark.given_way = glm::dvec3(0.0);
+        mark.touching = false;
+        mark.trail.clear();
+    }
+}
+
 }  // namespace
 
-/// When the frame came that is to be seen.
-void WindowLoop::watch(const WatchedMoment* moment, Clock::time_point now) {
+double words_scale(const ScreenSize& size, bool from_afar) {
+    constexpr double most = 4;
+    const double room = std::min(size.width / 1280.0, size.height / 720.0) / size.scale;
+    const double grown = std::round(4 * (from_afar ? room : std::sqrt(room))) / 4;
+    return std::max(std::min(size.scale * grown, most), size.scale);
+}
+
+std::string relief_words(WindowCore& core) {
+    const auto& in_effect = core.clip()->in_effect();
+    const auto amount = in_effect.find("relief");
+    if (amount == in_effect.end() || amount->second == "0") return {};
+    return core.options.names.relief(core.clip()->choice().file.string(), in_effect);
+}
+
+Result<void> WindowPicture::open(const KeptSettings& kept) {
+    PlayOptions& options = core_.options;
+    last_picture_ = core_.time.asked_for;
+    const double scale = scale_of_words(core_.screen().size());
+    std::string letters;
+    for (const WindowMode* const mode : core_.modes()) letters += mode->letters();
+    layer_.emplace(scale, letters, options.kiosk ? options.kiosk->texts.language : "");
+    for (WindowMode* const mode : core_.modes()) mode->begin();
+    TRY(open_graphics());
+    panel_.emplace(scale);
+    panel_->shown = kept.panel;
+    is_dented_ = options.dent.value_or(kept.dent);
+    if (!options.video) return {};
+    TRY_ASSIGN(film_, WindowFilm::create(*options.video, options.existing));
+    return {};
+}
+
+double WindowPicture::scale_of_words(const ScreenSize& size) const {
+    return core_.options.scale.value_or(words_scale(size, core_.is_unattended()));
+}
+
+/// In a window that has another size by now.
+Result<void> WindowPicture::fit_words(const ScreenSize& size) {
+    const double scale = scale_of_words(size);
+    if (scale == layer_->scale()) return {};
+    layer_->set_scale(scale);
+    panel_->set_scale(scale);
+    return surface_.graphics().take_letters();
+}
+
+/// A headless window needs no GPU, unless an option names one.
+Result<std::unique_ptr<WindowGraphics>> WindowPicture::make_graphics() {
+    const PlayOptions& options = core_.options;
+    if (options.headless && options.painter == "cpu") return make_cpu_graphics();
+    auto device = options.gpu->open();
+    const bool is_asked_for = options.painter != "auto" || options.session.builder.names_gpu();
+    if (!device && options.headless && (!is_asked_for || lost_at_)) return make_cpu_graphics();
+    if (!device) return device.error();
+    TRY(core_.screen().attach(*device));
+    return make_gpu_graphics(std::move(*device), options.painter, core_.screen());
+}
+
+Result<void> WindowPicture::open_graphics() {
+    TRY_ASSIGN(auto graphics, make_graphics());
+    core_.figures.painter = graphics->painter();
+    core_.figures.gpu = graphics->gpu();
+    governor_ = PictureGovernor(graphics->thins_vertices() ? LessOf::vertices : LessOf::pixels);
+    surface_.use(std::move(graphics));
+    return {};
+}
+
+/// After an error of drawing: once, where the GPU was lost. The hand goes on meanwhile.
+Result<void> WindowPicture::open_graphics_anew(const Error& error) {
+    constexpr std::chrono::seconds soon(10);  // a GPU that is lost again so soon will be lost again
+    TRY(core_.screen().health());
+    const auto now = Clock::now();
+    if (!surface_.graphics().is_lost() || (lost_at_ && now - *lost_at_ < soon)) return error;
+    lost_at_ = now;
+    surface_.use(nullptr);
+    TRY(open_graphics());
+    const PlayFigures& figures = core_.figures;
+    core_.say(error.message + "; drawn by the " + figures.painter + " painter on " +
+                  (figures.gpu.empty() ? "the CPU" : figures.gpu) + " from now on",
+              Tone::fault);
+    return {};
+}
+
+Result<void> WindowPicture::keep(const std::filesystem::path& name) {
+    TRY_ASSIGN(auto image, surface_.graphics().picture());
+    core_.screenshots().give(screenshot(std::move(image), name, core_.options.existing));
+    return {};
+}
+
+void WindowPicture::begin_clip(bool goes_on) {
+    if (!goes_on) surface_.set_overlay(Overlay::colour);  // a clip that was just opened is to be seen first
+    forget_session();
+}
+
+void WindowPicture::forget_session() {
+    surface_.forget();
+    frames_shown_.forget();
+}
+
+Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
+    const auto now = Clock::now();
     if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
+    if (!is_due(moment, now)) return {};
+    const auto drawn = draw_what_is_there(moment);
+    return drawn ? drawn : open_graphics_anew(drawn.error());
+}
+
+double WindowPicture::left_ms() const {
+    return pause_ms() - 1000 * Clock::seconds_between(last_picture_, Clock::now());
 }
 
 /// Another frame of the clip is drawn at once. Of the one that is seen nothing is drawn again where nothing
 /// has moved, nor where the next would come late for it.
-bool WindowLoop::is_due(const WatchedMoment* moment, Clock::time_point now) const {
-    const double since_ms = 1000 * seconds_between(last_picture_, now);
-    if (!clip_)
-        return since_ms >=
-               (1000 * seconds_between(last_event_, now) < after_input_ms ? picture_pause_ms : idle_pause_ms);
+bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) const {
+    const double since_ms = 1000 * Clock::seconds_between(last_picture_, now);
+    const bool is_soon_after_input =
+        1000 * Clock::seconds_between(core_.time.last_event, now) < after_input_ms;
+    const OpenedClip* const clip = core_.clip();
+    if (!clip) return since_ms >= (is_soon_after_input ? picture_pause_ms : idle_pause_ms);
     if (!moment || since_ms < frame_pause_ms) return false;
     if (seen_.is_other_frame(*moment)) return true;
     if (since_ms < pause_ms()) return false;
-    const PlaybackState playback = clip_->session().playback();
-    const double left_ms = frame_ms() - 1000 * seconds_between(frame_came_at_, now);
+    const PlaybackState playback = clip->session().playback();
+    const double left_ms = frame_ms() - 1000 * Clock::seconds_between(frame_came_at_, now);
     // One that is overdue by as much again is not waited for.
     if (playback.playing && !playback.at_end && left_ms < redraw_.ms() && left_ms > -frame_ms()) return false;
-    const bool has_input =
-        is_inviting_ || !events_.empty() || 1000 * seconds_between(last_event_, now) < after_input_ms;
-    return has_input || since_ms >= idle_pause_ms ||
-           seen_.differs(*moment, clip_->shown(), clip_->sizes().finger_radius / 50);
+    return core_.any(&WindowMode::moves_by_itself) || core_.input().has_events() || is_soon_after_input ||
+           since_ms >= idle_pause_ms ||
+           seen_.differs(*moment, clip->shown(), clip->sizes().finger_radius / 50);
 }
 
-double WindowLoop::pause_ms() const {
+double WindowPicture::pause_ms() const {
     return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
 
 /// From one of the clip's frames to the next, as it is played.
-double WindowLoop::frame_ms() const {
-    const auto rate = static_cast<double>(clip_->session().playback().rate) / 1000;
-    return 1000 / clip_->scene().rate.per_second() / std::max(rate, 1e-3);
+double WindowPicture::frame_ms() const {
+    const OpenedClip& clip = *core_.clip();
+    const auto rate = static_cast<double>(clip.session().playback().rate) / 1000;
+    return 1000 / clip.scene().rate.per_second() / std::max(rate, 1e-3);
 }
 
 /// Of the size in which there is time to draw.
-ViewCamera WindowLoop::drawn_camera(const ScreenSize& size) const {
-    const double share = picture_.graphics().can_stretch() ? governor_.share() : 1;
+ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
+    const double share = surface_.graphics().can_stretch() ? governor_.share() : 1;
     const auto side = [share](int pixels) {
         return std::max(1, static_cast<int>(std::lround(pixels * share)));
     };
-    return clip_->view().camera(side(size.width), side(size.height));
+    return core_.clip()->view().camera(side(size.width), side(size.height));
 }
 
 /// Which of the surface's vertices are drawn: while the clip plays no more than there is time for, at rest
 /// all.
-int WindowLoop::vertex_step(const ViewCamera& camera) {
-    const int coarse = SurfaceDrawing::step_for(clip_->view().pixels_per_vertex(camera.width, camera.height));
+int WindowPicture::vertex_step(const ViewCamera& camera) {
+    const OpenedClip& clip = *core_.clip();
+    const int coarse = SurfaceDrawing::step_for(clip.view().pixels_per_vertex(camera.width, camera.height));
     coarse_saves_ = coarse > 1;
-    const PlaybackState playback = clip_->session().playback();
+    const PlaybackState playback = clip.session().playback();
     return governor_.coarse() && playback.playing && !playback.at_end ? coarse * governor_.step() : 1;
 }
 
-Result<void> WindowLoop::draw_what_is_there(const WatchedMoment* moment) {
-    if (!clip_) return draw_opening();
+Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
+    if (!core_.clip()) return draw_opening();
     return moment ? draw(*moment) : Result<void>();
 }
 
-/// With all that was done until now.
-Result<void> WindowLoop::draw_newest() {
-    return draw_what_is_there(clip_ ? clip_->session().look() : nullptr);
+Result<void> WindowPicture::draw_newest() {
+    return draw_what_is_there(core_.clip() ? core_.clip()->session().look() : nullptr);
 }
 
 /// A finger of its that touches nothing is not drawn then: it would look as if it were behind the bar.
-bool WindowLoop::pointer_is_on_bar() const {
-    const PointerFingers& fingers = clip_->fingers();
+bool WindowPicture::pointer_is_on_bar() const {
+    const PointerFingers& fingers = core_.clip()->fingers();
     const auto& at = fingers.pointer();  // where keys have moved it, too
-    return at && !options_.hand && !fingers.is_touched() && !pointer_.holds() &&
-           panel_->is_bar(at->x, at->y) && panel_->covers(at->x, at->y);
+    return at && !core_.options.hand && !fingers.is_touched() && !core_.input().holds_pointer() &&
+           is_bar(*at) && panel_covers(*at);
 }
 
-Result<void> WindowLoop::draw(const WatchedMoment& moment) {
-    const ScreenSize size = screen_->size();
+Result<void> WindowPicture::draw(const WatchedMoment& moment) {
+    OpenedClip& clip = *core_.clip();
+    const ScreenSize size = core_.screen().size();
     const auto begin = Clock::now();
-    const double since = seconds_between(last_picture_, begin);
+    const double since = Clock::seconds_between(last_picture_, begin);
     const bool is_new = seen_.is_other_frame(moment);
     last_picture_ = begin;
-    seen_.remember(moment, clip_->shown());
+    seen_.remember(moment, clip.shown());
     if (size.width < 1 || size.height < 1) {  // minimised
-        events_.clear();
+        core_.input().take_events();
         return {};
     }
-    notices_.pass(time_s_);
+    core_.notices.pass(core_.time.script_s);
     TRY(fit_words(size));
 
-    const HeightField field(clip_->scene(), moment.held.pair);
-    clip_->view().leave_below(study_strip(size));
-    const ViewCamera camera = clip_->view().camera(size.width, size.height);
-    if (const auto at = pointer_.take_double_click())
-        if (const auto met = pick(field, camera, at->x, at->y)) clip_->view().look_at(met->point);
-    measure(moment, field, camera);
-    if (is_inviting_) show_how(field, camera);
+    const HeightField field(clip.scene(), moment.held.pair);
+    double below = 0;
+    for (const WindowMode* const mode : core_.modes()) below += mode->strip_below(size);
+    clip.view().leave_below(below);
+    const ViewCamera camera = clip.view().camera(size.width, size.height);
+    if (const auto at = core_.input().take_double_click())
+        if (const auto met = pick(field, camera, at->x, at->y)) clip.view().look_at(met->point);
+    for (WindowMode* const mode : core_.modes()) mode->prepare({moment, field, camera});
     std::vector<Contact> met;
     for (const WatchedTick::Finger& finger : moment.felt.fingers) met.push_back(finger.contact);
-    if (!options_.hand) clip_->fingers().intend(field, camera, met);
+    const bool is_held = core_.options.hand != nullptr;
+    if (!is_held) clip.fingers().intend(field, camera, met);
 
-    WindowGraphics& graphics = picture_.graphics();
+    WindowGraphics& graphics = surface_.graphics();
     TRY(graphics.begin());
     // What a session felt last is not felt any more once it has ended.
-    const WatchedTick felt = clip_->session().running() ? moment.felt : WatchedTick{};
-    auto marks = clip_->trails().marks(felt, clip_->shown(), field,
-                                       options_.hand ? nearest_of_hand : nearest_of_pointer);
+    const WatchedTick felt = clip.session().running() ? moment.felt : WatchedTick{};
+    auto marks =
+        clip.trails().marks(felt, clip.shown(), field, is_held ? nearest_of_hand : nearest_of_pointer);
     // A dent would change what the colours of an overlay say.
-    clip_->put_on_surface(marks, felt, field, is_dented_ && picture_.overlay() == Overlay::colour);
-    if (study_ && !study_->gives_force()) hide_forces(marks, field);
+    clip.put_on_surface(marks, felt, field, is_dented_ && surface_.overlay() == Overlay::colour);
+    if (core_.any(&WindowMode::hides_forces)) hide_forces(marks, field, clip.sizes().finger_radius);
     if (pointer_is_on_bar())
         for (FingerMark& mark : marks) mark.shown = mark.shown && mark.touching;
     const auto marked = Clock::now();
-    picture_.set_tint(brush_.tint());
+    surface_.set_tint(core_.brush().brush().tint());
     const ViewCamera drawn_from = drawn_camera(size);
-    TRY(picture_.draw(moment, field, drawn_from, marks, clip_->sizes(), size.width, size.height,
+    TRY(surface_.draw(moment, field, drawn_from, marks, clip.sizes(), size.width, size.height,
                       vertex_step(drawn_from)));
     const auto drawn = Clock::now();
-    if (kiosk_) look_for_labels(moment);
-    PanelFacts facts = words_of(moment, field, camera);
-    facts.halos = finger_halos(marks, clip_->sizes(), field, camera);
-    layer_->begin(size.width, size.height, since, std::exchange(events_, {}));
+    PanelFacts facts = facts_of(moment, field, camera);
+    facts.halos = finger_halos(marks, clip.sizes(), field, camera);
+    layer_->begin(size.width, size.height, since, core_.input().take_events());
     panel_->draw(facts, size.width, size.height, asked_);
     layer_->end();
     const auto worded = Clock::now();
     TRY(graphics.finish());
     if (is_new) {
-        figures_.surface_ms.add(1000 * seconds_between(marked, drawn));
-        figures_.words_ms.add(1000 * seconds_between(drawn, worded));
-        figures_.shown_ms.add(1000 * seconds_between(worded, Clock::now()));
+        PlayFigures& figures = core_.figures;
+        figures.surface_ms.add(1000 * Clock::seconds_between(marked, drawn));
+        figures.words_ms.add(1000 * Clock::seconds_between(drawn, worded));
+        figures.shown_ms.add(1000 * Clock::seconds_between(worded, Clock::now()));
     }
-    if (film_ && film_->wants(now_s())) {
+    if (film_ && film_->wants(core_.time.now_s())) {
         TRY_ASSIGN(auto picture, graphics.picture());
         film_->add(std::move(picture));
     }
@@ -275,118 +403,111 @@ Result<void> WindowLoop::draw(const WatchedMoment& moment) {
 }
 
 /// All that is shown in words, bars and curves.
-PanelFacts WindowLoop::words_of(const WatchedMoment& moment, const HeightField& field,
-                                const ViewCamera& camera) {
-    PanelFacts facts = panel_facts(*clip_, picture_, moment, field, camera);
-    facts.settings.b_is_on = settings_.in_effect.b_is_on;
-    facts.settings.relief = relief_words();
-    facts.brush = brush_.facts();
-    facts.measure = measure_.facts(camera, clip_->scene());
-    if (facts.place.pixel)
-        if (const auto words = brush_.segment_words(moment, facts.place.pixel->x, facts.place.pixel->y);
-            !words.empty())
-            facts.place.lines.insert(facts.place.lines.begin() + 1, words);
+PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightField& field,
+                                   const ViewCamera& camera) {
+    PanelFacts facts = panel_facts(*core_.clip(), surface_, moment, field, camera);
+    facts.settings.b_is_on = core_.clips().settings().in_effect.b_is_on;
+    facts.settings.relief = relief_words(core_);
     facts.is_dented = is_dented_;
-    facts.is_turning = is_turning_;
-    facts.has_touch_screen = has_touch_screen();
-    facts.clips = playlist_.size();
-    facts.figures.push_back(sound_->state());
-    for (std::string words : {screen_->touch_state(), sound_->rumble_state()})
+    facts.has_touch_screen = core_.input().has_touch_screen();
+    WindowSound& sound = core_.sound();
+    facts.figures.push_back(sound.state());
+    for (std::string words : {core_.screen().touch_state(), sound.rumble_state()})
         if (!words.empty()) facts.figures.push_back(std::move(words));
-    facts.volume = sound_->volume();
-    if (kiosk_) {
-        facts.kiosk.emplace(kiosk_facts(facts));
-        if (facts.hand) put_in_kiosk_words(facts.hand->state);
-        if (study_) facts.study = study_facts();
-        return facts;
-    }
-    facts.faults = {notices_.faults().begin(), notices_.faults().end()};
-    if (!notices_.passing().empty()) {
-        facts.message = notices_.passing();
-        facts.message_is_bad = notices_.is_refusal();
-        return facts;
-    }
+    facts.volume = sound.volume();
+    for (WindowMode* const mode : core_.modes()) mode->draw(facts, {moment, field, camera});
+    if (!core_.is_unattended()) add_message(facts);
+    return facts;
+}
+
+/// What was said; else what is being done, what goes wrong, or what a person may do.
+void WindowPicture::add_message(PanelFacts& facts) const {
+    add_notices(facts, core_.notices);
+    if (!facts.message.empty()) return;
     constexpr double opening_is_quick_s = 0.2;  // shorter work is not mentioned
-    facts.message = opening_.seconds() > opening_is_quick_s ? opening_.words() + " ..." : brush_.words();
-    if (!facts.message.empty() || !facts.faults.empty()) return facts;  // no hint beside what went wrong
-    const auto failure =
-        clip_->session().running() ? clip_->session().clip_failure() : clip_->session().failure();
-    const std::vector<std::string> remarks = clip_->remarks();
+    const WindowClips& clips = core_.clips();
+    facts.message =
+        clips.seconds() > opening_is_quick_s ? clips.words() + " ..." : core_.brush().brush().words();
+    if (!facts.message.empty() || !facts.faults.empty()) return;  // no hint beside what went wrong
+    const OpenedClip& clip = *core_.clip();
+    const auto failure = fault_of(clip);
+    const std::vector<std::string> remarks = clip.remarks();
     const bool is_gone = facts.at_end && !remarks.empty();  // a camera
     facts.message_is_bad = failure || is_gone;
     if (failure)
         facts.message = failure->message;
     else if (is_gone)
         facts.message = remarks.back();
-    else if (!options_.hand && !clip_->fingers().was_pressed())
-        facts.message = has_touch_screen()                   ? first_touch_words
-                        : facts.at_end && !clip_->is_still() ? end_first_words
-                                                             : first_words;
-    else if (facts.at_end && !clip_->is_still())
+    else if (!core_.options.hand && !clip.fingers().was_pressed())
+        facts.message = facts.has_touch_screen             ? first_touch_words
+                        : facts.at_end && !clip.is_still() ? end_first_words
+                                                           : first_words;
+    else if (facts.at_end && !clip.is_still())
         facts.message = end_words;
-    return facts;
 }
 
-void WindowLoop::note_picture(const PanelFacts& facts, Clock::time_point begin) {
+void WindowPicture::note_picture(const PanelFacts& facts, Clock::time_point begin) {
     // A box of words has its size one picture later.
     const std::string said = facts.message + (facts.faults.empty() ? "" : facts.faults.front()) +
                              (facts.hand ? facts.hand->state.words + facts.hand->state.remark : "");
-    if (facts.place.lines.size() != place_lines_ || said != shown_message_) last_event_ = begin;
+    if (facts.place.lines.size() != place_lines_ || said != shown_message_) core_.time.last_event = begin;
     place_lines_ = facts.place.lines.size();
     shown_message_ = said;
     const auto end = Clock::now();
-    last_draw_ms_ = seconds_between(begin, end) * 1000;
-    panel_->remember(facts, last_draw_ms_, clip_->session().figures().ticks.solve_us);
-    if (!begun_) {
-        begun_ = end;
-        begun_cpu_ms_ = thread_cpu_ms();
+    last_draw_ms_ = Clock::seconds_between(begin, end) * 1000;
+    panel_->remember(facts, last_draw_ms_, core_.clip()->session().figures().ticks.solve_us);
+    PlayFigures& figures = core_.figures;
+    if (!core_.time.begun) {
+        figures.first_picture_ms = core_.time.begin(end);
         if (film_)
-            sound_->film(
+            core_.sound().film(
                 [film = film_.get()](std::int64_t first, std::span<const StereoSample> samples) {
                     film->add_sound(first, samples);
                 },
                 end);
-        figures_.first_picture_ms = 1000 * seconds_between(asked_for_, end);
     }
-    ++figures_.pictures;
-    figures_.draw_ms.add(last_draw_ms_);
-    if (first_event_) figures_.input_to_picture_ms.add(seconds_between(*first_event_, end) * 1000);
-    first_event_.reset();
+    ++figures.pictures;
+    figures.draw_ms.add(last_draw_ms_);
+    if (const auto first = core_.input().take_first_event())
+        figures.input_to_picture_ms.add(Clock::seconds_between(*first, end) * 1000);
 }
 
 /// Whether the picture was there in time, and how large the next one is to be.
-void WindowLoop::note_frame(const WatchedMoment& moment, bool is_new) {
+void WindowPicture::note_frame(const WatchedMoment& moment, bool is_new) {
     if (!is_new) {
         redraw_.add(last_draw_ms_);
         return;
     }
     redraw_.add_frame();
-    const PlaybackState playback = clip_->session().playback();
+    const OpenedClip& clip = *core_.clip();
+    const PlaybackState playback = clip.session().playback();
     const std::int64_t due = frames_shown_.due(), in_time = frames_shown_.in_time();
     const TimedFrame& frame = moment.held.pair.prev;
-    const std::int64_t lasts_ns = clip_->scene().rate.time_ns(frame.number + 1) - frame.time_ns;
+    const std::int64_t lasts_ns = clip.scene().rate.time_ns(frame.number + 1) - frame.time_ns;
     frames_shown_.add(moment.held.pair, playback.moment.time_ns, lasts_ns);
     if (playback.playing)
-        governor_.add(now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
+        governor_.add(core_.time.now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
                       last_draw_ms_ / frame_ms(), coarse_saves_);
-    figures_.least_detail = std::min(figures_.least_detail, governor_.detail());
+    double& least = core_.figures.least_detail;
+    least = std::min(least, governor_.detail());
 }
 
 /// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch, and half
 /// the size for a governor that will want it: compiling what they are drawn by would make a picture come
 /// late. What is shown counts as the window's first picture only where no clip was named for it.
-Result<void> WindowLoop::draw_opening() {
-    const auto since = seconds_between(last_picture_, Clock::now());
+Result<void> WindowPicture::draw_opening() {
+    const auto since = Clock::seconds_between(last_picture_, Clock::now());
     last_picture_ = Clock::now();
-    first_event_.reset();
-    const ScreenSize size = screen_->size();
+    core_.input().take_first_event();
+    const ScreenSize size = core_.screen().size();
     if (size.width < 1 || size.height < 1) {  // minimised
-        events_.clear();
+        core_.input().take_events();
         return {};
     }
-    notices_.pass(time_s_);
+    Notices& notices = core_.notices;
+    notices.pass(core_.time.script_s);
     TRY(fit_words(size));
-    WindowGraphics& graphics = picture_.graphics();
+    WindowGraphics& graphics = surface_.graphics();
     TRY(graphics.begin());
     Scene scene;
     scene.width = scene.height = 2;
@@ -400,27 +521,22 @@ Result<void> WindowLoop::draw_opening() {
         own_view(scene, std::max(size.width / part, 1), std::max(size.height / part, 1), 0.1);
     if (auto drawn = graphics.draw(camera, {{finger}}, {}, size.width, size.height); !drawn) return drawn;
     PanelFacts facts;
-    facts.is_empty = waits_for_wish() && !opening_.is_busy();
-    if (!kiosk_) {
-        facts.message_is_bad = !notices_.passing().empty() && notices_.is_refusal();
-        if (!notices_.passing().empty())
-            facts.message = notices_.passing();
-        else if (opening_.is_busy())
-            facts.message = opening_.words() + " ...";
-        facts.faults = {notices_.faults().begin(), notices_.faults().end()};
+    const WindowClips& clips = core_.clips();
+    facts.is_empty = clips.waits_for_wish() && !clips.is_opening();
+    if (!core_.is_unattended()) {
+        add_notices(facts, notices);
+        if (facts.message.empty() && clips.is_opening()) facts.message = clips.words() + " ...";
     }
     for (int k = 0; k < 2; ++k) {  // a box of words has its size the second time
-        layer_->begin(size.width, size.height, k == 0 ? since : 1e-3, std::exchange(events_, {}));
+        layer_->begin(size.width, size.height, k == 0 ? since : 1e-3, core_.input().take_events());
         panel_->draw_without_clip(facts, size.width, size.height, asked_);
         layer_->end();
     }
     TRY(graphics.finish());
-    if (!begun_ && waits_for_wish()) {
-        begun_ = Clock::now();
-        begun_cpu_ms_ = thread_cpu_ms();
-        figures_.first_picture_ms = 1000 * seconds_between(asked_for_, *begun_);
-    }
-    if (begun_) ++figures_.pictures;
+    PlayFigures& figures = core_.figures;
+    if (!core_.time.begun && clips.waits_for_wish())
+        figures.first_picture_ms = core_.time.begin(Clock::now());
+    if (core_.time.begun) ++figures.pictures;
     return {};
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/authoring/segments.hpp"
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <tuple>
 
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable::test {
@@ -18,6 +19,50 @@ TEST(WindowCommand, EveryKeyDoesOneThing) {
         EXPECT_TRUE(!first || binding.what) << "nothing is above it";
         first = false;
     }
+}
+
+TEST(CommandTable, HasOneRowForEachVerb) {
+    for (int verb = 0; verb <= static_cast<int>(WindowVerb::quit); ++verb)
+        EXPECT_EQ(std::ranges::count(command_rows(), static_cast<WindowVerb>(verb), &CommandRow::verb), 1)
+            << verb;
+    std::set<std::string> names;
+    for (const CommandRow& row : command_rows()) {
+        EXPECT_TRUE(row.handler);
+        if (!row.name) continue;
+        EXPECT_TRUE(names.insert(row.name).second) << row.name;
+        EXPECT_EQ(command_named(row.name), &row);
+    }
+    EXPECT_EQ(command_named("jump"), nullptr);
+}
+
+TEST(CommandTable, LetsParticipantsDoNothingThatVisitorsMayNot) {
+    int visitors = 0, participants = 0;
+    for (const CommandRow& row : command_rows()) {
+        visitors += row.has(CommandRow::for_visitors);
+        participants += row.has(CommandRow::for_participants);
+        EXPECT_TRUE(row.has(CommandRow::for_visitors) || !row.has(CommandRow::for_participants));
+    }
+    EXPECT_EQ(visitors, 17);
+    EXPECT_EQ(participants, 9);
+}
+
+TEST(CommandTable, AlternatesKeysThatBelongTogether) {
+    std::string keys;
+    for (const KeyBinding& binding : key_bindings())
+        if (binding.verb == WindowVerb::point_down || binding.verb == WindowVerb::point_right)
+            keys += binding.key;
+    EXPECT_EQ(keys, "wasd");
+}
+
+TEST(CommandTable, SaysWhatIsRight) {
+    const struct {
+        const char *words, *right;
+    } faults[] = {{"home 3", "home needs nothing else"}, {"clutch", "clutch needs on or off"},
+                  {"size 10x10", "such as 1280x720"},    {"fingers 2.5", "a whole number from 1 to 5"},
+                  {"screenshot a.mkv", "ends in .png"},  {"open", "open needs a name"}};
+    for (const auto& fault : faults)
+        EXPECT_NE(parse_window_command(fault.words).error().message.find(fault.right), std::string::npos)
+            << parse_window_command(fault.words).error().message;
 }
 
 TEST(WindowCommand, ArrowsTurnTheViewWithControlAndSeekWithout) {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 #include "player/window/panel_parts.hpp"
 #include "player/window/window_command.hpp"
 #include "tests/window/scripted_window.hpp"

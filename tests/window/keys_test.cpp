@@ -2,7 +2,7 @@
 // ASCII.
 #include <gtest/gtest.h>
 
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/window_command.hpp"
 

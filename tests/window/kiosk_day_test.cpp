@@ -16,7 +16,7 @@
 
 #include "engine/picture/image.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/window_loop.hpp"
+#include "player/window/window_clock.hpp"
 #include "tests/player/program.hpp"
 #include "tests/sanitizers.hpp"
 #include "tests/sweep.hpp"

@@ -13,7 +13,7 @@
 
 #include "engine/picture/image.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/window_loop.hpp"
+#include "player/window/window_clock.hpp"
 #include "tests/player/program.hpp"
 
 namespace touchable::test {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "player/window/window_loop.hpp"
+#include "player/window/window_input.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

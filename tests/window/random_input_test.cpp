@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "player/window/keys.hpp"
+#include "player/window/command_table.hpp"
 #include "player/window/window_command.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/scripted_window.hpp"

@@ -77,7 +77,7 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
                   {"0 touch-move 1 20 30 40\n", "line 1", "two numbers"},
                   {"0 touch-end\n", "line 1", "the number of a finger"},
                   {"0 touch-end 1 2 3\n", "line 1", "the number of a finger"},
-                  {"0 leave now\n", "line 1", "stands alone"},
+                  {"0 leave now\n", "line 1", "nothing else"},
                   {"0 drop\n", "line 1", "a file or folder"}};
     for (const auto& fault : faults) {
         const auto read = read_words(fault.words);

@@ -7,7 +7,7 @@
 
 #include "player/run/run_files.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/window_loop.hpp"
+#include "player/window/window_clock.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/wrapped_screen.hpp"
 

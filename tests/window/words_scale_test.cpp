@@ -1,4 +1,4 @@
-#include "player/window/window_loop.hpp"
+#include "player/window/window_picture.hpp"
 
 #include <gtest/gtest.h>
 

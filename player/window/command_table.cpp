@@ -1,0 +1,239 @@
+#include "player/window/command_table.hpp"
+
+#include "player/window/window_core.hpp"
+
+namespace touchable {
+namespace {
+
+using Command = const WindowCommand&;
+using Window = WindowCore&;
+
+void turn_over(bool& shown) {
+    shown = !shown;
+}
+void turn_sound(Window window, Command) {
+    WindowSound& sound = window.sound();
+    sound.set_muted(!sound.is_muted());
+    window.say(sound.state());
+}
+void take_recentre(Window window, Command) {
+    window.clip()->control()->recentre();
+    window.say("the middle is where the hand is");
+}
+void set_volume(Window window, double volume) {
+    WindowSound& sound = window.sound();
+    sound.set_volume(static_cast<int>(std::lround(volume)));
+    window.say("volume " + std::to_string(sound.volume()) + " %" + (sound.is_muted() ? "; M: sound on" : ""));
+}
+
+void set_overlay(Window window, Command command) {
+    ClipPicture& surface = window.picture().surface();
+    const auto overlay = overlay_after(surface.overlay(), command.word);
+    if (!overlay) return window.say(overlay.error());
+    surface.set_overlay(*overlay);
+}
+
+void keep_screenshot(Window window, Command command) {
+    if (auto drawn = window.picture().draw_newest(); !drawn) return window.say(drawn);
+    window.say(window.picture().keep(command.word));
+}
+
+void reset_all(Window window, Command) {
+    window.clips().reset();
+    window.picture().panel().shown = false;
+    window.picture().set_dented(KeptSettings().dent);
+    window.clip()->fingers().set_count(KeptSettings().fingers);
+    window.sound().set_volume(KeptSettings().volume);
+    window.picture().surface().set_overlay(Overlay::colour);
+    window.measure().let_go();
+    const ScreenOptions& screen = window.options.screen;
+    if (!window.input().fullscreen()) window.screen().set_size(screen.width, screen.height);
+}
+
+void take_setting(Window window, Command command) {
+    window.clips().feel(command);
+}
+void open_named(Window window, Command command) {
+    window.clips().open_others({command.word});
+}
+void take_measure(Window window, Command command) {
+    window.measure().take(command);
+}
+void take_brush(Window window, Command command) {
+    window.brush().take(command);
+}
+void refuse_study(Window window, Command) {
+    window.say("there is no study in this window", Tone::refusal);
+}
+
+/// In the order of the help page.
+std::vector<CommandRow> all_rows() {
+    using enum WindowVerb;
+    using enum CommandRow::Words;
+    using enum CommandRow::Rule;
+    using enum CommandRow::Topic;
+    constexpr double long_s = 1e6, far_px = 10000;
+    std::vector<CommandRow> rows;
+    const auto add = [&rows](WindowVerb verb, const char* name, CommandRow::Topic topic,
+                             CommandRow::Takes takes, unsigned rules, std::vector<CommandRow::Key> keys,
+                             const char* help, CommandRow::Handler handler, const char* hint = nullptr) {
+        rows.push_back({verb, name, topic, takes, rules, std::move(keys), help, handler, hint});
+    };
+    add(home, "home", begin, {}, for_participants, {{"home"}}, "back to the clip's own view",
+        [](Window w, Command) { w.view().go_home(); });
+    add(previous, "previous", begin, {}, without_clip, {{"pageup"}, {"<"}},
+        "the clip before, or the next one", [](Window w, Command) { w.playlist().go(-1); });
+    add(next, "next", begin, {}, without_clip | alternates, {{"pagedown"}, {">"}}, nullptr,
+        [](Window w, Command) { w.playlist().go(1); });
+    add(measure, "measure", begin, {word}, 0, {{"t"}}, "measure between two places, or not", take_measure,
+        "two pixels of the depth, X,Y each, such as 120,80 200,90; nothing takes the tool or puts it away, "
+        "and off takes the line away");
+    add(fingers, "fingers", touch, {whole_number, 1, 5}, for_visitors | of_pointer,
+        {{"1", 1}, {"2", 2}, {"3", 3}, {"4", 4}, {"5", 5}}, "so many fingers",
+        [](Window w, Command c) { w.clip()->fingers().set_count(static_cast<int>(c.number)); });
+    add(deeper, "deeper", touch, {number, -20, 20}, by_steps | for_participants | of_pointer,
+        {{"e", 0.5}, {"x", -0.5}}, "press deeper, or less",
+        [](Window w, Command c) { w.clip()->fingers().deepen(c.number / 1000); });
+    add(point_down, "point-down", touch, {number, -far_px, far_px}, by_steps | for_participants | of_pointer,
+        {{"w", -8}, {"s", 8}}, "move the finger",
+        [](Window w, Command c) { w.input().move_by(0, c.number); });
+    add(point_right, "point-right", touch, {number, -far_px, far_px},
+        by_steps | for_participants | of_pointer | alternates, {{"a", -8}, {"d", 8}}, nullptr,
+        [](Window w, Command c) { w.input().move_by(c.number, 0); });
+    add(force, "force", touch, {}, for_visitors, {{"f"}}, "force off at once, or on again",
+        [](Window w, Command c) { w.hand().turn_force(c.number == 0); });
+    add(clutch, "clutch", touch, {on_or_off}, for_participants | of_hand, {{"c", 1}},
+        "held down: the hand moves, and no finger",
+        [](Window w, Command c) { w.clip()->control()->hold(c.number != 0); });
+    add(recentre, "recentre", touch, {}, for_participants | of_hand, {{"r"}},
+        "the middle is where the hand is", take_recentre);
+    add(coarser, nullptr, touch, {}, of_hand, {{"j", 0.8}, {"k", 1.25}},
+        "fingers go less far with the hand, or farther",
+        [](Window w, Command c) { w.hand().change_scale(c.number); });
+    add(turning, "turning", view, {}, 0, {{"v"}}, "dragging turns the view, or presses again",
+        [](Window w, Command) { w.view().turn_or_touch(); });
+    add(turn, "turn", view, {number, -180, 180}, by_steps | for_participants,
+        {{"left", -5, true}, {"right", 5, true}}, "turn the view",
+        [](Window w, Command c) { w.clip()->view().turn(c.number, 0); });
+    add(tilt, "tilt", view, {number, -180, 180}, by_steps | for_participants,
+        {{"up", 5, true}, {"down", -5, true}}, nullptr,
+        [](Window w, Command c) { w.clip()->view().turn(0, c.number); });
+    add(nearer, "nearer", view, {number, 0.1, 10}, by_steps | for_participants,
+        {{"+", 1.25}, {"=", 1.25}, {"-", 0.8}}, "nearer, or farther; so does Ctrl and the wheel",
+        [](Window w, Command c) { w.clip()->view().near_by(c.number); });
+    add(play_pause, "play-pause", play, {}, for_visitors, {{"space"}}, "play, or pause; touch goes on",
+        [](Window w, Command) { w.clips().play_or_pause(); });
+    add(seek_to, "seek", play, {number, 0, long_s}, 0, {}, nullptr,
+        [](Window w, Command c) { w.playback().seek_to(c.number); });
+    add(seek_by, "seek-by", play, {number, -long_s, long_s}, by_steps | for_visitors,
+        {{"left", -1}, {"right", 1}, {"left", -10, false, true}, {"right", 10, false, true}},
+        "a second back, or on; with Shift ten", [](Window w, Command c) { w.playback().seek_by(c.number); });
+    add(step, "step", play, {whole_number, -1, 1}, by_steps | for_visitors, {{",", -1}, {".", 1}},
+        "a frame back, or on", [](Window w, Command c) { w.say(w.playback().step(c.number)); });
+    add(faster, nullptr, play, {}, for_visitors, {{"[", 0.5}, {"]", 2}}, "half as fast, or twice",
+        [](Window w, Command c) { w.say(w.playback().change_speed(c.number)); });
+    add(speed, "speed", play, {number, 0.1, 4}, 0, {}, nullptr,
+        [](Window w, Command c) { w.say(w.playback().set_speed(c.number)); });
+    add(loop, "loop", play, {}, 0, {{"l"}}, "again from the beginning at the end, or not",
+        [](Window w, Command) { w.say(w.playback().toggle_loop()); });
+    add(mute, "mute", play, {}, without_clip | for_visitors, {{"m"}}, "sound off, or on again", turn_sound);
+    add(louder, "louder", play, {number, -100, 100}, without_clip | by_steps,
+        {{"9", -5}, {"0", 5}, {"/", -5}, {"*", 5}}, "less loud, or louder",
+        [](Window w, Command c) { set_volume(w, w.sound().volume() + c.number); });
+    add(volume, "volume", play, {number, 0, 100}, without_clip, {}, nullptr,
+        [](Window w, Command c) { set_volume(w, c.number); });
+    add(overlay, "overlay", data, {word}, for_visitors, {{"o"}}, "what the surface is coloured by",
+        set_overlay);
+    add(settings, "settings", data, {word}, 0, {{"b"}}, "the other settings of what is felt, A or B",
+        take_setting, "one of a and b, or nothing for the other of them");
+    add(feel, nullptr, data, {}, 0, {}, nullptr, take_setting);
+    add(dent, "dent", data, {on_or_off}, 0, {}, nullptr,
+        [](Window w, Command c) { w.picture().set_dented(c.number > 0); });
+    add(tool, "tool", data, {word}, 0, {{"p"}}, "the brush of materials, in the hand or away", take_brush,
+        "touch, paint, join or cut; nothing puts it away, or takes the last one again");
+    add(undo, "undo", data, {}, by_steps, {{"z", 0, true}}, "undo what was painted, or redo it", take_brush);
+    add(redo, "redo", data, {}, by_steps, {{"y", 0, true}, {"z", 0, true, true}}, nullptr, take_brush);
+    add(save_materials, "save-materials", data, {word}, 0, {{"s", 0, true}}, "save what was painted",
+        take_brush, "a name that ends in .json, or nothing for the clip's own file");
+    add(material, "material", data, {word}, 0, {}, nullptr, take_brush);
+    add(otherwise, "otherwise", data, {word}, 0, {}, nullptr, take_brush);
+    add(paint, "paint", data, {places}, 0, {}, nullptr, take_brush,
+        "a pixel of the segment, X,Y or X,Y,FRAME, such as 120,80");
+    add(join, "join", data, {places}, 0, {}, nullptr, take_brush,
+        "pixels of two segments, X,Y or X,Y,FRAME each, such as 120,80 200,90");
+    add(cut, "cut", data, {places}, 0, {}, nullptr, take_brush,
+        "pixels of a stroke over one frame, X,Y or X,Y,FRAME each, such as 120,80 160,85 200,90");
+    add(go_on, "continue", data, {}, 0, {}, nullptr, refuse_study);
+    add(answer, "answer", data, {whole_number, 1, 11}, 0, {}, nullptr, refuse_study);
+    add(panel, "panel", window, {}, 0, {{"tab"}}, "the panel of settings",
+        [](Window w, Command) { turn_over(w.picture().panel().shown); });
+    add(help, "help", window, {}, without_clip, {{"?"}, {"f1"}}, "these keys, or away with them",
+        [](Window w, Command) { turn_over(w.picture().panel().help_shown); });
+    add(dismiss, "dismiss", window, {}, without_clip, {}, nullptr,
+        [](Window w, Command) { w.notices.dismiss(); });
+    add(fullscreen, "fullscreen", window, {}, without_clip, {{"f11"}},
+        "full screen, or a window; so does a double click",
+        [](Window w, Command) { w.input().turn_fullscreen(); });
+    add(size, "size", window, {width_and_height}, without_clip, {}, nullptr,
+        [](Window w, Command c) { w.screen().set_size(c.width, c.height); });
+    add(screenshot, "screenshot", window, {word}, without_clip, {{"f12"}}, "keep a picture of the window",
+        keep_screenshot, "a name that ends in .png, or nothing for a new one");
+    add(open, "open", window, {word}, without_clip, {}, nullptr, open_named, "a name");
+    add(reset, "reset", window, {}, 0, {{"backspace", 0, false, true}}, "forget all settings that are kept",
+        reset_all);
+    return rows;
+}
+
+/// Keys of all rows. Those of a row that alternates stand between those of the row above.
+std::vector<KeyBinding> all_keys() {
+    std::vector<KeyBinding> keys;
+    for (const CommandRow& row : command_rows()) {
+        const bool between = row.has(CommandRow::alternates);
+        std::size_t place = between ? keys.size() - row.keys.size() + 1 : keys.size();
+        for (const CommandRow::Key& key : row.keys) {
+            const char* const what = &key == &row.keys.front() ? row.help : nullptr;
+            keys.insert(keys.begin() + static_cast<std::ptrdiff_t>(place),
+                        {key.key, key.shift, row.verb, key.number, what, key.control, row.topic});
+            place += between ? 2 : 1;
+        }
+    }
+    return keys;
+}
+
+}  // namespace
+
+std::span<const CommandRow> command_rows() {
+    static const std::vector<CommandRow> rows = all_rows();
+    return rows;
+}
+
+const CommandRow& row_of(WindowVerb verb) {
+    return *std::ranges::find(command_rows(), verb, &CommandRow::verb);
+}
+
+const CommandRow* command_named(std::string_view name) {
+    for (const CommandRow& row : command_rows())
+        if (row.name && name == row.name) return &row;
+    return nullptr;
+}
+
+std::span<const KeyBinding> key_bindings() {
+    static const std::vector<KeyBinding> bindings = all_keys();
+    return bindings;
+}
+
+const KeyBinding* binding_of(const std::string& key, bool control, bool shift) {
+    const KeyBinding* stop = nullptr;
+    for (const KeyBinding& binding : key_bindings()) {
+        if (key != binding.key) continue;
+        if (control == binding.control && shift == binding.shift) return &binding;
+        if (binding.verb == WindowVerb::force) stop = &binding;
+    }
+    return stop;
+}
+
+bool goes_by_steps(WindowVerb verb) {
+    return row_of(verb).has(CommandRow::by_steps);
+}
+
+}  // namespace touchable

@@ -1,0 +1,334 @@
+#include "player/window/kiosk_mode.hpp"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "player/draw/overlays.hpp"
+#include "player/window/command_table.hpp"
+#include "player/window/window_core.hpp"
+
+namespace touchable {
+namespace {
+
+/// Where a finger has something to touch all round, as near to the middle as may be: in shares of the
+/// picture, above the words. The middle where there is nothing.
+glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
+    constexpr int columns = 13, rows = 8;
+    const glm::dvec2 least(0.2, 0.2), most(0.8, 0.55), middle(0.5, 0.44);
+    bool drawn[columns][rows];
+    const auto place = [&](int i, int j) {
+        return glm::mix(least, most, glm::dvec2(i / (columns - 1.0), j / (rows - 1.0)));
+    };
+    for (int i = 0; i < columns; ++i)
+        for (int j = 0; j < rows; ++j) {
+            const glm::dvec2 at = place(i, j) * glm::dvec2(camera.width, camera.height);
+            const auto met = pick(field, camera, at.x, at.y);
+            drawn[i][j] = met && met->drawn;
+        }
+    glm::dvec2 best = middle;
+    double best_score = 0;
+    for (int i = 1; i + 1 < columns; ++i)
+        for (int j = 1; j + 1 < rows; ++j) {
+            int round = 0;
+            for (int k = 0; k < 9; ++k) round += drawn[i + k % 3 - 1][j + k / 3 - 1];
+            const double score = round - 6 * glm::distance(place(i, j), middle);
+            if (round == 0 || score <= best_score) continue;
+            best = place(i, j);
+            best_score = score;
+        }
+    return best;
+}
+
+/// What colours mean to a visitor: its name, and where it lies; nothing more, as a kiosk has no words for it.
+Overlays::Scale in_kiosk_words(const Overlays::Scale& scale, Overlay overlay, const KioskTexts& texts) {
+    Overlays::Scale told = scale;
+    told.spread.clear();
+    told.has_map = true;
+    told.at_holes.reset();
+    const bool is_friction = overlay == Overlay::static_friction || overlay == Overlay::dynamic_friction;
+    told.name = is_friction                     ? texts.friction
+                : overlay == Overlay::stiffness ? texts.stiffness
+                : overlay == Overlay::height    ? texts.height
+                                                : texts.depth;
+    if (!scale.everywhere().empty())
+        told.classes = {{ramp_colour(0.5),
+                         short_number(scale.range.least, 4) + " " + scale.unit + ": " + texts.everywhere}};
+    return told;
+}
+
+/// Those in whose colours a visitor sees what is felt.
+bool is_for_visitors(Overlay overlay) {
+    return overlay == Overlay::colour || overlay == Overlay::depth || overlay == Overlay::stiffness ||
+           overlay == Overlay::static_friction || overlay == Overlay::height;
+}
+
+/// After one, for a visitor who goes round.
+Overlay overlay_for_visitors(Overlay now) {
+    do now = *overlay_after(now, "");
+    while (!is_for_visitors(now));
+    return now;
+}
+
+}  // namespace
+
+const KioskTexts& KioskMode::texts() const {
+    return core_.options.kiosk->texts;
+}
+
+Result<void> KioskMode::open_log() {
+    const auto& file = core_.options.kiosk->use_log;
+    if (!file) return {};
+    TRY_ASSIGN(log_, UseLog::open(*file));
+    log_->start(std::chrono::system_clock::now());
+    return {};
+}
+
+/// Of all that it may have to write.
+std::string KioskMode::letters() const {
+    std::string letters = texts().all();
+    for (const TouchLabel& label : core_.options.kiosk->labels.labels)
+        if (const std::string* const caption = said_in(label.captions, texts().language)) letters += *caption;
+    return letters;
+}
+
+/// Warns on the terminal of letters that visitors could not read.
+void KioskMode::begin() {
+    core_.sound().set_spoken(core_.options.kiosk->label_sounds);
+    if (const std::string& unwritten = core_.picture().layer().unwritten(); !unwritten.empty())
+        core_.tell(
+            "no typeface of this machine has these letters of the kiosk's texts; visitors see a sign in "
+            "their place: " +
+            unwritten);
+    if (const std::string reversed = right_to_left_letters(letters()); !reversed.empty())
+        core_.tell("the window writes from left to right, and so these letters of the kiosk's texts too: " +
+                   reversed);
+}
+
+/// Whether labels go with the clip that they are of.
+Result<void> KioskMode::check(const OpenedClip& clip) const {
+    if (clip.choice().file != core_.options.session.clip.file) return {};
+    return core_.options.kiosk->labels.fits(clip.scene().width, clip.scene().height, clip.frames());
+}
+
+void KioskMode::begin_clip(bool) {
+    restored_s_ = core_.time.now_s();
+}
+
+bool KioskMode::repeats_clip() const {
+    return core_.playlist().list().size() < 2;
+}
+
+bool KioskMode::allows(const InputEvent& event) const {
+    return is_for_visitors(event);
+}
+
+bool KioskMode::handle(const InputEvent& event) {
+    if (!allows(event)) return true;
+    if (core_.clip() && is_a_visit(event)) welcome(event);
+    return false;
+}
+
+/// A visitor goes round through colours that show what is felt, and needs no message that the clip is not
+/// there yet.
+bool KioskMode::handle(const WindowCommand& command) {
+    if (!core_.clip() && !row_of(command.verb).has(CommandRow::without_clip)) return true;
+    if (command.verb != WindowVerb::overlay || !command.word.empty()) return false;
+    ClipPicture& surface = core_.picture().surface();
+    surface.set_overlay(overlay_for_visitors(surface.overlay()));
+    return true;
+}
+
+void KioskMode::look(const WatchedMoment& moment) {
+    if (!core_.options.hand || moment.felt.fingers.empty()) return;
+    const glm::dvec3 goal = moment.felt.fingers[0].goal, way = goal - hand_seen_at_;
+    const double far = core_.clip()->sizes().finger_radius / 2;
+    if (glm::dot(way, way) < far * far || !(glm::dot(goal, goal) >= 0)) return;
+    hand_seen_at_ = goal;
+    // Another clip, or one that has begun anew, maps a hand that rests to another place of its world.
+    constexpr double mapped_s = 0.5;
+    const double now_s = core_.time.now_s();
+    if (now_s > restored_s_ + mapped_s) came(now_s);
+}
+
+/// Invites after a while without visitors, and forgets what the last visitor did.
+void KioskMode::tick(double now_s) {
+    open_again();
+    if (core_.input().holds()) watch_.holds(now_s);
+    log_visit(watch_.ended(now_s));
+    if (watch_.begins_anew(now_s)) end_visit(now_s);
+    // A clip that did not say how long it is could not be told to loop; a camera does not begin again.
+    const OpenedClip& clip = *core_.clip();
+    const bool has_ended =
+        clip.frames() == 0 && !clip.is_camera() && clip.session().playback().at_end && repeats_clip();
+    if (has_ended && core_.time.now_s() > restored_s_ + 1) restore();
+    invite(now_s);
+}
+
+void KioskMode::invite(double now_s) {
+    const auto invited = watch_.invites(now_s);
+    core_.sound().silence_fingers(invited.has_value());  // no visitor is there to hear the finger that shows
+    if (!invited && is_inviting_) core_.input().leave_picture();
+    is_inviting_ = invited.has_value();
+}
+
+void KioskMode::end_visit(double) {
+    restore();
+    if (core_.clips().wanted_list().place() == 0) return;
+    Playlist list = core_.playlist().list();
+    list.go_to(0);
+    core_.clips().open_instead(std::move(list), 1);
+}
+
+void KioskMode::restore() {
+    restored_s_ = core_.time.now_s();
+    OpenedClip& clip = *core_.clip();
+    core_.input().lift_touches();
+    for (WindowMode* const mode : core_.modes()) mode->begin_anew();
+    clip.fingers().set_count(KeptSettings().fingers);
+    clip.fingers().lift();
+    // A button may still be pressed: on the surface, or on something of the panel.
+    if (!is_inviting_) core_.input().leave_picture();
+    core_.input().release_panel();
+    clip.device().set_force(true);
+    if (HandControl* const control = clip.control()) control->begin_anew();
+    core_.picture().surface().set_overlay(Overlay::colour);
+    core_.sound().set_muted(false);
+    if (!clip.is_camera())
+        core_.say(core_.playback().begin_anew(core_.options.session.playback, repeats_clip()));
+    core_.clips().play_next();
+}
+
+/// A clip that broke off may have come back: a disk that was away, a file that was being written.
+void KioskMode::open_again() {
+    const OpenedClip& clip = *core_.clip();
+    const auto failure = fault_of(clip);
+    if (!failure && clip.session().running()) return;
+    if (failure && !core_.is_told(failure->message)) core_.say(failure->message, Tone::fault);
+    const double now_s = core_.time.now_s();
+    if (now_s < tried_again_s_ + core_.options.kiosk->times.reset_s || core_.clips().is_busy()) return;
+    tried_again_s_ = now_s;
+    core_.clips().open_again();
+}
+
+/// Called on any input of a visitor. The first one of a visit, a press and a touch turn the mouse's force on
+/// again without a word, where something had stopped it.
+void KioskMode::welcome(const InputEvent& event) {
+    tick(core_.time.now_s());  // of a time in which the machine stood still nothing is the visitor's
+    const bool has_come = !watch_.is_there();
+    came(core_.time.now_s());
+    tick(core_.time.now_s());  // the finger that showed how goes before the visitor's comes
+    const bool presses =
+        has_come || event.kind == InputEvent::Kind::pressed || event.kind == InputEvent::Kind::touch_began;
+    if (presses && !core_.options.hand) core_.clip()->set_force(true);
+}
+
+/// While it invites, moves a finger by itself over the picture; it really touches, even if forces were
+/// stopped. It stays nearer to the middle where there is nothing to touch farther out. With a held device
+/// there is no such finger.
+void KioskMode::prepare(const Seen& seen) {
+    if (!is_inviting_ || core_.options.hand) return;
+    OpenedClip& clip = *core_.clip();
+    clip.set_force(true);
+    constexpr double goes_nearer = 0.03;  // a picture, of its way
+    const ShownStroke stroke = stroke_at(watch_.invites(core_.time.now_s()).value_or(0));
+    const glm::dvec2 size(seen.camera.width, seen.camera.height);
+    if (!stroke.pressed) {
+        const glm::dvec2 there = place_to_show(seen.field, seen.camera);
+        shown_from_ += glm::clamp(there - shown_from_, glm::dvec2(-goes_nearer), glm::dvec2(goes_nearer));
+    }
+    const auto place = [&](double share) { return (shown_from_ + stroke.off * share) * size; };
+    double share = 1;
+    for (const double tried : {1.0, 0.75, 0.5, 0.25, 0.0}) {
+        const auto met = pick(seen.field, seen.camera, place(tried).x, place(tried).y);
+        if (!met || !met->drawn) continue;
+        share = tried;
+        break;
+    }
+    shown_share_ += std::clamp(share - shown_share_, -goes_nearer, goes_nearer);
+    clip.fingers().set_pointer(place(shown_share_));
+    clip.fingers().press(stroke.pressed);
+}
+
+/// Says what a finger rests on, as a caption and as a spoken sound.
+void KioskMode::look_for_labels(const WatchedMoment& moment) {
+    const TouchLabels& labels = core_.options.kiosk->labels;
+    const OpenedClip& clip = *core_.clip();
+    if (labels.labels.empty() || clip.choice().file != core_.options.session.clip.file)
+        return resting_.reset();
+    constexpr double reach = 0.03;  // of the picture's width
+    if (!resting_) resting_.emplace(reach * clip.scene().width);
+    std::vector<LabelledFinger> fingers;
+    const auto count = std::min(moment.felt.fingers.size(), static_cast<std::size_t>(clip.shown()));
+    for (std::size_t k = 0; k < count && !is_inviting_; ++k) {
+        const Contact& met = moment.felt.fingers[k].contact;
+        LabelledFinger& finger = fingers.emplace_back(LabelledFinger{{met.pixel_x, met.pixel_y}, {}});
+        if (met.touching && std::isfinite(met.pixel_x) && std::isfinite(met.pixel_y))
+            finger.label = labels.at(finger.pixel, moment.held.pair.prev.number,
+                                     core_.brush().brush().segment_name(moment, finger.pixel));
+    }
+    if (const auto said = resting_->take(fingers, core_.time.now_s())) core_.sound().say(*said);
+}
+
+void KioskMode::draw(PanelFacts& facts, const Seen& seen) {
+    look_for_labels(seen.moment);
+    const KioskOptions& kiosk = *core_.options.kiosk;
+    const OpenedClip& clip = *core_.clip();
+    KioskFacts& shown =
+        facts.kiosk.emplace(KioskFacts{.texts = kiosk.texts,
+                                       .by = core_.options.hand ? TouchedBy::device : kiosk.touched_by,
+                                       .invited_s = watch_.invites(core_.time.now_s()),
+                                       .is_turned = !clip.view().own(),
+                                       .has_bar = kiosk.has_bar,
+                                       .is_still = clip.is_still()});
+    if (facts.scale)
+        shown.scale = in_kiosk_words(*facts.scale, core_.picture().surface().overlay(), kiosk.texts);
+    if (resting_ && resting_->shown())
+        if (const auto* const caption =
+                said_in(kiosk.labels.labels[*resting_->shown()].captions, kiosk.texts.language))
+            shown.caption = *caption;
+    if (!facts.hand) return;
+    HandState& state = facts.hand->state;
+    // The device's own remark is for the person who set it up.
+    const bool waits = !state.remark.empty() && !state.has_to_come_out;
+    state.what = state_of(state.what);
+    state.words = kiosk.texts.of_device(waits ? HandState::What::away : state.what);
+    if (state.has_to_come_out) state.remark = kiosk.texts.come_out;
+}
+
+void KioskMode::log_visit(const std::optional<KioskWatch::Visit>& visit) {
+    if (!log_ || !visit) return;
+    const std::chrono::duration<double> ago(core_.time.now_s() - visit->came_s);
+    using WallClock = std::chrono::system_clock;
+    log_->visit(WallClock::now() - std::chrono::duration_cast<WallClock::duration>(ago), visit->seconds);
+}
+
+/// A fault that goes on, or comes again and again, is logged once an hour.
+void KioskMode::note_fault(const std::string& fault) {
+    constexpr double again_s = 3600;
+    constexpr std::size_t most_known = 100;
+    if (!log_) return;
+    const double now_s = core_.time.now_s();
+    std::erase_if(logged_faults_, [&](const auto& known) { return now_s >= known.second + again_s; });
+    if (logged_faults_.size() >= most_known || !logged_faults_.try_emplace(fault, now_s).second) return;
+    log_->fault(std::chrono::system_clock::now(), fault);
+}
+
+std::vector<Error> KioskMode::faults() const {
+    const auto missing = log_ ? log_->missing() : std::nullopt;
+    return missing ? std::vector{*missing} : std::vector<Error>();
+}
+
+/// What ended the window is the last but one row of the log.
+void KioskMode::close(const Result<void>& ended) {
+    log_visit(watch_.end());
+    if (!log_) return;
+    if (!ended) note_fault(ended.error().message);
+    log_->end(std::chrono::system_clock::now());
+    const auto written = log_->finish();
+    log_.reset();
+    if (!written && core_.is_new_fault(written.error())) core_.tell(written.error().message);
+}
+
+}  // namespace touchable

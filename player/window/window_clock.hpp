@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <ctime>
+#include <optional>
+
+#include "engine/base/threads.hpp"
+
+namespace touchable {
+
+/// The window's clock: std::chrono::steady_clock, which a test can put forward, so that a day of a kiosk
+/// takes minutes. Sessions and their forces go by their own. Any thread.
+class WindowClock {
+public:
+    using duration = std::chrono::steady_clock::duration;
+    using rep = duration::rep;
+    using period = duration::period;
+    using time_point = std::chrono::steady_clock::time_point;
+    static constexpr bool is_steady = true;
+
+    static time_point now() {
+        return std::chrono::steady_clock::now() + duration(ahead_.load(std::memory_order_relaxed));
+    }
+    static void put_forward(duration by) { ahead_.fetch_add(by.count(), std::memory_order_relaxed); }
+    /// For how long the machine has been suspended so far, which `now` sleeps through; a test can suspend it.
+    static duration slept() {
+        const auto steady = std::chrono::steady_clock::now().time_since_epoch();
+        return std::chrono::nanoseconds(boot_ns()) - steady +
+               duration(asleep_.load(std::memory_order_relaxed));
+    }
+    static void suspend(duration by) { asleep_.fetch_add(by.count(), std::memory_order_relaxed); }
+    static double seconds_between(time_point from, time_point to) {
+        return std::chrono::duration<double>(to - from).count();
+    }
+
+private:
+    static inline std::atomic<rep> ahead_{0}, asleep_{0};
+};
+
+/// The moments of one window, which all its parts go by. The window's thread alone.
+struct WindowTime {
+    const WindowClock::time_point asked_for = WindowClock::now();
+    WindowClock::time_point last_event{};            ///< the last that makes a picture due
+    std::optional<WindowClock::time_point> begun{};  ///< with the first picture
+    /// Of the script, and of what a person does: it stands still where the machine does.
+    double script_s = 0;
+    double stirred_s = 0;  ///< when a person last did something, by `script_s`
+
+    /// Since the first picture; 0 before it.
+    double now_s() const { return begun ? WindowClock::seconds_between(*begun, WindowClock::now()) : 0; }
+    /// CPU time of this thread since the first picture.
+    double cpu_ms() const { return begun ? thread_cpu_ms() - begun_cpu_ms_ : 0; }
+    void note_event() { last_event = WindowClock::now(); }
+    /// The first picture was shown then. Gives how long after the window was asked for that is, ms.
+    double begin(WindowClock::time_point at) {
+        begun = at;
+        begun_cpu_ms_ = thread_cpu_ms();
+        return 1000 * WindowClock::seconds_between(asked_for, at);
+    }
+
+private:
+    static double thread_cpu_ms() {
+        timespec time{};
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+        return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+    }
+
+    double begun_cpu_ms_ = 0;
+};
+
+}  // namespace touchable

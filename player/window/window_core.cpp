@@ -1,0 +1,142 @@
+#include "player/window/window_core.hpp"
+
+#include <iostream>
+
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "player/window/command_table.hpp"
+#include "player/window/study_mode.hpp"
+
+namespace touchable {
+
+void warn_on_terminal(const std::string& words) {
+    std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
+}
+
+Result<void> WindowCore::open() {
+    TRY(open_mode());
+    if (options.settings_file) settings_file_ = SettingsFile(*options.settings_file);
+    const KeptSettings& kept = settings_file_.read();
+    clips_.keep(kept);
+    if (!settings_file_.message().empty()) say(settings_file_.message(), Tone::fault);
+    TRY_ASSIGN(sound_,
+               WindowSound::create(!options.headless, options.sound, options.existing, options.names.sound));
+    sound_->set_volume(kept.volume);
+    if (options.rumble && !options.headless) sound_->begin_rumble();
+    TRY(open_screen(kept));
+    clips_.ask_for_first();
+    TRY(picture_.open(kept));
+    screen_->set_title(clips_.waits_for_wish() ? "touchable" : clips_.words() + " ... - touchable");
+    return picture_.draw_opening();
+}
+
+/// The mode that the window was opened for, which comes first.
+Result<void> WindowCore::open_mode() {
+    if (options.study) {
+        TRY_ASSIGN(kiosk_, StudyMode::open(*this));
+    } else if (options.kiosk) {
+        kiosk_ = std::make_unique<KioskMode>(*this, options.kiosk->times);
+    }
+    if (!kiosk_) return {};
+    modes_.insert(modes_.begin(), kiosk_.get());
+    return kiosk_->open_log();
+}
+
+Result<void> WindowCore::open_screen(const KeptSettings& kept) {
+    ScreenOptions wanted = options.screen;
+    if (!options.size_is_stated && kept.width > 0) {
+        wanted.width = kept.width;
+        wanted.height = kept.height;
+    }
+    input_.set_fullscreen(wanted.fullscreen);
+    wanted.at_once = [this](InputEvent& event) { hand_.stop_at_once(event); };
+    if (options.make_screen) {
+        screen_ = options.make_screen(wanted);
+    } else if (options.headless) {
+        screen_ = make_headless_screen(wanted);
+    } else {
+        TRY_ASSIGN(screen_, open_glfw_screen(wanted));
+    }
+    if (!options.gpu)
+        options.gpu = std::make_shared<RunGpu>(options.session.builder.gpu, screen_->extensions());
+    // One for the surface and its picture: what is built on it is drawn where it lies.
+    options.session.gpu = options.gpu;
+    return {};
+}
+
+void WindowCore::set_clip(std::unique_ptr<OpenedClip> clip) {
+    clip_ = std::move(clip);
+    playback_.emplace(*clip_);
+    hand_.lead();
+}
+
+bool WindowCore::any(bool (WindowMode::*question)() const) const {
+    return std::ranges::any_of(modes_, [question](const WindowMode* mode) { return (mode->*question)(); });
+}
+
+bool WindowCore::any_button(LeftButton use) const {
+    return std::ranges::any_of(modes_, [use](const WindowMode* mode) { return mode->left_button() == use; });
+}
+
+void WindowCore::take_button(const WindowMode& mode) {
+    for (WindowMode* const other : modes_)
+        if (other != &mode) other->put_away();
+}
+
+void WindowCore::say(const Result<void>& done) {
+    if (!done) say(done.error());
+}
+
+void WindowCore::say(const Error& error) {
+    say(error.message, error.kind == ErrorKind::usage ? Tone::refusal : Tone::fault);
+}
+
+void WindowCore::say(std::string words, Tone tone, About about) {
+    if (tone == Tone::fault) note_fault(words);
+    if (tone != Tone::remark) tell(words);
+    notices.say(std::move(words), tone, time.script_s, about);
+    time.note_event();
+}
+
+void WindowCore::tell(const std::string& fault) {
+    constexpr std::size_t most_told = 100;
+    const bool for_visitors = is_unattended();
+    const bool is_known = for_visitors && (told_.size() == most_told || !told_.insert(fault).second);
+    if ((options.headless || for_visitors) && !is_known) warn_on_terminal(fault);
+}
+
+void WindowCore::note_fault(const std::string& fault) {
+    for (WindowMode* const mode : modes_) mode->note_fault(fault);
+}
+
+void WindowCore::take(const InputEvent& event) {
+    for (WindowMode* const mode : modes_)
+        if (mode->handle(event)) return;
+    input_.take(event);
+}
+
+void WindowCore::take(const WindowCommand& command) {
+    time.note_event();
+    for (WindowMode* const mode : modes_)
+        if (mode->handle(command)) return;
+    const CommandRow& row = row_of(command.verb);
+    if (!clip_ && !row.has(CommandRow::without_clip))
+        return say(
+            clips_.is_opening() ? "there is no clip yet" : "there is no clip yet: drop one on the window",
+            Tone::refusal);
+    if (options.hand && row.has(CommandRow::of_pointer))
+        return say("the fingers are those of the " + options.hand->name());
+    if (!options.hand && row.has(CommandRow::of_hand))
+        return say("the finger is the mouse's; a device that is held can do that");
+    row.handler(*this, command);
+}
+
+void WindowCore::leave() {
+    if (quits_ || std::exchange(picture_.panel().help_shown, false) || notices.dismiss()) return;
+    notices.clear_passing();  // the hint of a tool that is put away
+    for (WindowMode* const mode : modes_)
+        if (mode->leave()) return;
+    input_.fullscreen() ? input_.turn_fullscreen() : quit();
+}
+
+}  // namespace touchable
