@@ -181,6 +181,10 @@ std::vector<CommandRow> all_rows() {
     add(open, "open", window, {word}, without_clip, {}, nullptr, open_named, "a name");
     add(reset, "reset", window, {}, 0, {{"backspace", 0, false, true}}, "forget all settings that are kept",
         reset_all);
+    add(leave, nullptr, window, {}, without_clip, {{"escape"}},
+        "close what is in front, and at last the window", [](Window w, Command) { w.leave(); });
+    add(quit, "quit", window, {}, without_clip, {{"q"}}, "close the window",
+        [](Window w, Command) { w.quit(); });
     return rows;
 }
 
