@@ -25,7 +25,23 @@ namespace fs = std::filesystem;
 
 class LinuxVideo final : public VideoSystem {
 public:
-    std::vector<std::string> nodes() override;
+    std::vector<std::string> nodes() override {
+        constexpr std::string_view begin = "video";
+        std::vector<std::pair<int, std::string>> found;
+        std::error_code ignored;
+        for (const auto& entry : fs::directory_iterator("/dev", ignored)) {
+            const std::string name = entry.path().filename().string();
+            const std::string digits = name.substr(std::min(name.size(), begin.size()));
+            if (!name.starts_with(begin) || digits.empty() || digits.size() > 4 ||
+                digits.find_first_not_of("0123456789") != std::string::npos)
+                continue;
+            found.emplace_back(std::stoi(digits), entry.path().string());
+        }
+        std::sort(found.begin(), found.end());
+        std::vector<std::string> nodes;
+        for (auto& [number, node] : found) nodes.push_back(std::move(node));
+        return nodes;
+    }
     int open(const char* node) override { return ::open(node, O_RDWR | O_NONBLOCK | O_CLOEXEC); }
     int close(int descriptor) override { return ::close(descriptor); }
     int ioctl(int descriptor, unsigned long request, void* argument) override {
@@ -39,24 +55,6 @@ public:
         return ::poll(descriptors.data(), descriptors.size(), timeout_ms);
     }
 };
-
-std::vector<std::string> LinuxVideo::nodes() {
-    constexpr std::string_view begin = "video";
-    std::vector<std::pair<int, std::string>> found;
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator("/dev", ignored)) {
-        const std::string name = entry.path().filename().string();
-        const std::string digits = name.substr(std::min(name.size(), begin.size()));
-        if (!name.starts_with(begin) || digits.empty() || digits.size() > 4 ||
-            digits.find_first_not_of("0123456789") != std::string::npos)
-            continue;
-        found.emplace_back(std::stoi(digits), entry.path().string());
-    }
-    std::sort(found.begin(), found.end());
-    std::vector<std::string> nodes;
-    for (auto& [number, node] : found) nodes.push_back(std::move(node));
-    return nodes;
-}
 
 /// What lets this user open a node.
 std::string permission_words(const std::string& node) {

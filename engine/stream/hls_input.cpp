@@ -78,128 +78,6 @@ double in_seconds(std::int64_t ns) {
 
 // --- Renditions and levels
 
-class HlsLevels;
-
-/// How a rendition is begun.
-struct HlsBeginning {
-    std::optional<std::string> text{};   ///< of the playlist, where it was fetched already
-    std::optional<std::int64_t> from{};  ///< number of the first segment; else as FFmpeg chooses
-    HlsLevels* levels = nullptr;         ///< null: there is no other level; outlives the rendition
-    bool is_low = false;                 ///< its level
-};
-
-/// A media playlist and its segments, as FFmpeg's reader of HLS takes them.
-class HlsRendition {
-public:
-    /// `place`: of the media playlist. Errors name a place.
-    static Result<std::unique_ptr<HlsRendition>> open(std::string place, HlsBeginning beginning = {});
-    ~HlsRendition();
-    HlsRendition(const HlsRendition&) = delete;
-    HlsRendition& operator=(const HlsRendition&) = delete;
-
-    /// The packet that `take` gives; null at the end, or where the other level goes on.
-    Result<const AVPacket*> peek();
-    PacketPtr take() { return std::move(ahead_); }
-    const AVStream& stream_of(const AVPacket& packet) const {
-        return *context_->streams[packet.stream_index];
-    }
-    /// When it is decoded; the least number where that is not known.
-    std::int64_t time_ns(const AVPacket& packet) const;
-
-    bool has_ended() const { return facts_.has_ended; }
-    std::int64_t segments_lost() const { return segments_lost_; }
-
-private:
-    HlsRendition(std::string place, const HlsBeginning& beginning)
-        : place_(std::move(place)), levels_(beginning.levels), is_low_(beginning.is_low) {}
-    Result<void> begin(HlsBeginning beginning);
-    static int open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
-                       AVDictionary** options);
-    static int close_io(AVFormatContext* context, AVIOContext* io);
-    int end(std::optional<Error> fault);
-    Result<void> fetch_playlist();
-    Result<void> take_playlist(Result<std::string> text);
-    Result<std::string> place_named(const std::string& named) const;
-    int open_segment(AVIOContext** io, const std::string& named, const ByteRange& range);
-    Result<std::string> read_segment(const std::string& place, const ByteRange& range);
-    Error failure(int status) const;
-
-    const std::string place_;
-    HlsLevels* const levels_;
-    const bool is_low_;
-    AVFormatContext* context_ = nullptr;
-    AVIOContext* first_io_ = nullptr;  // of the playlist, as it was opened
-    std::string playlist_;             // the newest that was judged
-    HlsMediaFacts facts_;              // of it
-    std::string header_;               // the initialisation, which FFmpeg asks for with every playlist
-    int held_ = 0;                     // times in a row that there was no newer one
-    std::int64_t segments_lost_ = 0;
-    std::int64_t newest_segment_ = -1;  // its number, where there are levels
-    std::optional<Error> fault_;        // after which nothing more is read
-    std::stop_source ended_;            // by a fault, or where the other level goes on: what FFmpeg reads
-    PacketPtr ahead_;
-    bool at_end_ = false;
-};
-
-/// Shared by both renditions of a stream: the level, and the clock by which it is chosen.
-struct HlsLevelReading {
-    LevelChoice choice;
-    std::function<std::int64_t()> now_ns;
-};
-
-/// The places of a rendition's media playlists.
-struct HlsLevelPlaces {
-    std::string full, low;  ///< low: empty where there is none
-};
-
-/// One rendition, full or low as `reading` chooses. It goes over at a segment's beginning, once the other
-/// level is open there; where that cannot be had, it stays, and tries again before the next segment.
-class HlsLevels {
-public:
-    /// `reading`: null: the full level alone. `text`: of the full level's playlist, where it was fetched.
-    static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch,
-                                                   std::shared_ptr<HlsLevelReading> reading,
-                                                   std::optional<std::string> text = {});
-    HlsLevels(const HlsLevels&) = delete;
-    HlsLevels& operator=(const HlsLevels&) = delete;
-
-    /// As HlsRendition has them.
-    Result<const AVPacket*> peek();
-    PacketPtr take() { return read_->take(); }
-    const AVStream& stream_of(const AVPacket& packet) const { return read_->stream_of(packet); }
-    std::int64_t time_ns(const AVPacket& packet) const { return read_->time_ns(packet); }
-    bool has_ended() const { return read_->has_ended(); }
-    std::int64_t segments_lost() const { return lost_before_ + read_->segments_lost(); }
-
-    /// The level of the packet that `peek` gave.
-    bool is_low() const { return is_low_; }
-    std::int64_t changes() const { return changes_; }
-    /// So much of the stream was fetched of a level.
-    std::int64_t fetched_ns(bool of_low) const { return fetched_ns_[of_low ? 1 : 0]; }
-
-    // For the rendition that is read:
-    /// Before a segment is fetched: true ends the rendition there.
-    bool goes_over_before(std::int64_t number, bool from_low);
-    /// `segment`: bytes and times alone.
-    void note(FetchedSegment segment, bool is_low);
-    std::int64_t now_ns() const { return reading_->now_ns(); }
-
-private:
-    HlsLevels(HlsLevelPlaces places, bool is_touch, std::shared_ptr<HlsLevelReading> reading)
-        : places_(std::move(places)),
-          is_touch_(is_touch),
-          reading_(places_.low.empty() ? nullptr : std::move(reading)) {}
-
-    const HlsLevelPlaces places_;
-    const bool is_touch_;
-    const std::shared_ptr<HlsLevelReading> reading_;
-    std::unique_ptr<HlsRendition> read_, next_;  // next_: of the other level, which follows
-    bool is_low_ = false, is_opening_ = false;
-    std::int64_t changes_ = 0, lost_before_ = 0, fetched_ns_[2]{};
-};
-
-// --- HlsRendition
-
 constexpr std::size_t largest_hls_segment = std::size_t{128} << 20;
 /// A cache may give an older playlist, or none, but not more often in a row. FFmpeg asks for it about twice a
 /// second.
@@ -298,63 +176,257 @@ ByteRange range_in(const AVDictionary* options) {
     return {number("offset").value_or(0), number("end_offset")};
 }
 
-Result<std::unique_ptr<HlsRendition>> HlsRendition::open(std::string place, HlsBeginning beginning) {
-    silence_ffmpeg();
-    std::unique_ptr<HlsRendition> rendition(new HlsRendition(std::move(place), beginning));
-    TRY(rendition->begin(std::move(beginning)));
-    return rendition;
-}
+class HlsLevels;
 
-HlsRendition::~HlsRendition() {
-    avformat_close_input(&context_);
-    close_bytes(first_io_);
-}
+/// How a rendition is begun.
+struct HlsBeginning {
+    std::optional<std::string> text{};   ///< of the playlist, where it was fetched already
+    std::optional<std::int64_t> from{};  ///< number of the first segment; else as FFmpeg chooses
+    HlsLevels* levels = nullptr;         ///< null: there is no other level; outlives the rendition
+    bool is_low = false;                 ///< its level
+};
 
-Result<void> HlsRendition::begin(HlsBeginning beginning) {
-    const auto& from = beginning.from;
-    TRY(beginning.text ? take_playlist(std::move(*beginning.text)) : fetch_playlist());
-    auto first = from ? playlist_from(playlist_, *from) : std::optional(playlist_);
-    if (!first) return error_at(place_, input_error("has no segment " + std::to_string(*from) + " yet"));
-    if (from) newest_segment_ = *from - 1;
-    context_ = avformat_alloc_context();
-    if (context_) context_->pb = first_io_ = io_of(std::move(*first));
-    if (!first_io_) return memory_error();
-    context_->opaque = this;
-    context_->io_open = open_io;
-    context_->io_close2 = close_io;
-    context_->interrupt_callback = stops_with_thread;
-    AVDictionary* options = nullptr;
-    av_dict_set(&options, "format_whitelist", "hls,mov,mp4,m4a,3gp,3g2,mj2,mpegts", 0);
-    av_dict_set(&options, "http_persistent", "0", 0);  // connections are ours
-    av_dict_set(&options, "http_multiple", "0", 0);
-    if (from) av_dict_set(&options, "live_start_index", "0", 0);
-    const int status = work_until(ended_.get_token(), [&] {
-        return avformat_open_input(&context_, place_.c_str(), av_find_input_format("hls"), &options);
-    });
-    av_dict_free(&options);
-    return status < 0 ? failure(status) : Result<void>{};
-}
-
-Error HlsRendition::failure(int status) const {
-    if (fault_) return *fault_;
-    if (stop_requested()) return error_at(place_, Error{ErrorKind::interrupted, "gave no picture in time"});
-    return error_at(place_, input_error(ffmpeg_text(status)));
-}
-
-int HlsRendition::open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
-                          AVDictionary** options) {
-    auto& it = *static_cast<HlsRendition*>(context->opaque);
-    if ((flags & AVIO_FLAG_WRITE) != 0) return AVERROR(EPERM);
-    if (it.ended_.stop_requested()) return AVERROR_EXIT;
-    try {
-        if (url != it.place_) return it.open_segment(io, url, range_in(options ? *options : nullptr));
-        if (auto read = it.fetch_playlist(); !read) return it.end(read.error());
-        *io = io_of(it.playlist_);
-        return *io ? 0 : AVERROR(ENOMEM);
-    } catch (const std::exception&) {
-        return AVERROR(ENOMEM);
+/// A media playlist and its segments, as FFmpeg's reader of HLS takes them.
+class HlsRendition {
+public:
+    /// `place`: of the media playlist. Errors name a place.
+    static Result<std::unique_ptr<HlsRendition>> open(std::string place, HlsBeginning beginning = {}) {
+        silence_ffmpeg();
+        std::unique_ptr<HlsRendition> rendition(new HlsRendition(std::move(place), beginning));
+        TRY(rendition->begin(std::move(beginning)));
+        return rendition;
     }
-}
+    ~HlsRendition() {
+        avformat_close_input(&context_);
+        close_bytes(first_io_);
+    }
+    HlsRendition(const HlsRendition&) = delete;
+    HlsRendition& operator=(const HlsRendition&) = delete;
+
+    /// The packet that `take` gives; null at the end, or where the other level goes on.
+    Result<const AVPacket*> peek() {
+        if (ahead_ || at_end_) return static_cast<const AVPacket*>(ahead_.get());
+        if (fault_) return *fault_;
+        PacketPtr packet(av_packet_alloc());
+        if (!packet) return memory_error();
+        const int status =
+            work_until(ended_.get_token(), [&] { return av_read_frame(context_, packet.get()); });
+        if (fault_ || stop_requested()) return failure(status);
+        at_end_ = status == AVERROR_EOF || (status < 0 && ended_.stop_requested());
+        if (!at_end_ && status < 0) return failure(status);
+        if (!at_end_) ahead_ = std::move(packet);
+        return static_cast<const AVPacket*>(ahead_.get());
+    }
+    PacketPtr take() { return std::move(ahead_); }
+    const AVStream& stream_of(const AVPacket& packet) const {
+        return *context_->streams[packet.stream_index];
+    }
+    /// When it is decoded; the least number where that is not known.
+    std::int64_t time_ns(const AVPacket& packet) const {
+        const std::int64_t time = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
+        if (time == AV_NOPTS_VALUE) return std::numeric_limits<std::int64_t>::min();
+        return av_rescale_q(time, stream_of(packet).time_base, rendition_ns);
+    }
+
+    bool has_ended() const { return facts_.has_ended; }
+    std::int64_t segments_lost() const { return segments_lost_; }
+
+private:
+    HlsRendition(std::string place, const HlsBeginning& beginning)
+        : place_(std::move(place)), levels_(beginning.levels), is_low_(beginning.is_low) {}
+    Result<void> begin(HlsBeginning beginning) {
+        const auto& from = beginning.from;
+        TRY(beginning.text ? take_playlist(std::move(*beginning.text)) : fetch_playlist());
+        auto first = from ? playlist_from(playlist_, *from) : std::optional(playlist_);
+        if (!first) return error_at(place_, input_error("has no segment " + std::to_string(*from) + " yet"));
+        if (from) newest_segment_ = *from - 1;
+        context_ = avformat_alloc_context();
+        if (context_) context_->pb = first_io_ = io_of(std::move(*first));
+        if (!first_io_) return memory_error();
+        context_->opaque = this;
+        context_->io_open = open_io;
+        context_->io_close2 = close_io;
+        context_->interrupt_callback = stops_with_thread;
+        AVDictionary* options = nullptr;
+        av_dict_set(&options, "format_whitelist", "hls,mov,mp4,m4a,3gp,3g2,mj2,mpegts", 0);
+        av_dict_set(&options, "http_persistent", "0", 0);  // connections are ours
+        av_dict_set(&options, "http_multiple", "0", 0);
+        if (from) av_dict_set(&options, "live_start_index", "0", 0);
+        const int status = work_until(ended_.get_token(), [&] {
+            return avformat_open_input(&context_, place_.c_str(), av_find_input_format("hls"), &options);
+        });
+        av_dict_free(&options);
+        return status < 0 ? failure(status) : Result<void>{};
+    }
+    static int open_io(AVFormatContext* context, AVIOContext** io, const char* url, int flags,
+                       AVDictionary** options) {
+        auto& it = *static_cast<HlsRendition*>(context->opaque);
+        if ((flags & AVIO_FLAG_WRITE) != 0) return AVERROR(EPERM);
+        if (it.ended_.stop_requested()) return AVERROR_EXIT;
+        try {
+            if (url != it.place_) return it.open_segment(io, url, range_in(options ? *options : nullptr));
+            if (auto read = it.fetch_playlist(); !read) return it.end(read.error());
+            *io = io_of(it.playlist_);
+            return *io ? 0 : AVERROR(ENOMEM);
+        } catch (const std::exception&) {
+            return AVERROR(ENOMEM);
+        }
+    }
+    static int close_io(AVFormatContext*, AVIOContext* io) {
+        close_bytes(io);
+        return 0;
+    }
+    int end(std::optional<Error> fault) {
+        fault_ = std::move(fault);
+        ended_.request_stop();
+        return AVERROR_EXIT;
+    }
+    Result<void> fetch_playlist() { return take_playlist(fetch_place(place_, largest_hls_playlist)); }
+    /// The newest that there is; where there is none, the one before stays.
+    Result<void> take_playlist(Result<std::string> text) {
+        const bool is_first = playlist_.empty();
+        auto facts = text ? check_hls_media(*text, place_) : Result<HlsMediaFacts>(text.error());
+        if (text && !facts) return error_at(place_, facts.error());
+        const bool is_older = facts && !is_first && facts->next_segment < facts_.next_segment;
+        if (!facts || is_older) {
+            if (facts)
+                facts = input_error("goes back to segments before those that it had: the sender began anew");
+            if (is_first || facts.error().kind == ErrorKind::interrupted || ++held_ > most_held_reloads)
+                return error_at(place_, facts.error());
+            return {};
+        }
+        if (!is_first && facts->header != facts_.header)
+            return error_at(place_, input_error("has another initialisation: the sender began anew"));
+        held_ = 0;
+        playlist_ = std::move(*text);
+        facts_ = std::move(*facts);
+        return {};
+    }
+    Result<std::string> place_named(const std::string& named) const {
+        const std::string folder = place_.substr(0, place_.rfind('/') + 1);
+        const bool is_file = place_.starts_with("file:") && named.starts_with(folder);
+        return resolved_place(place_, is_file ? named.substr(folder.size()) : named);
+    }
+    int open_segment(AVIOContext** io, const std::string& named, const ByteRange& range);
+    Result<std::string> read_segment(const std::string& place, const ByteRange& range) {
+        const bool is_part = range.begin > 0 || range.end, is_header = place == facts_.header && !is_part;
+        if (is_header && !header_.empty()) return header_;
+        auto bytes = fetch_place(place, largest_hls_segment, range);
+        if (!bytes) return bytes;
+        if (is_hls_playlist(*bytes) || (!facts_.header.empty() && !is_part && !is_whole_mp4(*bytes)))
+            return input_error("is no whole segment");
+        if (is_header) header_ = *bytes;
+        return bytes;
+    }
+    Error failure(int status) const {
+        if (fault_) return *fault_;
+        if (stop_requested())
+            return error_at(place_, Error{ErrorKind::interrupted, "gave no picture in time"});
+        return error_at(place_, input_error(ffmpeg_text(status)));
+    }
+
+    const std::string place_;
+    HlsLevels* const levels_;
+    const bool is_low_;
+    AVFormatContext* context_ = nullptr;
+    AVIOContext* first_io_ = nullptr;  // of the playlist, as it was opened
+    std::string playlist_;             // the newest that was judged
+    HlsMediaFacts facts_;              // of it
+    std::string header_;               // the initialisation, which FFmpeg asks for with every playlist
+    int held_ = 0;                     // times in a row that there was no newer one
+    std::int64_t segments_lost_ = 0;
+    std::int64_t newest_segment_ = -1;  // its number, where there are levels
+    std::optional<Error> fault_;        // after which nothing more is read
+    std::stop_source ended_;            // by a fault, or where the other level goes on: what FFmpeg reads
+    PacketPtr ahead_;
+    bool at_end_ = false;
+};
+
+/// Shared by both renditions of a stream: the level, and the clock by which it is chosen.
+struct HlsLevelReading {
+    LevelChoice choice;
+    std::function<std::int64_t()> now_ns;
+};
+
+/// The places of a rendition's media playlists.
+struct HlsLevelPlaces {
+    std::string full, low;  ///< low: empty where there is none
+};
+
+/// One rendition, full or low as `reading` chooses. It goes over at a segment's beginning, once the other
+/// level is open there; where that cannot be had, it stays, and tries again before the next segment.
+class HlsLevels {
+public:
+    /// `reading`: null: the full level alone. `text`: of the full level's playlist, where it was fetched.
+    static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch,
+                                                   std::shared_ptr<HlsLevelReading> reading,
+                                                   std::optional<std::string> text = {}) {
+        std::unique_ptr<HlsLevels> levels(new HlsLevels(std::move(places), is_touch, std::move(reading)));
+        HlsLevels* const chooses = levels->reading_ ? levels.get() : nullptr;
+        TRY_ASSIGN(levels->read_,
+                   HlsRendition::open(levels->places_.full, {.text = std::move(text), .levels = chooses}));
+        return levels;
+    }
+    HlsLevels(const HlsLevels&) = delete;
+    HlsLevels& operator=(const HlsLevels&) = delete;
+
+    /// As HlsRendition has them.
+    Result<const AVPacket*> peek() {
+        auto packet = read_->peek();
+        if (!packet || *packet || !next_) return packet;
+        lost_before_ += read_->segments_lost();
+        read_ = std::move(next_);
+        is_low_ = !is_low_;
+        ++changes_;
+        return read_->peek();
+    }
+    PacketPtr take() { return read_->take(); }
+    const AVStream& stream_of(const AVPacket& packet) const { return read_->stream_of(packet); }
+    std::int64_t time_ns(const AVPacket& packet) const { return read_->time_ns(packet); }
+    bool has_ended() const { return read_->has_ended(); }
+    std::int64_t segments_lost() const { return lost_before_ + read_->segments_lost(); }
+
+    /// The level of the packet that `peek` gave.
+    bool is_low() const { return is_low_; }
+    std::int64_t changes() const { return changes_; }
+    /// So much of the stream was fetched of a level.
+    std::int64_t fetched_ns(bool of_low) const { return fetched_ns_[of_low ? 1 : 0]; }
+
+    // For the rendition that is read:
+    /// Before a segment is fetched: true ends the rendition there.
+    /// Asked by the rendition that is read, in the middle of its reading: it is given up in `peek`.
+    bool goes_over_before(std::int64_t number, bool from_low) {
+        const bool to_low = reading_->choice.is_low();
+        if (is_opening_ || next_ || to_low == from_low) return false;
+        is_opening_ = true;
+        auto other = HlsRendition::open(to_low ? places_.low : places_.full,
+                                        {.from = number, .levels = this, .is_low = to_low});
+        is_opening_ = false;
+        if (other) next_ = std::move(*other);
+        return next_ != nullptr;
+    }
+    /// `segment`: bytes and times alone.
+    void note(FetchedSegment segment, bool is_low) {
+        segment.is_touch = is_touch_;
+        segment.is_low = is_low;
+        if (segment.bytes > 0) fetched_ns_[is_low ? 1 : 0] += segment.duration_ns;
+        reading_->choice.add(segment);
+    }
+    std::int64_t now_ns() const { return reading_->now_ns(); }
+
+private:
+    HlsLevels(HlsLevelPlaces places, bool is_touch, std::shared_ptr<HlsLevelReading> reading)
+        : places_(std::move(places)),
+          is_touch_(is_touch),
+          reading_(places_.low.empty() ? nullptr : std::move(reading)) {}
+
+    const HlsLevelPlaces places_;
+    const bool is_touch_;
+    const std::shared_ptr<HlsLevelReading> reading_;
+    std::unique_ptr<HlsRendition> read_, next_;  // next_: of the other level, which follows
+    bool is_low_ = false, is_opening_ = false;
+    std::int64_t changes_ = 0, lost_before_ = 0, fetched_ns_[2]{};
+};
 
 int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const ByteRange& range) {
     const auto place = place_named(named);
@@ -381,118 +453,7 @@ int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const
     return *io ? 0 : AVERROR(ENOMEM);
 }
 
-int HlsRendition::end(std::optional<Error> fault) {
-    fault_ = std::move(fault);
-    ended_.request_stop();
-    return AVERROR_EXIT;
-}
-
-int HlsRendition::close_io(AVFormatContext*, AVIOContext* io) {
-    close_bytes(io);
-    return 0;
-}
-
-Result<void> HlsRendition::fetch_playlist() {
-    return take_playlist(fetch_place(place_, largest_hls_playlist));
-}
-
-/// The newest that there is; where there is none, the one before stays.
-Result<void> HlsRendition::take_playlist(Result<std::string> text) {
-    const bool is_first = playlist_.empty();
-    auto facts = text ? check_hls_media(*text, place_) : Result<HlsMediaFacts>(text.error());
-    if (text && !facts) return error_at(place_, facts.error());
-    const bool is_older = facts && !is_first && facts->next_segment < facts_.next_segment;
-    if (!facts || is_older) {
-        if (facts)
-            facts = input_error("goes back to segments before those that it had: the sender began anew");
-        if (is_first || facts.error().kind == ErrorKind::interrupted || ++held_ > most_held_reloads)
-            return error_at(place_, facts.error());
-        return {};
-    }
-    if (!is_first && facts->header != facts_.header)
-        return error_at(place_, input_error("has another initialisation: the sender began anew"));
-    held_ = 0;
-    playlist_ = std::move(*text);
-    facts_ = std::move(*facts);
-    return {};
-}
-
-Result<std::string> HlsRendition::place_named(const std::string& named) const {
-    const std::string folder = place_.substr(0, place_.rfind('/') + 1);
-    const bool is_file = place_.starts_with("file:") && named.starts_with(folder);
-    return resolved_place(place_, is_file ? named.substr(folder.size()) : named);
-}
-
-Result<std::string> HlsRendition::read_segment(const std::string& place, const ByteRange& range) {
-    const bool is_part = range.begin > 0 || range.end, is_header = place == facts_.header && !is_part;
-    if (is_header && !header_.empty()) return header_;
-    auto bytes = fetch_place(place, largest_hls_segment, range);
-    if (!bytes) return bytes;
-    if (is_hls_playlist(*bytes) || (!facts_.header.empty() && !is_part && !is_whole_mp4(*bytes)))
-        return input_error("is no whole segment");
-    if (is_header) header_ = *bytes;
-    return bytes;
-}
-
-std::int64_t HlsRendition::time_ns(const AVPacket& packet) const {
-    const std::int64_t time = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
-    if (time == AV_NOPTS_VALUE) return std::numeric_limits<std::int64_t>::min();
-    return av_rescale_q(time, stream_of(packet).time_base, rendition_ns);
-}
-
-Result<const AVPacket*> HlsRendition::peek() {
-    if (ahead_ || at_end_) return static_cast<const AVPacket*>(ahead_.get());
-    if (fault_) return *fault_;
-    PacketPtr packet(av_packet_alloc());
-    if (!packet) return memory_error();
-    const int status = work_until(ended_.get_token(), [&] { return av_read_frame(context_, packet.get()); });
-    if (fault_ || stop_requested()) return failure(status);
-    at_end_ = status == AVERROR_EOF || (status < 0 && ended_.stop_requested());
-    if (!at_end_ && status < 0) return failure(status);
-    if (!at_end_) ahead_ = std::move(packet);
-    return static_cast<const AVPacket*>(ahead_.get());
-}
-
 // --- HlsLevels
-
-Result<std::unique_ptr<HlsLevels>> HlsLevels::open(HlsLevelPlaces places, bool is_touch,
-                                                   std::shared_ptr<HlsLevelReading> reading,
-                                                   std::optional<std::string> text) {
-    std::unique_ptr<HlsLevels> levels(new HlsLevels(std::move(places), is_touch, std::move(reading)));
-    HlsLevels* const chooses = levels->reading_ ? levels.get() : nullptr;
-    TRY_ASSIGN(levels->read_,
-               HlsRendition::open(levels->places_.full, {.text = std::move(text), .levels = chooses}));
-    return levels;
-}
-
-/// Asked by the rendition that is read, in the middle of its reading: it is given up in `peek`.
-bool HlsLevels::goes_over_before(std::int64_t number, bool from_low) {
-    const bool to_low = reading_->choice.is_low();
-    if (is_opening_ || next_ || to_low == from_low) return false;
-    is_opening_ = true;
-    auto other = HlsRendition::open(to_low ? places_.low : places_.full,
-                                    {.from = number, .levels = this, .is_low = to_low});
-    is_opening_ = false;
-    if (other) next_ = std::move(*other);
-    return next_ != nullptr;
-}
-
-void HlsLevels::note(FetchedSegment segment, bool is_low) {
-    segment.is_touch = is_touch_;
-    segment.is_low = is_low;
-    if (segment.bytes > 0) fetched_ns_[is_low ? 1 : 0] += segment.duration_ns;
-    reading_->choice.add(segment);
-}
-
-Result<const AVPacket*> HlsLevels::peek() {
-    auto packet = read_->peek();
-    if (!packet || *packet || !next_) return packet;
-    lost_before_ += read_->segments_lost();
-    read_ = std::move(next_);
-    is_low_ = !is_low_;
-    ++changes_;
-    return read_->peek();
-}
 
 // --- BothRenditions
 

@@ -77,28 +77,82 @@ class HlsFolder {
 public:
     /// Makes it where it is not there. Refused (ErrorKind::input): a folder with anything else in it, and one
     /// in which another program is at work. `lasts`: its files are to be safe on the disk.
-    static Result<HlsFolder> open(const std::filesystem::path& folder, bool lasts);
+    static Result<HlsFolder> open(const fs::path& path, bool lasts) {
+        HlsFolder folder;
+        folder.path_ = path;
+        folder.lasts_ = lasts;
+        const std::string random = hidden_name(path).filename().string();
+        folder.run_ = random.substr(random.size() - run_digits);
+        std::error_code failure;
+        fs::create_directories(path, failure);
+        folder.opened_ = Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+        if (folder.opened_.get() < 0)
+            return input_error(path.string() + ": is no folder that can be made or read: " +
+                               std::generic_category().message(errno));
+        if (flock(folder.opened_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+            return input_error(path.string() + ": another program writes a stream there now");
+        TRY(folder.look());
+        return folder;
+    }
 
     const std::filesystem::path& path() const { return path_; }
     /// "touch-3f2a91bc-init.mp4".
-    std::string header_name(std::string_view rendition) const;
+    std::string header_name(std::string_view rendition) const {
+        return std::string(rendition) + "-" + run_ + "-init.mp4";
+    }
     /// "touch-3f2a91bc-12.m4s".
-    std::string segment_name(std::string_view rendition, std::int64_t number) const;
+    std::string segment_name(std::string_view rendition, std::int64_t number) const {
+        return std::string(rendition) + "-" + run_ + "-" + std::to_string(number) + ".m4s";
+    }
     /// The number from which segments count, so that viewers of the run before go on.
     std::int64_t first_segment() const { return first_segment_; }
 
     /// The whole file at once, in place of any other of that name.
-    Result<void> put(const std::string& name, std::string_view bytes) const;
+    Result<void> put(const std::string& name, std::string_view bytes) const {
+        NewFile file(path_ / name);
+        if (!lasts_) file.need_not_last();
+        TRY(file.write(bytes));
+        return file.commit();
+    }
     /// No playlist names it any more from `time_ns` of the stream on.
     void retire(std::string name, std::int64_t time_ns) { retired_.push_back({std::move(name), time_ns}); }
     /// Retires all files of runs before.
-    void retire_old(std::int64_t time_ns);
+    void retire_old(std::int64_t time_ns) {
+        for (std::string& name : old_) retire(std::move(name), time_ns);
+        old_.clear();
+    }
     /// Deletes what no playlist has named since then.
-    void remove_retired(std::int64_t before_ns);
+    void remove_retired(std::int64_t before_ns) {
+        while (!retired_.empty() && retired_.front().time_ns <= before_ns) {
+            unlink((path_ / retired_.front().name).c_str());
+            retired_.pop_front();
+        }
+    }
 
 private:
     HlsFolder() = default;
-    Result<void> look();
+    Result<void> look() {
+        std::error_code failure;
+        for (fs::directory_iterator at(path_, failure), end; !failure && at != end; at.increment(failure)) {
+            const std::string name = at->path().filename().string();
+            const bool is_file = at->symlink_status().type() == fs::file_type::regular;
+            if (is_file && is_unfinished(name)) continue;
+            bool is_ours = is_file && is_segment_name(name);
+            if (is_ours) old_.push_back(name);
+            if (is_file && is_playlist_name(name)) {
+                const std::string text = text_of_playlist(at->path());
+                is_ours = text.find(std::string(hls_mark) + "\n") != std::string::npos;
+                first_segment_ = std::max(first_segment_, next_segment_of(text));
+            }
+            if (!is_ours)
+                return input_error(
+                    path_.string() + ": has " + in_quotes(name) +
+                    ", which is not of a stream that this program wrote; must be a folder that is "
+                    "new or empty, or has such a stream alone");
+        }
+        if (failure) return input_error(path_.string() + ": cannot be read: " + failure.message());
+        return {};
+    }
 
     struct Retired {
         std::string name;
@@ -112,73 +166,6 @@ private:
     std::vector<std::string> old_;  // segments and headers of runs before
     std::deque<Retired> retired_;
 };
-
-Result<HlsFolder> HlsFolder::open(const fs::path& path, bool lasts) {
-    HlsFolder folder;
-    folder.path_ = path;
-    folder.lasts_ = lasts;
-    const std::string random = hidden_name(path).filename().string();
-    folder.run_ = random.substr(random.size() - run_digits);
-    std::error_code failure;
-    fs::create_directories(path, failure);
-    folder.opened_ = Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    if (folder.opened_.get() < 0)
-        return input_error(path.string() + ": is no folder that can be made or read: " +
-                           std::generic_category().message(errno));
-    if (flock(folder.opened_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-        return input_error(path.string() + ": another program writes a stream there now");
-    TRY(folder.look());
-    return folder;
-}
-
-Result<void> HlsFolder::look() {
-    std::error_code failure;
-    for (fs::directory_iterator at(path_, failure), end; !failure && at != end; at.increment(failure)) {
-        const std::string name = at->path().filename().string();
-        const bool is_file = at->symlink_status().type() == fs::file_type::regular;
-        if (is_file && is_unfinished(name)) continue;
-        bool is_ours = is_file && is_segment_name(name);
-        if (is_ours) old_.push_back(name);
-        if (is_file && is_playlist_name(name)) {
-            const std::string text = text_of_playlist(at->path());
-            is_ours = text.find(std::string(hls_mark) + "\n") != std::string::npos;
-            first_segment_ = std::max(first_segment_, next_segment_of(text));
-        }
-        if (!is_ours)
-            return input_error(path_.string() + ": has " + in_quotes(name) +
-                               ", which is not of a stream that this program wrote; must be a folder that is "
-                               "new or empty, or has such a stream alone");
-    }
-    if (failure) return input_error(path_.string() + ": cannot be read: " + failure.message());
-    return {};
-}
-
-std::string HlsFolder::header_name(std::string_view rendition) const {
-    return std::string(rendition) + "-" + run_ + "-init.mp4";
-}
-
-std::string HlsFolder::segment_name(std::string_view rendition, std::int64_t number) const {
-    return std::string(rendition) + "-" + run_ + "-" + std::to_string(number) + ".m4s";
-}
-
-Result<void> HlsFolder::put(const std::string& name, std::string_view bytes) const {
-    NewFile file(path_ / name);
-    if (!lasts_) file.need_not_last();
-    TRY(file.write(bytes));
-    return file.commit();
-}
-
-void HlsFolder::retire_old(std::int64_t time_ns) {
-    for (std::string& name : old_) retire(std::move(name), time_ns);
-    old_.clear();
-}
-
-void HlsFolder::remove_retired(std::int64_t before_ns) {
-    while (!retired_.empty() && retired_.front().time_ns <= before_ns) {
-        unlink((path_ / retired_.front().name).c_str());
-        retired_.pop_front();
-    }
-}
 
 // --- One rendition
 
@@ -313,9 +300,47 @@ class FolderWriter final : public HlsWriter {
 public:
     FolderWriter(const HlsWriter::Settings& settings, const SceneDescription& described, HlsFolder folder)
         : settings_(settings), described_(described), folder_(std::move(folder)) {}
-    Result<void> take_sound(const std::optional<SoundPart>& sound);
-    Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) override;
-    Result<void> finish() override;
+    Result<void> take_sound(const std::optional<SoundPart>& sound) {
+        if (!sound) return {};
+        TRY_ASSIGN(auto opened, StreamSound::open(*sound));
+        if (opened.codec().codec_id == AV_CODEC_ID_AAC)
+            sound_ = std::move(opened);
+        else
+            notes_.push_back("the sound is left out: it is " +
+                             std::string(avcodec_get_name(opened.codec().codec_id)) +
+                             ", and players of HLS have AAC");
+        return {};
+    }
+    Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) override {
+        if (renditions_.empty()) {
+            TRY(begin(frame));
+        } else {
+            time_ns = std::max(time_ns, newest_ns_ + shortest_frame_ns);
+            if (time_ns + frame_ns() / 2 > begin_ns_ + settings_.segment_ns) TRY(end_segment(time_ns));
+        }
+        if (frames_ == 0) {
+            begin_ns_ = time_ns;
+            begin_taken_ns_ = label.taken_ns;
+        }
+        TRY(write_sound(frame, time_ns));
+        for (Rendition& rendition : renditions_) {
+            const int step = rendition.output.form().step();
+            if (frames_ % step != 0) continue;
+            TRY(rendition.output.add(frame, label, time_ns, step * frame_ns(), frames_ == 0));
+        }
+        ++frames_;
+        newest_ns_ = time_ns;
+        return {};
+    }
+    Result<void> finish() override {
+        if (renditions_.empty())
+            return input_error(folder_.path().string() + ": not written: no frame was given");
+        TRY(end_segment(newest_ns_ + frame_ns()));
+        for (Rendition& rendition : renditions_) rendition.media.has_ended = true;
+        TRY(publish(newest_ns_));
+        if (!is_live()) folder_.remove_retired(newest_ns_);
+        return {};
+    }
     const std::vector<std::string>& notes() const override { return notes_; }
     const HlsWriter::Figures& figures() const override { return figures_; }
 
@@ -325,16 +350,131 @@ private:
         const FrameRate& rate = described_.scene.rate;
         return std::max<std::int64_t>(1, hls_second * rate.den / rate.num);
     }
-    std::int64_t target_s() const;
-    Result<void> begin(const RawFrame& first);
-    Result<void> add_rendition(const HlsRenditionForm& form, const RawFrame& first);
-    Result<void> write_sound(const RawFrame& frame, std::int64_t time_ns);
-    Result<void> end_segment(std::int64_t end_ns);
-    Result<void> put_segment(Rendition& rendition, const HlsSegment& like);
-    void shorten(HlsMedia& media, std::int64_t now_ns);
-    Result<void> publish(std::int64_t now_ns);
-    Result<HlsShown> shown(const Rendition& rendition) const;
-    Result<void> put_master();
+    /// The length of a segment whose frames come evenly.
+    std::int64_t target_s() const {
+        const std::int64_t frame = frame_ns();
+        const std::int64_t frames = std::max<std::int64_t>(1, (settings_.segment_ns + frame / 2) / frame);
+        return std::max<std::int64_t>(1, (frames * frame + hls_second / 2) / hls_second);
+    }
+    Result<void> begin(const RawFrame& first) {
+        number_ = is_live() ? folder_.first_segment() : 0;
+        is_after_a_break_ = number_ > 0;
+        for (const bool low : {false, true})
+            for (const bool colour : {true, false}) {
+                const HlsRenditionForm form{colour, low};
+                const bool is_there = (!low || settings_.has_low) && (!colour || !first.colour.empty());
+                if (is_there) {
+                    TRY(add_rendition(form, first));
+                } else {
+                    folder_.retire(form.playlist(), 0);  // of a run before
+                }
+            }
+        if (first.colour.empty())
+            notes_.push_back("the clip has no colour: ordinary players have its depth alone, as grey");
+        return {};
+    }
+    Result<void> add_rendition(const HlsRenditionForm& form, const RawFrame& first) {
+        const bool is_shown = form.is_colour == !first.colour.empty();
+        TRY_ASSIGN(auto output, HlsRenditionOutput::open(form, first, described_,
+                                                         sound_ && is_shown ? &sound_->codec() : nullptr));
+        TRY_ASSIGN(const auto header, output.take());
+        Rendition rendition{std::move(output)};
+        rendition.media.target_s = target_s();
+        rendition.media.first = number_;
+        rendition.media.header = folder_.header_name(form.name());
+        rendition.media.is_whole = !is_live();
+        TRY(folder_.put(rendition.media.header, text_of_bytes(header)));
+        renditions_.push_back(std::move(rendition));
+        return {};
+    }
+    Result<void> write_sound(const RawFrame& frame, std::int64_t time_ns) {
+        if (!sound_) return {};
+        return sound_->give(frame.epoch, time_ns, [this](AVPacket& packet) -> Result<void> {
+            for (Rendition& rendition : renditions_)
+                if (rendition.output.has_sound()) TRY(rendition.output.add_sound(packet));
+            return {};
+        });
+    }
+    /// The segment ends where the next one begins.
+    Result<void> end_segment(std::int64_t end_ns) {
+        const std::int64_t longest = target_s() * hls_second + hls_second / 2 - 1;
+        const bool breaks = end_ns - begin_ns_ > longest;  // the source stood still
+        const HlsSegment segment{"", breaks ? newest_ns_ + frame_ns() - begin_ns_ : end_ns - begin_ns_,
+                                 begin_taken_ns_, is_after_a_break_};
+        for (Rendition& rendition : renditions_) TRY(put_segment(rendition, segment));
+        ++number_;
+        ++figures_.segments;
+        figures_.duration_ns += segment.duration_ns;
+        frames_ = 0;
+        is_after_a_break_ = breaks;
+        return is_live() ? publish(end_ns) : Result<void>{};
+    }
+    Result<void> put_segment(Rendition& rendition, const HlsSegment& like) {
+        TRY_ASSIGN(const auto bytes, rendition.output.take());
+        const HlsRenditionForm& form = rendition.output.form();
+        HlsSegment segment = like;
+        segment.name = folder_.segment_name(form.name(), number_);
+        TRY(folder_.put(segment.name, text_of_bytes(bytes)));
+        bytes_of(form, figures_) += std::ssize(bytes);
+        const std::int64_t bits = std::ssize(bytes) * 8;
+        rendition.most_bits_s =
+            std::max(rendition.most_bits_s,
+                     av_rescale(bits, hls_second, std::max<std::int64_t>(1, segment.duration_ns)));
+        rendition.media.segments.push_back(std::move(segment));
+        return {};
+    }
+    void shorten(HlsMedia& media, std::int64_t now_ns) {
+        std::int64_t all = 0;
+        for (const HlsSegment& segment : media.segments) all += segment.duration_ns;
+        while (media.segments.size() > fewest_in_window &&
+               all - media.segments.front().duration_ns >= settings_.window_ns) {
+            all -= media.segments.front().duration_ns;
+            folder_.retire(std::move(media.segments.front().name), now_ns);
+            media.segments.pop_front();
+            ++media.first;
+        }
+    }
+    /// Playlists name what is there: they come after it. Those of the low level first: a viewer that goes
+    /// over to it finds there what the others name.
+    Result<void> publish(std::int64_t now_ns) {
+        figures_.playlist_bytes = 0;
+        for (auto rendition = renditions_.rbegin(); rendition != renditions_.rend(); ++rendition) {
+            if (is_live()) shorten(rendition->media, now_ns);
+            const std::string text = text_of(rendition->media);
+            if (!rendition->output.form().is_low) figures_.playlist_bytes += std::ssize(text);
+            TRY(folder_.put(rendition->output.form().playlist(), text));
+        }
+        TRY(put_master());
+        folder_.retire_old(now_ns);
+        folder_.remove_retired(now_ns - settings_.window_ns - 2 * settings_.segment_ns - stays_longer_ns);
+        return {};
+    }
+    Result<HlsShown> shown(const Rendition& rendition) const {
+        TRY_ASSIGN(auto codecs, rendition.output.codecs());
+        const HlsRenditionForm& form = rendition.output.form();
+        const Scene& scene = described_.scene;
+        return HlsShown{form.playlist(),   rendition.stated_bits_s,
+                        std::move(codecs), scene.width,
+                        scene.height,      scene.rate.per_second() / form.step()};
+    }
+    /// Once a variant has needed more than it says.
+    Result<void> put_master() {
+        bool is_new = false;
+        std::vector<HlsShown> variants;
+        for (Rendition& rendition : renditions_) {
+            if (rendition.output.form().is_colour != renditions_.front().output.form().is_colour) continue;
+            const std::int64_t most = rendition.most_bits_s;
+            is_new = is_new || most > rendition.stated_bits_s;
+            // The bit rate of what comes is not known: a live stream states a quarter more than the largest
+            // seen.
+            if (most > rendition.stated_bits_s) rendition.stated_bits_s = is_live() ? most + most / 4 : most;
+            TRY_ASSIGN(auto variant, shown(rendition));
+            variants.push_back(std::move(variant));
+        }
+        if (!is_new) return {};
+        const auto low = variants.size() > 1 ? std::optional(variants[1]) : std::nullopt;
+        return folder_.put(std::string(hls_master_name), master_text(variants[0], low));
+    }
 
     const HlsWriter::Settings settings_;
     const SceneDescription described_;
@@ -348,183 +488,6 @@ private:
     bool is_after_a_break_ = false;                 // the segment
     std::int64_t frames_ = 0;                       // that it has
 };
-
-/// The length of a segment whose frames come evenly.
-std::int64_t FolderWriter::target_s() const {
-    const std::int64_t frame = frame_ns();
-    const std::int64_t frames = std::max<std::int64_t>(1, (settings_.segment_ns + frame / 2) / frame);
-    return std::max<std::int64_t>(1, (frames * frame + hls_second / 2) / hls_second);
-}
-
-Result<void> FolderWriter::take_sound(const std::optional<SoundPart>& sound) {
-    if (!sound) return {};
-    TRY_ASSIGN(auto opened, StreamSound::open(*sound));
-    if (opened.codec().codec_id == AV_CODEC_ID_AAC)
-        sound_ = std::move(opened);
-    else
-        notes_.push_back("the sound is left out: it is " +
-                         std::string(avcodec_get_name(opened.codec().codec_id)) +
-                         ", and players of HLS have AAC");
-    return {};
-}
-
-Result<void> FolderWriter::add_rendition(const HlsRenditionForm& form, const RawFrame& first) {
-    const bool is_shown = form.is_colour == !first.colour.empty();
-    TRY_ASSIGN(auto output, HlsRenditionOutput::open(form, first, described_,
-                                                     sound_ && is_shown ? &sound_->codec() : nullptr));
-    TRY_ASSIGN(const auto header, output.take());
-    Rendition rendition{std::move(output)};
-    rendition.media.target_s = target_s();
-    rendition.media.first = number_;
-    rendition.media.header = folder_.header_name(form.name());
-    rendition.media.is_whole = !is_live();
-    TRY(folder_.put(rendition.media.header, text_of_bytes(header)));
-    renditions_.push_back(std::move(rendition));
-    return {};
-}
-
-Result<void> FolderWriter::begin(const RawFrame& first) {
-    number_ = is_live() ? folder_.first_segment() : 0;
-    is_after_a_break_ = number_ > 0;
-    for (const bool low : {false, true})
-        for (const bool colour : {true, false}) {
-            const HlsRenditionForm form{colour, low};
-            const bool is_there = (!low || settings_.has_low) && (!colour || !first.colour.empty());
-            if (is_there) {
-                TRY(add_rendition(form, first));
-            } else {
-                folder_.retire(form.playlist(), 0);  // of a run before
-            }
-        }
-    if (first.colour.empty())
-        notes_.push_back("the clip has no colour: ordinary players have its depth alone, as grey");
-    return {};
-}
-
-Result<void> FolderWriter::write_sound(const RawFrame& frame, std::int64_t time_ns) {
-    if (!sound_) return {};
-    return sound_->give(frame.epoch, time_ns, [this](AVPacket& packet) -> Result<void> {
-        for (Rendition& rendition : renditions_)
-            if (rendition.output.has_sound()) TRY(rendition.output.add_sound(packet));
-        return {};
-    });
-}
-
-Result<void> FolderWriter::add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) {
-    if (renditions_.empty()) {
-        TRY(begin(frame));
-    } else {
-        time_ns = std::max(time_ns, newest_ns_ + shortest_frame_ns);
-        if (time_ns + frame_ns() / 2 > begin_ns_ + settings_.segment_ns) TRY(end_segment(time_ns));
-    }
-    if (frames_ == 0) {
-        begin_ns_ = time_ns;
-        begin_taken_ns_ = label.taken_ns;
-    }
-    TRY(write_sound(frame, time_ns));
-    for (Rendition& rendition : renditions_) {
-        const int step = rendition.output.form().step();
-        if (frames_ % step != 0) continue;
-        TRY(rendition.output.add(frame, label, time_ns, step * frame_ns(), frames_ == 0));
-    }
-    ++frames_;
-    newest_ns_ = time_ns;
-    return {};
-}
-
-Result<void> FolderWriter::put_segment(Rendition& rendition, const HlsSegment& like) {
-    TRY_ASSIGN(const auto bytes, rendition.output.take());
-    const HlsRenditionForm& form = rendition.output.form();
-    HlsSegment segment = like;
-    segment.name = folder_.segment_name(form.name(), number_);
-    TRY(folder_.put(segment.name, text_of_bytes(bytes)));
-    bytes_of(form, figures_) += std::ssize(bytes);
-    const std::int64_t bits = std::ssize(bytes) * 8;
-    rendition.most_bits_s = std::max(
-        rendition.most_bits_s, av_rescale(bits, hls_second, std::max<std::int64_t>(1, segment.duration_ns)));
-    rendition.media.segments.push_back(std::move(segment));
-    return {};
-}
-
-/// The segment ends where the next one begins.
-Result<void> FolderWriter::end_segment(std::int64_t end_ns) {
-    const std::int64_t longest = target_s() * hls_second + hls_second / 2 - 1;
-    const bool breaks = end_ns - begin_ns_ > longest;  // the source stood still
-    const HlsSegment segment{"", breaks ? newest_ns_ + frame_ns() - begin_ns_ : end_ns - begin_ns_,
-                             begin_taken_ns_, is_after_a_break_};
-    for (Rendition& rendition : renditions_) TRY(put_segment(rendition, segment));
-    ++number_;
-    ++figures_.segments;
-    figures_.duration_ns += segment.duration_ns;
-    frames_ = 0;
-    is_after_a_break_ = breaks;
-    return is_live() ? publish(end_ns) : Result<void>{};
-}
-
-void FolderWriter::shorten(HlsMedia& media, std::int64_t now_ns) {
-    std::int64_t all = 0;
-    for (const HlsSegment& segment : media.segments) all += segment.duration_ns;
-    while (media.segments.size() > fewest_in_window &&
-           all - media.segments.front().duration_ns >= settings_.window_ns) {
-        all -= media.segments.front().duration_ns;
-        folder_.retire(std::move(media.segments.front().name), now_ns);
-        media.segments.pop_front();
-        ++media.first;
-    }
-}
-
-/// Playlists name what is there: they come after it. Those of the low level first: a viewer that goes over to
-/// it finds there what the others name.
-Result<void> FolderWriter::publish(std::int64_t now_ns) {
-    figures_.playlist_bytes = 0;
-    for (auto rendition = renditions_.rbegin(); rendition != renditions_.rend(); ++rendition) {
-        if (is_live()) shorten(rendition->media, now_ns);
-        const std::string text = text_of(rendition->media);
-        if (!rendition->output.form().is_low) figures_.playlist_bytes += std::ssize(text);
-        TRY(folder_.put(rendition->output.form().playlist(), text));
-    }
-    TRY(put_master());
-    folder_.retire_old(now_ns);
-    folder_.remove_retired(now_ns - settings_.window_ns - 2 * settings_.segment_ns - stays_longer_ns);
-    return {};
-}
-
-Result<HlsShown> FolderWriter::shown(const Rendition& rendition) const {
-    TRY_ASSIGN(auto codecs, rendition.output.codecs());
-    const HlsRenditionForm& form = rendition.output.form();
-    const Scene& scene = described_.scene;
-    return HlsShown{form.playlist(),   rendition.stated_bits_s,
-                    std::move(codecs), scene.width,
-                    scene.height,      scene.rate.per_second() / form.step()};
-}
-
-/// Once a variant has needed more than it says.
-Result<void> FolderWriter::put_master() {
-    bool is_new = false;
-    std::vector<HlsShown> variants;
-    for (Rendition& rendition : renditions_) {
-        if (rendition.output.form().is_colour != renditions_.front().output.form().is_colour) continue;
-        const std::int64_t most = rendition.most_bits_s;
-        is_new = is_new || most > rendition.stated_bits_s;
-        // The bit rate of what comes is not known: a live stream states a quarter more than the largest seen.
-        if (most > rendition.stated_bits_s) rendition.stated_bits_s = is_live() ? most + most / 4 : most;
-        TRY_ASSIGN(auto variant, shown(rendition));
-        variants.push_back(std::move(variant));
-    }
-    if (!is_new) return {};
-    const auto low = variants.size() > 1 ? std::optional(variants[1]) : std::nullopt;
-    return folder_.put(std::string(hls_master_name), master_text(variants[0], low));
-}
-
-Result<void> FolderWriter::finish() {
-    if (renditions_.empty())
-        return input_error(folder_.path().string() + ": not written: no frame was given");
-    TRY(end_segment(newest_ns_ + frame_ns()));
-    for (Rendition& rendition : renditions_) rendition.media.has_ended = true;
-    TRY(publish(newest_ns_));
-    if (!is_live()) folder_.remove_retired(newest_ns_);
-    return {};
-}
 
 class HlsChannel final : public StreamMuxer {
 public:

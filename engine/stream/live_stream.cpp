@@ -48,35 +48,220 @@ public:
         wait_ = source_.connection->waits();
         wait_->each_alone();  // it may have been made long before
     }
-    ~LiveStream() override;
+    ~LiveStream() override {
+        {
+            const std::lock_guard lock(mutex_);
+            ending_.request_stop();
+            stopped_.notify_all();
+        }
+        if (thread_.joinable()) thread_.join();
+    }
     LiveStream(const LiveStream&) = delete;
     LiveStream& operator=(const LiveStream&) = delete;
-    Result<void> open();
+    Result<void> open() {
+        TRY_ASSIGN(receiver_, connect());
+        source_.connection.reset();
+        take_meaning({receiver_->scene(), receiver_->unstated().filters});
+        tracks_ = receiver_->tracks();
+        notes_ = receiver_->notes();
+        newest_ns_ = steady_now_ns();
+        return start_thread(thread_, "stream", "that receives the stream", [this] {
+            try {
+                receive();
+            } catch (const std::exception& fault) {
+                is_over(std::string("cannot be received: ") + fault.what());
+            }
+        });
+    }
 
     void leave_out_colour() override { leaves_out_colour_ = true; }
-    std::vector<std::string> remarks() const override;
-    std::optional<StreamFigures> stream_figures() const override;
+    std::vector<std::string> remarks() const override {
+        std::vector<std::string> all = LiveReader::remarks();
+        const std::lock_guard lock(mutex_);
+        if (!why_again_.empty())
+            all.push_back("the sender " + why_again_ + "; connecting again");
+        else if (const std::int64_t silent = steady_now_ns() - newest_ns_;
+                 over_.empty() && silent > is_silent_ns)
+            all.push_back(formatted("the sender has sent no whole frameset for %.0f s; it is waited for",
+                                    1e-9 * static_cast<double>(silent)));
+        if (figures_.connections > 1)
+            all.push_back("the sender was connected to again, " + std::to_string(figures_.connections - 1) +
+                          (figures_.connections == 2 ? " time" : " times"));
+        if (const auto& levels = figures_.levels; levels && levels->is_low)
+            all.push_back(
+                "the link is too slow for the full level: the low one is read, every second frameset "
+                "and coarser colour");
+        else if (levels && levels->changes > 0)
+            all.push_back(
+                formatted("the link was too slow for the full level: for %.0f s the low one was read, "
+                          "every second frameset and coarser colour",
+                          levels->low_s));
+        add_count(all, figures_.lost + given_up_ + overdue(steady_now_ns()),
+                  "the stream's framesets were lost on the way, or left out by the sender");
+        add_count(all, figures_.late, "the stream's framesets came late");
+        add_count(all, without_colour_,
+                  "the stream's framesets came without their colour, which a narrow link leaves out first");
+        add_count(all, figures_.torn, "the stream's framesets were damaged on the way, and left out");
+        return all;
+    }
+    std::optional<StreamFigures> stream_figures() const override {
+        const std::lock_guard lock(mutex_);
+        StreamFigures figures = figures_;
+        const std::int64_t now = steady_now_ns();
+        figures.lost += given_up_ + overdue(now);
+        figures.held = figures.late + figures.lost + figures.torn;
+        if (over_.empty())
+            figures.longest_gap_ms =
+                std::max(figures.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
+        return figures;
+    }
 
 private:
     struct Waiting {
         Received received;
         JitterBuffer::Moments moments;
     };
-    MaybeTaken take() override;
+    /// In a run the newest that is to be shown by now.
+    MaybeTaken take() override {
+        const std::lock_guard lock(mutex_);
+        const std::int64_t now = steady_now_ns();
+        until_shown_ns_ = -1;
+        if (waiting_.empty()) return over_.empty() ? MaybeTaken(std::nullopt) : gone(over_);
+        if (has_begun()) {
+            while (waiting_.size() > 1 && waiting_[1].moments.shown_ns <= now) (void)take_front();
+            until_shown_ns_ = waiting_.front().moments.shown_ns - now;
+            if (until_shown_ns_ > 0) return std::optional<Taken>();
+        }
+        auto [received, moments] = take_front();
+        return std::optional(Taken{static_cast<std::uint32_t>(received.number), moments.shown_ns,
+                                   moments.shown_ns - moments.taken_ns, std::move(received.frame)});
+    }
     void wait(std::int64_t longest_ns) override { wake_.wait(longest_ns < 0 ? until_shown_ns_ : longest_ns); }
-    std::optional<Error> nothing_came(Moment since) const override;
+    std::optional<Error> nothing_came(Moment since) const override {
+        if (std::chrono::steady_clock::now() - since <= source_.patience.frameset) return std::nullopt;
+        return input_error(name_ + ": sent no whole frameset in time");
+    }
     void drain() override {}  // the moments at which framesets are shown tell
     Result<std::unique_ptr<StreamReceiver>> connect() const {
         return StreamReceiver::open(source_, wait_, described_, steady_now_ns);
     }
-    void receive();
-    bool connect_again(std::string why);
-    std::string in_short(const Error& error) const;
-    void put(Received received);
-    void note(const StreamReceiver& receiver);
-    void is_over(const std::string& why);
-    std::int64_t overdue(std::int64_t now_ns) const;
-    Waiting take_front();
+    void receive() {
+        const StopScope goes_on = StopScope::after_stop();  // the end of this stream ends it
+        const StopScope until(ending_.get_token());
+        while (true) {
+            if (leaves_out_colour_) receiver_->leave_out_colour();
+            auto received = receiver_->next(source_.patience.silence);
+            note(*receiver_);
+            if (received && *received) {
+                put(std::move(**received));
+                continue;
+            }
+            if (stop_requested()) return;
+            if (!received && received.error().kind == ErrorKind::internal)
+                return is_over(received.error().message);
+            const std::string why =
+                received ? receiver_->how_it_ended() : "is given up: " + in_short(received.error());
+            const bool has_ended = received && source_.url.is_playlist();
+            if (has_ended || source_.url.transport == StreamTransport::pipe) return is_over(why);
+            if (!connect_again(why)) return;
+        }
+    }
+    /// False where the stream is closed, or the sender sends something else now.
+    bool connect_again(std::string why) {
+        before_ += receiver_->counts();
+        levels_before_ = sum_of(levels_before_, receiver_->levels());
+        receiver_->hang_up();
+        {
+            const std::lock_guard lock(mutex_);
+            given_up_ += overdue(steady_now_ns());
+        }
+        for (int attempt = 0;; ++attempt) {
+            {
+                std::unique_lock lock(mutex_);
+                why_again_ = why;
+                const auto pause = back_off(source_.patience.back_off, attempt);
+                if (stopped_.wait_for(lock, pause, stop_requested)) return false;
+            }
+            auto receiver = connect();
+            if (stop_requested()) return false;
+            if (!receiver) {
+                why = "cannot be had: " + in_short(receiver.error());
+                continue;
+            }
+            if (!(*receiver)->is_like(*receiver_)) {
+                is_over("sends another scene or other planes than before: begin again to touch them");
+                return false;
+            }
+            receiver_ = std::move(*receiver);
+            buffer_.restart();
+            const std::lock_guard lock(mutex_);
+            ++figures_.connections;
+            why_again_.clear();
+            return true;
+        }
+    }
+    /// The message without the stream's name, which it begins with.
+    std::string in_short(const Error& error) const {
+        const std::string name = name_ + ": ";
+        return error.message.starts_with(name) ? error.message.substr(name.size()) : error.message;
+    }
+    /// Where framesets are not taken, the oldest are left out; segments, which wait at their server, are not
+    /// fetched.
+    void put(Received received) {
+        const std::int64_t now = steady_now_ns();
+        const bool in_segments = source_.url.is_playlist();
+        auto moments = in_segments ? pace_.add(received.sent_ns, now) : buffer_.add(received.sent_ns, now);
+        moments.taken_ns = taken_ns(received.sent_ns, moments, now);
+        std::unique_lock lock(mutex_);
+        const auto has_room = [this] {
+            return stop_requested() ||
+                   (waiting_.size() < most_waiting / 2 && waiting_bytes_ < most_waiting_bytes / 2);
+        };
+        if (in_segments) stopped_.wait(lock, has_room);
+        figures_.longest_gap_ms =
+            std::max(figures_.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
+        newest_ns_ = now;
+        waiting_bytes_ += bytes_of_planes(received.frame);
+        waiting_.push_back({std::move(received), moments});
+        while (waiting_.size() > 1 && (waiting_.size() > most_waiting || waiting_bytes_ > most_waiting_bytes))
+            (void)take_front();
+        wake_.wake();
+    }
+    void note(const StreamReceiver& receiver) {
+        FramesetCounts counts = before_;
+        counts += receiver.counts();
+        const auto link = receiver.link();
+        const std::lock_guard lock(mutex_);
+        if (link) figures_.link = link;
+        figures_.levels = sum_of(levels_before_, receiver.levels());
+        figures_.whole = counts.whole;
+        figures_.late = counts.late;
+        figures_.lost = counts.lost;
+        figures_.torn = counts.torn;
+        figures_.repeated = counts.repeated;
+        without_colour_ = counts.without_colour;
+        figures_.delay_ms = static_cast<double>(buffer_.delay_ns()) * 1e-6;
+    }
+    void is_over(const std::string& why) {
+        const std::lock_guard lock(mutex_);
+        over_ = why;
+        why_again_.clear();
+        wake_.wake();
+    }
+    /// Framesets that have not come though the clip's rate says that they were sent, while nothing whole
+    /// comes: the next whole one tells how many they were. Guarded by mutex_.
+    std::int64_t overdue(std::int64_t now_ns) const {
+        const std::int64_t period_ns = scene_.rate.time_ns(1), silent_ns = now_ns - newest_ns_;
+        if (!over_.empty() || !why_again_.empty() || period_ns <= 0 || silent_ns < is_silent_ns) return 0;
+        return silent_ns / period_ns - 1;
+    }
+    Waiting take_front() {
+        Waiting front = std::move(waiting_.front());
+        waiting_.pop_front();
+        waiting_bytes_ -= bytes_of_planes(front.received.frame);
+        stopped_.notify_all();
+        return front;
+    }
 
     StreamSource source_;
     const std::optional<SceneDescription> described_;
@@ -104,217 +289,6 @@ private:
     std::string over_;                 // why no more will come; empty: they may
     std::thread thread_;
 };
-
-Result<void> LiveStream::open() {
-    TRY_ASSIGN(receiver_, connect());
-    source_.connection.reset();
-    take_meaning({receiver_->scene(), receiver_->unstated().filters});
-    tracks_ = receiver_->tracks();
-    notes_ = receiver_->notes();
-    newest_ns_ = steady_now_ns();
-    return start_thread(thread_, "stream", "that receives the stream", [this] {
-        try {
-            receive();
-        } catch (const std::exception& fault) {
-            is_over(std::string("cannot be received: ") + fault.what());
-        }
-    });
-}
-
-LiveStream::~LiveStream() {
-    {
-        const std::lock_guard lock(mutex_);
-        ending_.request_stop();
-        stopped_.notify_all();
-    }
-    if (thread_.joinable()) thread_.join();
-}
-
-void LiveStream::is_over(const std::string& why) {
-    const std::lock_guard lock(mutex_);
-    over_ = why;
-    why_again_.clear();
-    wake_.wake();
-}
-
-void LiveStream::receive() {
-    const StopScope goes_on = StopScope::after_stop();  // the end of this stream ends it
-    const StopScope until(ending_.get_token());
-    while (true) {
-        if (leaves_out_colour_) receiver_->leave_out_colour();
-        auto received = receiver_->next(source_.patience.silence);
-        note(*receiver_);
-        if (received && *received) {
-            put(std::move(**received));
-            continue;
-        }
-        if (stop_requested()) return;
-        if (!received && received.error().kind == ErrorKind::internal)
-            return is_over(received.error().message);
-        const std::string why =
-            received ? receiver_->how_it_ended() : "is given up: " + in_short(received.error());
-        const bool has_ended = received && source_.url.is_playlist();
-        if (has_ended || source_.url.transport == StreamTransport::pipe) return is_over(why);
-        if (!connect_again(why)) return;
-    }
-}
-
-/// The message without the stream's name, which it begins with.
-std::string LiveStream::in_short(const Error& error) const {
-    const std::string name = name_ + ": ";
-    return error.message.starts_with(name) ? error.message.substr(name.size()) : error.message;
-}
-
-/// Framesets that have not come though the clip's rate says that they were sent, while nothing whole comes:
-/// the next whole one tells how many they were. Guarded by mutex_.
-std::int64_t LiveStream::overdue(std::int64_t now_ns) const {
-    const std::int64_t period_ns = scene_.rate.time_ns(1), silent_ns = now_ns - newest_ns_;
-    if (!over_.empty() || !why_again_.empty() || period_ns <= 0 || silent_ns < is_silent_ns) return 0;
-    return silent_ns / period_ns - 1;
-}
-
-/// False where the stream is closed, or the sender sends something else now.
-bool LiveStream::connect_again(std::string why) {
-    before_ += receiver_->counts();
-    levels_before_ = sum_of(levels_before_, receiver_->levels());
-    receiver_->hang_up();
-    {
-        const std::lock_guard lock(mutex_);
-        given_up_ += overdue(steady_now_ns());
-    }
-    for (int attempt = 0;; ++attempt) {
-        {
-            std::unique_lock lock(mutex_);
-            why_again_ = why;
-            const auto pause = back_off(source_.patience.back_off, attempt);
-            if (stopped_.wait_for(lock, pause, stop_requested)) return false;
-        }
-        auto receiver = connect();
-        if (stop_requested()) return false;
-        if (!receiver) {
-            why = "cannot be had: " + in_short(receiver.error());
-            continue;
-        }
-        if (!(*receiver)->is_like(*receiver_)) {
-            is_over("sends another scene or other planes than before: begin again to touch them");
-            return false;
-        }
-        receiver_ = std::move(*receiver);
-        buffer_.restart();
-        const std::lock_guard lock(mutex_);
-        ++figures_.connections;
-        why_again_.clear();
-        return true;
-    }
-}
-
-void LiveStream::note(const StreamReceiver& receiver) {
-    FramesetCounts counts = before_;
-    counts += receiver.counts();
-    const auto link = receiver.link();
-    const std::lock_guard lock(mutex_);
-    if (link) figures_.link = link;
-    figures_.levels = sum_of(levels_before_, receiver.levels());
-    figures_.whole = counts.whole;
-    figures_.late = counts.late;
-    figures_.lost = counts.lost;
-    figures_.torn = counts.torn;
-    figures_.repeated = counts.repeated;
-    without_colour_ = counts.without_colour;
-    figures_.delay_ms = static_cast<double>(buffer_.delay_ns()) * 1e-6;
-}
-
-/// Where framesets are not taken, the oldest are left out; segments, which wait at their server, are not
-/// fetched.
-void LiveStream::put(Received received) {
-    const std::int64_t now = steady_now_ns();
-    const bool in_segments = source_.url.is_playlist();
-    auto moments = in_segments ? pace_.add(received.sent_ns, now) : buffer_.add(received.sent_ns, now);
-    moments.taken_ns = taken_ns(received.sent_ns, moments, now);
-    std::unique_lock lock(mutex_);
-    const auto has_room = [this] {
-        return stop_requested() ||
-               (waiting_.size() < most_waiting / 2 && waiting_bytes_ < most_waiting_bytes / 2);
-    };
-    if (in_segments) stopped_.wait(lock, has_room);
-    figures_.longest_gap_ms = std::max(figures_.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
-    newest_ns_ = now;
-    waiting_bytes_ += bytes_of_planes(received.frame);
-    waiting_.push_back({std::move(received), moments});
-    while (waiting_.size() > 1 && (waiting_.size() > most_waiting || waiting_bytes_ > most_waiting_bytes))
-        (void)take_front();
-    wake_.wake();
-}
-
-LiveStream::Waiting LiveStream::take_front() {
-    Waiting front = std::move(waiting_.front());
-    waiting_.pop_front();
-    waiting_bytes_ -= bytes_of_planes(front.received.frame);
-    stopped_.notify_all();
-    return front;
-}
-
-/// In a run the newest that is to be shown by now.
-LiveReader::MaybeTaken LiveStream::take() {
-    const std::lock_guard lock(mutex_);
-    const std::int64_t now = steady_now_ns();
-    until_shown_ns_ = -1;
-    if (waiting_.empty()) return over_.empty() ? MaybeTaken(std::nullopt) : gone(over_);
-    if (has_begun()) {
-        while (waiting_.size() > 1 && waiting_[1].moments.shown_ns <= now) (void)take_front();
-        until_shown_ns_ = waiting_.front().moments.shown_ns - now;
-        if (until_shown_ns_ > 0) return std::optional<Taken>();
-    }
-    auto [received, moments] = take_front();
-    return std::optional(Taken{static_cast<std::uint32_t>(received.number), moments.shown_ns,
-                               moments.shown_ns - moments.taken_ns, std::move(received.frame)});
-}
-
-std::optional<Error> LiveStream::nothing_came(Moment since) const {
-    if (std::chrono::steady_clock::now() - since <= source_.patience.frameset) return std::nullopt;
-    return input_error(name_ + ": sent no whole frameset in time");
-}
-
-std::vector<std::string> LiveStream::remarks() const {
-    std::vector<std::string> all = LiveReader::remarks();
-    const std::lock_guard lock(mutex_);
-    if (!why_again_.empty())
-        all.push_back("the sender " + why_again_ + "; connecting again");
-    else if (const std::int64_t silent = steady_now_ns() - newest_ns_; over_.empty() && silent > is_silent_ns)
-        all.push_back(formatted("the sender has sent no whole frameset for %.0f s; it is waited for",
-                                1e-9 * static_cast<double>(silent)));
-    if (figures_.connections > 1)
-        all.push_back("the sender was connected to again, " + std::to_string(figures_.connections - 1) +
-                      (figures_.connections == 2 ? " time" : " times"));
-    if (const auto& levels = figures_.levels; levels && levels->is_low)
-        all.push_back(
-            "the link is too slow for the full level: the low one is read, every second frameset "
-            "and coarser colour");
-    else if (levels && levels->changes > 0)
-        all.push_back(
-            formatted("the link was too slow for the full level: for %.0f s the low one was read, "
-                      "every second frameset and coarser colour",
-                      levels->low_s));
-    add_count(all, figures_.lost + given_up_ + overdue(steady_now_ns()),
-              "the stream's framesets were lost on the way, or left out by the sender");
-    add_count(all, figures_.late, "the stream's framesets came late");
-    add_count(all, without_colour_,
-              "the stream's framesets came without their colour, which a narrow link leaves out first");
-    add_count(all, figures_.torn, "the stream's framesets were damaged on the way, and left out");
-    return all;
-}
-
-std::optional<StreamFigures> LiveStream::stream_figures() const {
-    const std::lock_guard lock(mutex_);
-    StreamFigures figures = figures_;
-    const std::int64_t now = steady_now_ns();
-    figures.lost += given_up_ + overdue(now);
-    figures.held = figures.late + figures.lost + figures.torn;
-    if (over_.empty())
-        figures.longest_gap_ms =
-            std::max(figures.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
-    return figures;
-}
 
 }  // namespace
 

@@ -217,7 +217,12 @@ public:
         if (thread_.joinable()) thread_.join();
         door_.close();  // before what it asks is gone
     }
-    Result<void> open_door();
+    Result<void> open_door() {
+        const auto address = own_address(url_);
+        if (!address) return usage_error("right would be an address of this machine in numbers");
+        TRY_ASSIGN(door_, SrtSocket::create(settings_, SrtSocket::Direction::sends));
+        return door_.listen(*address, may_come_);
+    }
     Result<void> start() override {
         return start_thread(thread_, "stream-output", "that sends a stream", [this] { serve(); });
     }
@@ -229,14 +234,103 @@ public:
     bool calls() const override { return !settings_.listens; }
 
 private:
-    void serve();
-    void turn(std::int64_t now_ns);
-    void take_callers(std::int64_t now_ns);
-    void go_on_calling(std::int64_t now_ns);
-    void begin_call(std::int64_t now_ns);
-    void call_failed(const std::string& why, std::int64_t now_ns);
-    void call_later(std::int64_t now_ns);
-    void say_refusals(std::int64_t now_ns);
+    void serve() {
+        constexpr std::chrono::milliseconds turn_of_listeners{5}, turn_of_none{20};
+        const StopScope goes_on = StopScope::after_stop();  // `end` alone ends it
+        const StopScope until(stop_.get_token());
+        auto newest = ring_.join();
+        while (!stop_requested()) {
+            turn(time_.now_ns());
+            const bool is_ended = ring_.is_ended();
+            if (is_ended && listeners_.empty()) break;
+            if (is_ended)
+                (void)time_.wait_until(time_.now_ns() + turn_of_listeners.count() * ns_per_ms);
+            else  // what comes next ends the wait
+                (void)ring_.wait_next(newest, listeners_.empty() ? turn_of_none : turn_of_listeners);
+        }
+        listeners_.clear();
+        is_over_ = true;
+    }
+    void turn(std::int64_t now_ns) {
+        if (settings_.listens)
+            take_callers(now_ns);
+        else
+            go_on_calling(now_ns);
+        for (const auto& listener : listeners_) listener->go_on(now_ns);
+        if (!settings_.listens && !listeners_.empty() && listeners_.front()->is_over()) {
+            const bool stayed = listeners_.front()->has_stayed(now_ns);
+            if (stayed) {
+                calls_in_vain_ = 0;
+                is_said_ = is_short_said_ = false;
+            } else if (!stop_requested() && !ring_.is_ended() && !std::exchange(is_short_said_, true)) {
+                audience_.remark(url_.name() + ": goes again within a second; called less and less often");
+            }
+            if (!stayed) call_later(time_.now_ns());  // closing takes a while
+        }
+        std::erase_if(listeners_, [](const auto& listener) { return listener->is_over(); });
+        if (const auto line = srt_log_line(now_ns)) audience_.remark(*line);
+    }
+    void take_callers(std::int64_t now_ns) {
+        while (auto caller = door_.accept()) {
+            if (!audience_.has_room()) {
+                ++refused_;
+                continue;
+            }
+            listeners_.push_back(std::make_unique<SrtListener>(
+                std::move(caller->first), "srt://" + caller->second.text(), ring_, audience_, now_ns));
+        }
+        say_refusals(now_ns);
+    }
+    void go_on_calling(std::int64_t now_ns) {
+        if (!listeners_.empty() || ring_.is_ended()) return;
+        if (!calling_.is_open()) {
+            if (now_ns >= next_call_ns_) begin_call(now_ns);
+            return;
+        }
+        switch (calling_.state()) {
+            case SrtSocket::State::calling:
+                return;
+            case SrtSocket::State::connected:
+                listeners_.push_back(std::make_unique<SrtListener>(std::exchange(calling_, SrtSocket()),
+                                                                   url_.name(), ring_, audience_, now_ns));
+                return;
+            case SrtSocket::State::gone:
+                return call_failed(calling_.refusal().why, now_ns);
+        }
+    }
+    void begin_call(std::int64_t now_ns) {
+        // A name server may take its time.
+        const auto address = unless_stopped([url = url_] { return look_up(url); });
+        if (stop_requested()) return;
+        if (!address || !*address) return call_failed("there is no such host", now_ns);
+        auto socket = SrtSocket::create(settings_, SrtSocket::Direction::sends);
+        if (!socket) return call_failed(socket.error().message, now_ns);
+        calling_ = std::move(*socket);
+        if (auto called = calling_.call(**address, longest_srt_call_ms); !called)
+            call_failed(called.error().message, now_ns);
+    }
+    /// A call in vain is said once, until the other end answers.
+    void call_failed(const std::string& why, std::int64_t now_ns) {
+        calling_.close();
+        call_later(now_ns);
+        if (stop_requested() || ring_.is_ended() || std::exchange(is_said_, true)) return;
+        audience_.remark(url_.name() + ": nobody answers (" + why + "); tried again until somebody does");
+    }
+    void call_later(std::int64_t now_ns) {
+        constexpr std::chrono::milliseconds at_first{500};
+        next_call_ns_ = now_ns + back_off(at_first, calls_in_vain_++).count();
+    }
+    /// One line every 10 s at most, however many call.
+    void say_refusals(std::int64_t now_ns) {
+        constexpr std::int64_t silence_ns = 10'000'000'000;
+        if (refused_ == 0 || now_ns < next_refusal_said_ns_) return;
+        next_refusal_said_ns_ = now_ns + silence_ns;
+        const std::int64_t refused = refused_.exchange(0);
+        audience_.remark(url_.name() + ": " + std::to_string(refused) +
+                         (refused == 1 ? " caller is" : " callers are") + " refused: there are " +
+                         std::to_string(StreamAudience::most_listeners) +
+                         " listeners, which is as many as there may be");
+    }
 
     const SrtSettings settings_;
     const StreamRing& ring_;
@@ -260,118 +354,6 @@ private:
 };
 
 // --- SrtSender
-
-Result<void> SrtSender::open_door() {
-    const auto address = own_address(url_);
-    if (!address) return usage_error("right would be an address of this machine in numbers");
-    TRY_ASSIGN(door_, SrtSocket::create(settings_, SrtSocket::Direction::sends));
-    return door_.listen(*address, may_come_);
-}
-
-void SrtSender::serve() {
-    constexpr std::chrono::milliseconds turn_of_listeners{5}, turn_of_none{20};
-    const StopScope goes_on = StopScope::after_stop();  // `end` alone ends it
-    const StopScope until(stop_.get_token());
-    auto newest = ring_.join();
-    while (!stop_requested()) {
-        turn(time_.now_ns());
-        const bool is_ended = ring_.is_ended();
-        if (is_ended && listeners_.empty()) break;
-        if (is_ended)
-            (void)time_.wait_until(time_.now_ns() + turn_of_listeners.count() * ns_per_ms);
-        else  // what comes next ends the wait
-            (void)ring_.wait_next(newest, listeners_.empty() ? turn_of_none : turn_of_listeners);
-    }
-    listeners_.clear();
-    is_over_ = true;
-}
-
-void SrtSender::turn(std::int64_t now_ns) {
-    if (settings_.listens)
-        take_callers(now_ns);
-    else
-        go_on_calling(now_ns);
-    for (const auto& listener : listeners_) listener->go_on(now_ns);
-    if (!settings_.listens && !listeners_.empty() && listeners_.front()->is_over()) {
-        const bool stayed = listeners_.front()->has_stayed(now_ns);
-        if (stayed) {
-            calls_in_vain_ = 0;
-            is_said_ = is_short_said_ = false;
-        } else if (!stop_requested() && !ring_.is_ended() && !std::exchange(is_short_said_, true)) {
-            audience_.remark(url_.name() + ": goes again within a second; called less and less often");
-        }
-        if (!stayed) call_later(time_.now_ns());  // closing takes a while
-    }
-    std::erase_if(listeners_, [](const auto& listener) { return listener->is_over(); });
-    if (const auto line = srt_log_line(now_ns)) audience_.remark(*line);
-}
-
-void SrtSender::take_callers(std::int64_t now_ns) {
-    while (auto caller = door_.accept()) {
-        if (!audience_.has_room()) {
-            ++refused_;
-            continue;
-        }
-        listeners_.push_back(std::make_unique<SrtListener>(
-            std::move(caller->first), "srt://" + caller->second.text(), ring_, audience_, now_ns));
-    }
-    say_refusals(now_ns);
-}
-
-/// One line every 10 s at most, however many call.
-void SrtSender::say_refusals(std::int64_t now_ns) {
-    constexpr std::int64_t silence_ns = 10'000'000'000;
-    if (refused_ == 0 || now_ns < next_refusal_said_ns_) return;
-    next_refusal_said_ns_ = now_ns + silence_ns;
-    const std::int64_t refused = refused_.exchange(0);
-    audience_.remark(url_.name() + ": " + std::to_string(refused) +
-                     (refused == 1 ? " caller is" : " callers are") + " refused: there are " +
-                     std::to_string(StreamAudience::most_listeners) +
-                     " listeners, which is as many as there may be");
-}
-
-void SrtSender::go_on_calling(std::int64_t now_ns) {
-    if (!listeners_.empty() || ring_.is_ended()) return;
-    if (!calling_.is_open()) {
-        if (now_ns >= next_call_ns_) begin_call(now_ns);
-        return;
-    }
-    switch (calling_.state()) {
-        case SrtSocket::State::calling:
-            return;
-        case SrtSocket::State::connected:
-            listeners_.push_back(std::make_unique<SrtListener>(std::exchange(calling_, SrtSocket()),
-                                                               url_.name(), ring_, audience_, now_ns));
-            return;
-        case SrtSocket::State::gone:
-            return call_failed(calling_.refusal().why, now_ns);
-    }
-}
-
-void SrtSender::begin_call(std::int64_t now_ns) {
-    // A name server may take its time.
-    const auto address = unless_stopped([url = url_] { return look_up(url); });
-    if (stop_requested()) return;
-    if (!address || !*address) return call_failed("there is no such host", now_ns);
-    auto socket = SrtSocket::create(settings_, SrtSocket::Direction::sends);
-    if (!socket) return call_failed(socket.error().message, now_ns);
-    calling_ = std::move(*socket);
-    if (auto called = calling_.call(**address, longest_srt_call_ms); !called)
-        call_failed(called.error().message, now_ns);
-}
-
-/// A call in vain is said once, until the other end answers.
-void SrtSender::call_failed(const std::string& why, std::int64_t now_ns) {
-    calling_.close();
-    call_later(now_ns);
-    if (stop_requested() || ring_.is_ended() || std::exchange(is_said_, true)) return;
-    audience_.remark(url_.name() + ": nobody answers (" + why + "); tried again until somebody does");
-}
-
-void SrtSender::call_later(std::int64_t now_ns) {
-    constexpr std::chrono::milliseconds at_first{500};
-    next_call_ns_ = now_ns + back_off(at_first, calls_in_vain_++).count();
-}
 
 }  // namespace
 
