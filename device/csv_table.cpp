@@ -145,13 +145,6 @@ Result<void> CsvTable::split(std::string_view line, std::vector<std::string_view
     return {};
 }
 
-bool CsvTable::names(std::string_view column) const {
-    for (const std::string_view name : first_) {
-        if (has_header_ && name == column) return true;
-    }
-    return false;
-}
-
 Result<std::size_t> CsvTable::column(std::string_view name_or_number) const {
     std::string legal = "1 to " + std::to_string(columns());
     for (std::size_t at = 0; at < columns() && has_header_; ++at) {

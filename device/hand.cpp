@@ -576,28 +576,11 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
     return Entry{&*key, number, {}};
 }
 
-const HandOptions::Entry* HandOptions::find(std::string_view name) const {
-    const auto at = std::ranges::find_if(entries_, [&](const Entry& e) { return e.key->name == name; });
-    return at == entries_.end() ? nullptr : &*at;
-}
-
-std::pair<std::string_view, std::string_view> HandOptions::file_and_pairs(std::string_view description) {
-    const std::size_t equals = description.rfind('=');
-    const std::size_t colon = equals == description.npos ? equals : description.rfind(':', equals);
-    if (colon == description.npos) return {description, {}};
-    return {description.substr(0, colon), description.substr(colon + 1)};
-}
-
 double HandOptions::number(std::string_view name) const {
     if (const Entry* entry = find(name)) return entry->number;
     const auto key = std::ranges::find(keys_, name, &Key::name);
     assert(key != keys_.end());
     return key->standard;
-}
-
-std::string HandOptions::words(std::string_view name) const {
-    const Entry* entry = find(name);
-    return entry ? entry->words : std::string();
 }
 
 }  // namespace touchable

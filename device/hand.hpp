@@ -118,11 +118,20 @@ public:
 
     /// The two of "FILE[:key=value,...]", whose file may have ':' in its name: pairs begin after the last ':'
     /// with a '=' behind it.
-    static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description);
+    static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description) {
+        const std::size_t equals = description.rfind('=');
+        const std::size_t colon = equals == description.npos ? equals : description.rfind(':', equals);
+        if (colon == description.npos) return {description, {}};
+        return {description.substr(0, colon), description.substr(colon + 1)};
+    }
 
     bool given(std::string_view name) const { return find(name) != nullptr; }
-    double number(std::string_view name) const;      ///< as given, or the key's default
-    std::string words(std::string_view name) const;  ///< as given, or empty
+    double number(std::string_view name) const;  ///< as given, or the key's default
+    /// As given, or empty.
+    std::string words(std::string_view name) const {
+        const Entry* entry = find(name);
+        return entry ? entry->words : std::string();
+    }
 
 private:
     struct Entry {
@@ -131,7 +140,10 @@ private:
         std::string words;
     };
     Result<Entry> entry(std::string_view of, std::string_view item) const;
-    const Entry* find(std::string_view name) const;
+    const Entry* find(std::string_view name) const {
+        const auto at = std::ranges::find_if(entries_, [&](const Entry& e) { return e.key->name == name; });
+        return at == entries_.end() ? nullptr : &*at;
+    }
 
     std::span<const Key> keys_;
     std::vector<Entry> entries_;
@@ -153,7 +165,12 @@ public:
     std::size_t rows() const { return lines_.size() - (has_header_ ? 1 : 0); }
     std::size_t columns() const { return first_.size(); }
     /// Whether the header names such a column.
-    bool names(std::string_view column) const;
+    bool names(std::string_view column) const {
+        for (const std::string_view name : first_) {
+            if (has_header_ && name == column) return true;
+        }
+        return false;
+    }
     /// A column by the header's name for it, or by its number, from 1. Refuses others, listing the legal
     /// ones.
     Result<std::size_t> column(std::string_view name_or_number) const;
@@ -228,12 +245,20 @@ public:
         std::int64_t exerting = 0;   ///< forces were asked for, and not kept back by the clutch
     };
 
-    HandControl(int fingers, const HandMapping& mapping);
+    HandControl(int fingers, const HandMapping& mapping)
+        : mapping_(mapping), count_(static_cast<std::size_t>(fingers)), offset_(mapping.offset) {
+        assert(fingers >= 1 && fingers <= most_fingers);
+    }
 
     // The haptic thread's, every tick: neither waits nor allocates.
     /// The haptic thread did not run for `alone_ms`: every finger has to be free once more before it feels a
     /// force.
-    void come_back(std::int64_t alone_ms);
+    void come_back(std::int64_t alone_ms) {
+        close_gates();
+        pressed_ = ~0U;  // what was pressed meanwhile asks for nothing
+        absent_ticks_ = std::max(absent_ticks_, alone_ms);
+        give_up_forces();
+    }
     /// In: device metres, not numbers where there is no place. Out: goals, scene units. `surface`: of this
     /// tick, out of which the fingers come where the clutch is released; nullptr: none.
     void to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, const SurfaceProbe* surface = nullptr);

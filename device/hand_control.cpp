@@ -17,11 +17,6 @@ bool is_known(const glm::dvec3& place) {
 
 }  // namespace
 
-HandControl::HandControl(int fingers, const HandMapping& mapping)
-    : mapping_(mapping), count_(static_cast<std::size_t>(fingers)), offset_(mapping.offset) {
-    assert(fingers >= 1 && fingers <= most_fingers);
-}
-
 /// Of the fingers whose places are known; nothing: none is.
 std::optional<glm::dvec3> HandControl::centre() const {
     glm::dvec3 sum(0);
@@ -102,13 +97,6 @@ void HandControl::go_on_from(const HandControl& before) {
     const glm::dvec3 hand = before.centre().value_or(glm::dvec3(0));
     const glm::dvec3 there = before.mapping_.workspace.to_scene(hand + before.offset_in_effect());
     offset_ = mapping_.workspace.to_device(there) - hand;
-}
-
-void HandControl::come_back(std::int64_t alone_ms) {
-    close_gates();
-    pressed_ = ~0U;  // what was pressed meanwhile asks for nothing
-    absent_ticks_ = std::max(absent_ticks_, alone_ms);
-    give_up_forces();
 }
 
 void HandControl::take_buttons(std::uint32_t buttons, bool known) {

@@ -165,13 +165,6 @@ SimulatedDevice::~SimulatedDevice() {
     close();
 }
 
-Result<void> SimulatedDevice::open() {
-    power_off();
-    fault_ = nullptr;
-    open_ = true;
-    return {};
-}
-
 bool SimulatedDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (!open_ || fault_) return false;
     assert(device_metres.size() == handles_.size());
@@ -196,11 +189,6 @@ bool SimulatedDevice::write_forces(std::span<const glm::dvec3> newtons) {
     return true;
 }
 
-Result<void> SimulatedDevice::health() const {
-    if (fault_) return device_error("simulated device " + std::string(fault_) + "; open it again");
-    return {};
-}
-
 void SimulatedDevice::put(int finger, const glm::dvec3& device_metres) {
     if (is_finite(device_metres))
         handles_[static_cast<std::size_t>(finger)].put(device_metres, glm::dvec3(0));
@@ -220,15 +208,6 @@ void SimulatedDevice::pass_tick() {
         ticks_to_unplugging_.reset();
         fail("was unplugged");
     }
-}
-
-void SimulatedDevice::fail(const char* reason) {
-    power_off();
-    fault_ = reason;
-}
-
-void SimulatedDevice::power_off() {
-    std::fill(exerted_.begin(), exerted_.end(), glm::dvec3(0));
 }
 
 Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers) {
@@ -292,18 +271,6 @@ PointerDevice::~PointerDevice() {
 
 int PointerDevice::fingers() const {
     return static_cast<int>(led_.size());
-}
-
-Result<void> PointerDevice::open() {
-    fault_.store(nullptr, std::memory_order_relaxed);
-    opening_.store(++openings_, std::memory_order_release);
-    return {};
-}
-
-Result<void> PointerDevice::health() const {
-    if (const char* fault = fault_.load(std::memory_order_relaxed))
-        return device_error("pointer " + std::string(fault) + "; open it again");
-    return {};
 }
 
 void PointerDevice::retreat() {
@@ -392,13 +359,6 @@ void PointerDevice::withdraw(std::size_t finger) {
     assert(finger < led_.size());
     intents_->meant[finger].place.reset();
     intents_->newest.write(intents_->meant);
-}
-
-void PointerDevice::set_force(bool on) {
-    std::uint32_t now = force_.load(std::memory_order_relaxed);
-    while (is_on(now) != on && !force_.compare_exchange_weak(now, now + 1, std::memory_order_acq_rel,
-                                                             std::memory_order_relaxed)) {
-    }
 }
 
 }  // namespace touchable

@@ -123,14 +123,22 @@ public:
     std::string name() const override { return "simulated"; }
     DeviceLimits limits() const override { return limits_; }
     int fingers() const override { return static_cast<int>(exerted_.size()); }
-    Result<void> open() override;
+    Result<void> open() override {
+        power_off();
+        fault_ = nullptr;
+        open_ = true;
+        return {};
+    }
     void close() override {
         power_off();
         open_ = false;
     }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
-    Result<void> health() const override;
+    Result<void> health() const override {
+        if (fault_) return device_error("simulated device " + std::string(fault_) + "; open it again");
+        return {};
+    }
 
     // A place that is not finite changes nothing.
     /// Takes a handle to a place; there it rests, and there the hand means it to be.
@@ -142,12 +150,15 @@ public:
     /// Fails by itself once so many ticks have passed from now on.
     void unplug_after(std::int64_t ticks) { ticks_to_unplugging_ = ticks; }
     /// Fails as if the hardware had gone: unpowered at once, until opened again.
-    void fail(const char* reason);
+    void fail(const char* reason) {
+        power_off();
+        fault_ = reason;
+    }
     /// What each finger feels now, newtons.
     std::span<const glm::dvec3> exerted() const { return exerted_; }
 
 private:
-    void power_off();
+    void power_off() { std::fill(exerted_.begin(), exerted_.end(), glm::dvec3(0)); }
 
     DeviceLimits limits_;
     std::vector<HeldHandle> handles_;
@@ -207,11 +218,19 @@ public:
     std::string name() const override { return "pointer"; }
     DeviceLimits limits() const override { return settings_.limits; }
     int fingers() const override;
-    Result<void> open() override;
+    Result<void> open() override {
+        fault_.store(nullptr, std::memory_order_relaxed);
+        opening_.store(++openings_, std::memory_order_release);
+        return {};
+    }
     void close() override { opening_.store(0, std::memory_order_release); }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
-    Result<void> health() const override;
+    Result<void> health() const override {
+        if (const char* fault = fault_.load(std::memory_order_relaxed))
+            return device_error("pointer " + std::string(fault) + "; open it again");
+        return {};
+    }
 
     // The window's call, of one thread. It neither waits nor allocates.
     /// Goals of fingers 0 to `places.size()` - 1, device metres; the others have none. A place that is not
@@ -226,7 +245,12 @@ public:
     void withdraw(std::size_t finger);
 
     // Any thread but the haptic one.
-    void set_force(bool on);
+    void set_force(bool on) {
+        std::uint32_t now = force_.load(std::memory_order_relaxed);
+        while (is_on(now) != on && !force_.compare_exchange_weak(now, now + 1, std::memory_order_acq_rel,
+                                                                 std::memory_order_relaxed)) {
+        }
+    }
     bool force_is_on() const { return is_on(force_.load(std::memory_order_acquire)); }
 
 private:

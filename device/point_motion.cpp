@@ -1,9 +1,6 @@
 #include "device/point_motion.hpp"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <glm/geometric.hpp>
 
 namespace touchable {
 namespace {
@@ -39,11 +36,6 @@ HeldHandle::HeldHandle(const HandleDynamics& dynamics, double period_s)
     velocity_per_acceleration_ = svv;
 }
 
-void HeldHandle::put(const glm::dvec3& place, const glm::dvec3& velocity) {
-    place_ = place;
-    velocity_ = velocity;
-}
-
 void HeldHandle::step(const glm::dvec3& force) {
     glm::dvec3 pull = force + dynamics_.hand_stiffness * (intended_ - place_) - dynamics_.damping * velocity_;
     if (dynamics_.friction > 0) {
@@ -60,20 +52,6 @@ void HeldHandle::step(const glm::dvec3& force) {
     velocity_ += velocity_per_velocity_ * before + velocity_per_acceleration_ * acceleration;
 }
 
-glm::dvec3 HeldHandle::reading() const {
-    const double q = dynamics_.quantum;
-    if (!(q > 0)) return place_;
-    return q * glm::dvec3(std::floor(place_.x / q + 0.5), std::floor(place_.y / q + 0.5),
-                          std::floor(place_.z / q + 0.5));
-}
-
-LedPoint::LedPoint(const LeadTimes& times, double period_s)
-    : period_s_(period_s),
-      across_(response(times.across_s, period_s)),
-      along_(response(times.along_s, period_s)) {
-    assert(period_s > 0 && times.across_s >= period_s && times.along_s >= period_s);
-}
-
 LedPoint::Response LedPoint::response(double time_constant, double period_s) {
     const double x = period_s / time_constant;
     double term = 1, power = 1;  // exp(x), by its series: no library's exp is the same bits everywhere
@@ -82,11 +60,6 @@ LedPoint::Response LedPoint::response(double time_constant, double period_s) {
         power += term;
     }
     return {(1 + x) / power, period_s / power, -x / time_constant / power, (1 - x) / power};
-}
-
-void LedPoint::put(const glm::dvec3& place) {
-    place_ = place;
-    velocity_ = glm::dvec3(0);
 }
 
 void LedPoint::follow(const glm::dvec3& goal, const glm::dvec3& along, double max_speed) {
@@ -104,11 +77,6 @@ void LedPoint::follow(const glm::dvec3& goal, const glm::dvec3& along, double ma
     const double speed = std::sqrt(glm::dot(velocity_, velocity_));
     if (speed > max_speed) velocity_ *= max_speed / speed;
     place_ += step;
-}
-
-bool PlausibleMotion::reaches(const Seen& from, const glm::dvec3& place, std::int64_t time_ns) {
-    const double seconds = std::min(static_cast<double>(time_ns - from.time_ns) * 1e-9, longest_s);
-    return glm::length(place - from.place) <= slack + fastest * seconds;
 }
 
 std::optional<glm::dvec3> PlausibleMotion::believe(const glm::dvec3& place, std::int64_t time_ns) {

@@ -12,7 +12,10 @@
 // says ns. Each object belongs to one thread, allocates nothing and waits for nothing, so that the haptic
 // thread may have it.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 
@@ -39,7 +42,10 @@ public:
     /// At rest at 0, meant to be there.
     HeldHandle(const HandleDynamics& dynamics, double period_s);
 
-    void put(const glm::dvec3& place, const glm::dvec3& velocity);
+    void put(const glm::dvec3& place, const glm::dvec3& velocity) {
+        place_ = place;
+        velocity_ = velocity;
+    }
     void intend(const glm::dvec3& place) { intended_ = place; }
     /// One period, under a device's constant force.
     void advance(const glm::dvec3& force) {
@@ -49,7 +55,12 @@ public:
     const glm::dvec3& place() const { return place_; }
     const glm::dvec3& velocity() const { return velocity_; }
     /// The place as the device's encoders measure it: in steps of `quantum`.
-    glm::dvec3 reading() const;
+    glm::dvec3 reading() const {
+        const double q = dynamics_.quantum;
+        if (!(q > 0)) return place_;
+        return q * glm::dvec3(std::floor(place_.x / q + 0.5), std::floor(place_.y / q + 0.5),
+                              std::floor(place_.z / q + 0.5));
+    }
 
 private:
     void step(const glm::dvec3& force);
@@ -73,10 +84,18 @@ struct LeadTimes {
 /// which the goal may jump about, than across. The same bits everywhere.
 class LedPoint {
 public:
-    LedPoint(const LeadTimes& times, double period_s);
+    LedPoint(const LeadTimes& times, double period_s)
+        : period_s_(period_s),
+          across_(response(times.across_s, period_s)),
+          along_(response(times.along_s, period_s)) {
+        assert(period_s > 0 && times.across_s >= period_s && times.along_s >= period_s);
+    }
 
     /// At rest.
-    void put(const glm::dvec3& place);
+    void put(const glm::dvec3& place) {
+        place_ = place;
+        velocity_ = glm::dvec3(0);
+    }
     /// One period towards `goal`, no farther than `max_speed` (> 0) goes. `along`: a unit vector, or zero
     /// where no direction is slower than the others.
     void follow(const glm::dvec3& goal, const glm::dvec3& along, double max_speed);
@@ -123,7 +142,10 @@ private:
         glm::dvec3 place{0.0};
         std::int64_t time_ns = 0;
     };
-    static bool reaches(const Seen& from, const glm::dvec3& place, std::int64_t time_ns);
+    static bool reaches(const Seen& from, const glm::dvec3& place, std::int64_t time_ns) {
+        const double seconds = std::min(static_cast<double>(time_ns - from.time_ns) * 1e-9, longest_s);
+        return glm::length(place - from.place) <= slack + fastest * seconds;
+    }
 
     std::optional<Seen> last_;       // believed
     std::optional<Seen> elsewhere_;  // newest of places that go on from a leap

@@ -1,6 +1,4 @@
 // Which hardware is known, and which of it is connected: read in /sys, /proc and /dev, without opening any.
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -303,10 +301,6 @@ std::string ConnectedSystem::resolved(const std::string& path) const {
     const fs::path top = fs::canonical(root_, failure);
     if (failure) return {};
     return "/" + whole.lexically_relative(top).string();
-}
-
-bool ConnectedSystem::may_use(const std::string& node) const {
-    return access(below(node).c_str(), R_OK | W_OK) == 0;
 }
 
 bool has_listener(const ConnectedSystem& system, std::uint16_t port) {

@@ -100,7 +100,11 @@ private:
     class Ring {
     public:
         explicit Ring(std::size_t room) : times_(room) {}
-        void add(std::int64_t time_ns);
+        void add(std::int64_t time_ns) {
+            const std::size_t count = count_.load(std::memory_order_relaxed);
+            times_[count % times_.size()].store(time_ns, std::memory_order_relaxed);
+            count_.store(count + 1, std::memory_order_release);
+        }
         std::vector<std::int64_t> within(std::int64_t from_ns, std::int64_t to_ns) const;
 
     private:

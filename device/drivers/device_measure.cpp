@@ -159,12 +159,6 @@ WatchFigures::Rest rest_of(std::span<const glm::dvec3> metres) {
     return figures;
 }
 
-void DriveTimes::Ring::add(std::int64_t time_ns) {
-    const std::size_t count = count_.load(std::memory_order_relaxed);
-    times_[count % times_.size()].store(time_ns, std::memory_order_relaxed);
-    count_.store(count + 1, std::memory_order_release);
-}
-
 std::vector<std::int64_t> DriveTimes::Ring::within(std::int64_t from_ns, std::int64_t to_ns) const {
     std::vector<std::int64_t> found;
     const std::size_t count = count_.load(std::memory_order_acquire);
@@ -222,18 +216,6 @@ Result<glm::dvec3> SpringTrial::read() {
                         (prompt.empty() ? "" : "; " + prompt));
 }
 
-Result<void> SpringTrial::push(const glm::dvec3& newtons) {
-    newtons_[0] = newtons;
-    if (!device_.write_forces(newtons_)) return failure_of(device_);
-    if (!pace_.next_tick()) return interrupted_error();
-    return {};
-}
-
-void SpringTrial::power_off() {
-    newtons_[0] = glm::dvec3(0);
-    device_.write_forces(newtons_);
-}
-
 Result<HandleRest> SpringTrial::wait_for_rest() {
     constexpr int window = 300, most_windows = 40;
     constexpr double still_m = 0.0003, surely_still_m = 1e-6;
@@ -260,12 +242,6 @@ Result<HandleRest> SpringTrial::wait_for_rest() {
     return device_error(device_.name() + ": its handle does not stay still by itself (it went " +
                         std::to_string(static_cast<int>(std::lround(farthest * 1e6))) +
                         " um in 0.3 s); lay it where it stays");
-}
-
-Result<SpringTrial::Verdict> SpringTrial::try_spring(double stiffness, const HandleRest& rest) {
-    auto verdict = feel(stiffness, rest);
-    power_off();
-    return verdict;
 }
 
 Result<SpringTrial::Verdict> SpringTrial::feel(double stiffness, const HandleRest& rest) {

@@ -59,12 +59,24 @@ public:
     Result<HandleRest> wait_for_rest();
     /// With a spring of `stiffness` N/m. Force ends with it, and at the first sign of growth. Error: the
     /// device failed or has no position (ErrorKind::device), given up (ErrorKind::interrupted).
-    Result<Verdict> try_spring(double stiffness, const HandleRest& rest);
+    Result<Verdict> try_spring(double stiffness, const HandleRest& rest) {
+        auto verdict = feel(stiffness, rest);
+        power_off();
+        return verdict;
+    }
 
 private:
     Result<glm::dvec3> read();
-    Result<void> push(const glm::dvec3& newtons);
-    void power_off();
+    Result<void> push(const glm::dvec3& newtons) {
+        newtons_[0] = newtons;
+        if (!device_.write_forces(newtons_)) return failure_of(device_);
+        if (!pace_.next_tick()) return interrupted_error();
+        return {};
+    }
+    void power_off() {
+        newtons_[0] = glm::dvec3(0);
+        device_.write_forces(newtons_);
+    }
     Result<Verdict> feel(double stiffness, const HandleRest& rest);
 
     HapticDevice& device_;

@@ -118,23 +118,6 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
     return true;
 }
 
-std::string DrivenDevice::prompt() const {
-    const std::lock_guard lock(words_mutex_);
-    return prompt_;
-}
-
-std::string DrivenDevice::why_no_position() const {
-    const std::string known = driver_->why_no_position();
-    return known.empty() ? HapticDevice::why_no_position() : known;
-}
-
-Result<void> DrivenDevice::health() const {
-    if (const char* misuse = misuse_.load()) return device_error(name_ + " " + misuse + "; open it again");
-    const std::lock_guard lock(words_mutex_);
-    if (fault_) return *fault_;
-    return {};
-}
-
 void DrivenDevice::wake() const {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
@@ -314,16 +297,6 @@ bool DrivenDevice::look_for_it() {
     set_words(std::move(lost), {});
     lost_.store(true, std::memory_order_release);
     return false;
-}
-
-void DrivenDevice::pass_on_prompt() {
-    if (std::string prompt = driver_->prompt(); prompt != prompt_) set_words(std::nullopt, std::move(prompt));
-}
-
-void DrivenDevice::set_words(std::optional<Error> fault, std::string prompt) {
-    const std::lock_guard lock(words_mutex_);
-    fault_ = std::move(fault);
-    prompt_ = std::move(prompt);
 }
 
 }  // namespace touchable

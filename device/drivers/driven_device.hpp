@@ -73,9 +73,21 @@ public:
     std::uint32_t buttons() override { return buttons_; }
     double age_s() const override { return age_s_; }
     bool is_over() const override { return over_.load(std::memory_order_acquire); }
-    std::string prompt() const override;
-    std::string why_no_position() const override;
-    Result<void> health() const override;
+    std::string prompt() const override {
+        const std::lock_guard lock(words_mutex_);
+        return prompt_;
+    }
+    std::string why_no_position() const override {
+        const std::string known = driver_->why_no_position();
+        return known.empty() ? HapticDevice::why_no_position() : known;
+    }
+    Result<void> health() const override {
+        if (const char* misuse = misuse_.load())
+            return device_error(name_ + " " + misuse + "; open it again");
+        const std::lock_guard lock(words_mutex_);
+        if (fault_) return *fault_;
+        return {};
+    }
 
     /// A step of the device's thread: a force out, a position in, or a look for hardware that is gone. False:
     /// it is given up.
@@ -107,8 +119,15 @@ private:
     Forces due_forces(std::int64_t now);
     void let_go(const Error& why);
     bool look_for_it();
-    void pass_on_prompt();
-    void set_words(std::optional<Error> fault, std::string prompt);
+    void pass_on_prompt() {
+        if (std::string prompt = driver_->prompt(); prompt != prompt_)
+            set_words(std::nullopt, std::move(prompt));
+    }
+    void set_words(std::optional<Error> fault, std::string prompt) {
+        const std::lock_guard lock(words_mutex_);
+        fault_ = std::move(fault);
+        prompt_ = std::move(prompt);
+    }
     void wake() const;
 
     const std::unique_ptr<DeviceDriver> driver_;

@@ -382,12 +382,6 @@ void FalconDriver::take(const FalconReport& report, DeviceSample& sample) {
     if (pose_) sample.metres.front() = pose_->place;
 }
 
-std::optional<ZeroForcePacket> FalconDriver::zero_force_packet() const {
-    if (!transport_ || !runs_ || transport_->usbfs() < 0) return std::nullopt;
-    const auto packet = encode(FalconCommand{});
-    return ZeroForcePacket{transport_->usbfs(), {packet.begin(), packet.end()}, usb_endpoint_out, {}};
-}
-
 std::string FalconDriver::prompt() const {
     constexpr int no_chance = 200;
     if (!transport_) return {};

@@ -231,7 +231,11 @@ public:
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override;
-    std::optional<ZeroForcePacket> zero_force_packet() const override;
+    std::optional<ZeroForcePacket> zero_force_packet() const override {
+        if (!transport_ || !runs_ || transport_->usbfs() < 0) return std::nullopt;
+        const auto packet = encode(FalconCommand{});
+        return ZeroForcePacket{transport_->usbfs(), {packet.begin(), packet.end()}, usb_endpoint_out, {}};
+    }
     std::string prompt() const override;
 
     std::int64_t left_out() const override { return reader_.damaged(); }

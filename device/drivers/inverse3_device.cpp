@@ -256,14 +256,6 @@ std::vector<std::byte> web_socket_frame(std::string_view text, std::uint32_t mas
 
 // ---- The driver
 
-/// The reach is that of the sphere in which the service's tutorial on positions keeps its targets.
-DeviceCapabilities Inverse3Driver::capabilities() const {
-    return {.reach = glm::dvec3(0.1),
-            .rate_hz = 1e6 / static_cast<double>(shortest_turn.count()),
-            .buttons = 3,
-            .answers = true};
-}
-
 Result<void> Inverse3Driver::connect() {
     transport_.reset();
     id_.clear();
@@ -414,11 +406,6 @@ Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience
         return device_error("the Haply service at " + service_->address() +
                             " has not answered for half a second; restart it");
     return any;
-}
-
-Result<void> Inverse3Driver::forget_what_came() {
-    unanswered_ = 0;
-    return transport_->drop_what_came(room_);
 }
 
 Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& sample) {

@@ -142,12 +142,21 @@ public:
 
     std::string name() const override { return "Inverse3"; }
     DeviceLimits limits() const override { return choice_.limits; }
-    DeviceCapabilities capabilities() const override;
+    /// The reach is that of the sphere in which the service's tutorial on positions keeps its targets.
+    DeviceCapabilities capabilities() const override {
+        return {.reach = glm::dvec3(0.1),
+                .rate_hz = 1e6 / static_cast<double>(shortest_turn.count()),
+                .buttons = 3,
+                .answers = true};
+    }
     Result<void> connect() override;
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
-    Result<void> forget_what_came() override;
+    Result<void> forget_what_came() override {
+        unanswered_ = 0;
+        return transport_->drop_what_came(room_);
+    }
     std::optional<ZeroForcePacket> zero_force_packet() const override;
     std::string prompt() const override;
 

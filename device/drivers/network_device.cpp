@@ -8,7 +8,6 @@
 
 #include <bit>
 #include <cerrno>
-#include <cstring>
 #include <iterator>
 
 #include "device/hand.hpp"
@@ -173,19 +172,6 @@ std::optional<UdpAddress> read_udp_address(const std::string& figures) {
     for (const std::string& as_ipv6 : {figures, "::ffff:" + figures})
         if (inet_pton(AF_INET6, as_ipv6.c_str(), &address.words.sin6_addr) == 1) return address;
     return std::nullopt;
-}
-
-bool UdpAddress::operator==(const UdpAddress& other) const {
-    return words.sin6_port == other.words.sin6_port && is_of_host(other);
-}
-
-bool UdpAddress::is_of_host(const UdpAddress& other) const {
-    return std::memcmp(&words.sin6_addr, &other.words.sin6_addr, sizeof words.sin6_addr) == 0;
-}
-
-bool UdpAddress::is_own_machine() const {
-    if (IN6_IS_ADDR_V4MAPPED(&words.sin6_addr)) return words.sin6_addr.s6_addr[12] == 127;
-    return IN6_IS_ADDR_LOOPBACK(&words.sin6_addr);
 }
 
 std::string UdpAddress::in_words() const {
@@ -433,12 +419,6 @@ std::optional<ZeroForcePacket> NetworkDriver::zero_force_packet() const {
     last.fingers = meanwhile.fingers = settings_.fingers;
     last.last = meanwhile.stands_still = true;
     return ZeroForcePacket{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
-}
-
-std::string NetworkDriver::prompt() const {
-    if (peer_) return {};
-    const std::string waits = "waiting for a hand at " + listens_at_ + who_may_touch();
-    return trouble_.empty() ? waits : waits + "; " + trouble_;
 }
 
 std::string NetworkDriver::why_no_position() const {

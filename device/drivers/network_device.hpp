@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <mutex>
@@ -56,10 +57,19 @@ Result<NetworkPacket> decode_network_packet(std::span<const std::byte> bytes);
 /// Where a datagram came from or goes.
 struct UdpAddress {
     sockaddr_in6 words{};  ///< IPv4 as IPv6 maps it
-    bool operator==(const UdpAddress& other) const;
-    bool is_of_host(const UdpAddress& other) const;  ///< whatever the ports are
-    bool is_own_machine() const;                     ///< 127.0.0.1 and its like, ::1
-    std::string in_words() const;                    ///< "127.0.0.1:51234"
+    bool operator==(const UdpAddress& other) const {
+        return words.sin6_port == other.words.sin6_port && is_of_host(other);
+    }
+    /// Whatever the ports are.
+    bool is_of_host(const UdpAddress& other) const {
+        return std::memcmp(&words.sin6_addr, &other.words.sin6_addr, sizeof words.sin6_addr) == 0;
+    }
+    /// Whether it is 127.0.0.1 or its like, or ::1.
+    bool is_own_machine() const {
+        if (IN6_IS_ADDR_V4MAPPED(&words.sin6_addr)) return words.sin6_addr.s6_addr[12] == 127;
+        return IN6_IS_ADDR_LOOPBACK(&words.sin6_addr);
+    }
+    std::string in_words() const;  ///< "127.0.0.1:51234"
 };
 
 /// "192.0.2.7", "::1": in figures, with port 0; nothing: it is none.
@@ -147,7 +157,11 @@ public:
     Result<void> forget_what_came() override;
     int descriptor() const override { return socket_->descriptor(); }
     std::optional<ZeroForcePacket> zero_force_packet() const override;
-    std::string prompt() const override;
+    std::string prompt() const override {
+        if (peer_) return {};
+        const std::string waits = "waiting for a hand at " + listens_at_ + who_may_touch();
+        return trouble_.empty() ? waits : waits + "; " + trouble_;
+    }
     std::string why_no_position() const override;
 
     std::uint16_t port() const { return socket_->port(); }        ///< while connected

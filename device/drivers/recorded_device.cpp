@@ -4,7 +4,6 @@
 
 #include "device/hand.hpp"
 #include "engine/base/try.hpp"
-#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -138,15 +137,6 @@ Result<void> ReplayDriver::connect() {
     return {};
 }
 
-Result<void> ReplayDriver::send(std::span<const glm::dvec3>) {
-    if (!connected_) return device_error("the replay of " + printable(file_) + " is closed");
-    return {};
-}
-
-nanoseconds ReplayDriver::time_of(std::size_t tick) const {
-    return since_ + nanoseconds(static_cast<std::int64_t>(log_.seconds(tick) * 1e9 + 0.5));
-}
-
 /// The newest tick whose time has come; those that were missed are gone, as they are for a device.
 Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
     if (!connected_) return device_error("the replay of " + printable(file_) + " is closed");
@@ -171,11 +161,6 @@ Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microsecon
     while (next_ + 1 < log_.ticks() && time_of(next_ + 1) <= now) ++next_;
     sample = log_.sample(next_++);
     return true;
-}
-
-std::string ReplayDriver::prompt() const {
-    return over_ ? "the log " + printable(file_) + " has ended: nothing holds the handle any more"
-                 : std::string();
 }
 
 Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text,

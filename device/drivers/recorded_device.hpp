@@ -11,6 +11,7 @@
 
 #include "device/drivers/device_driver.hpp"
 #include "engine/base/result.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 
@@ -54,13 +55,21 @@ public:
     DeviceCapabilities capabilities() const override;
     Result<void> connect() override;
     void disconnect() noexcept override { connected_ = false; }
-    Result<void> send(std::span<const glm::dvec3> newtons) override;
+    Result<void> send(std::span<const glm::dvec3>) override {
+        if (!connected_) return device_error("the replay of " + printable(file_) + " is closed");
+        return {};
+    }
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     bool is_over() const override { return over_; }
-    std::string prompt() const override;
+    std::string prompt() const override {
+        return over_ ? "the log " + printable(file_) + " has ended: nothing holds the handle any more"
+                     : std::string();
+    }
 
 private:
-    std::chrono::nanoseconds time_of(std::size_t tick) const;
+    std::chrono::nanoseconds time_of(std::size_t tick) const {
+        return since_ + std::chrono::nanoseconds(static_cast<std::int64_t>(log_.seconds(tick) * 1e9 + 0.5));
+    }
 
     const std::string file_;
     const DeviceLog log_;

@@ -268,13 +268,6 @@ void WoodenHapticsDriver::disconnect() noexcept {
     transport_.reset();
 }
 
-Result<void> WoodenHapticsDriver::set_counters() {
-    std::array<std::int16_t, 6> counters{};
-    for (std::size_t joint = 0; joint < 3; ++joint) counters[joint] = build_.joints[joint].home_counts;
-    homed_ = Homed::counters_sent;
-    return transport_->send(encode_wooden_counters(counters));
-}
-
 Result<void> WoodenHapticsDriver::send(std::span<const glm::dvec3> newtons) {
     // The board remembers its button until its counters are set.
     if (homed_ != Homed::yes && pressed_ >= sure_of_button) return set_counters();
@@ -296,13 +289,6 @@ Result<bool> WoodenHapticsDriver::receive(DeviceSample& sample, std::chrono::mic
     return true;
 }
 
-/// A pressed button means that the angles are about to be others; one that is no longer pressed after the
-/// counters were sent, that they are.
-void WoodenHapticsDriver::look_at_button() {
-    if (pressed_ >= sure_of_button && homed_ == Homed::yes) homed_ = Homed::no;
-    if (reading_.info == 0 && homed_ == Homed::counters_sent) homed_ = is_at_home() ? Homed::yes : Homed::no;
-}
-
 /// All that has come by now; the newest counts.
 Result<bool> WoodenHapticsDriver::read_newest(std::chrono::microseconds patience) {
     std::array<std::byte, 65> room;
@@ -322,24 +308,6 @@ Result<bool> WoodenHapticsDriver::read_newest(std::chrono::microseconds patience
         any = true;
     }
     return any;
-}
-
-Result<void> WoodenHapticsDriver::forget_what_came() {
-    std::array<std::byte, 65> room;
-    read_ns_ = clock_();  // its silence begins now
-    return transport_->drop_what_came(room);
-}
-
-bool WoodenHapticsDriver::is_at_home() const {
-    for (std::size_t joint = 0; joint < 3; ++joint)
-        if (std::abs(reading_.encoders[joint] - build_.joints[joint].home_counts) > home_slack) return false;
-    return true;
-}
-
-std::optional<ZeroForcePacket> WoodenHapticsDriver::zero_force_packet() const {
-    if (!transport_ || transport_->spare_descriptor() < 0) return std::nullopt;
-    const auto unpowered = encode_wooden_currents({});
-    return ZeroForcePacket{transport_->spare_descriptor(), {unpowered.begin(), unpowered.end()}, {}, {}};
 }
 
 std::string WoodenHapticsDriver::prompt() const {

@@ -117,8 +117,16 @@ public:
     void disconnect() noexcept override;
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
-    Result<void> forget_what_came() override;
-    std::optional<ZeroForcePacket> zero_force_packet() const override;
+    Result<void> forget_what_came() override {
+        std::array<std::byte, 65> room;
+        read_ns_ = clock_();  // its silence begins now
+        return transport_->drop_what_came(room);
+    }
+    std::optional<ZeroForcePacket> zero_force_packet() const override {
+        if (!transport_ || transport_->spare_descriptor() < 0) return std::nullopt;
+        const auto unpowered = encode_wooden_currents({});
+        return ZeroForcePacket{transport_->spare_descriptor(), {unpowered.begin(), unpowered.end()}, {}, {}};
+    }
     std::string prompt() const override;
 
     std::int64_t left_out() const override { return left_out_; }  ///< reports that cannot be, so far
@@ -129,10 +137,26 @@ private:
 
     Result<bool> read_newest(std::chrono::microseconds patience);
     Result<void> await_reading(const std::function<bool()>& is_right, const char* otherwise);
-    Result<void> set_counters();
-    void look_at_button();
+    Result<void> set_counters() {
+        std::array<std::int16_t, 6> counters{};
+        for (std::size_t joint = 0; joint < 3; ++joint) counters[joint] = build_.joints[joint].home_counts;
+        homed_ = Homed::counters_sent;
+        return transport_->send(encode_wooden_counters(counters));
+    }
+    /// A pressed button means that the angles are about to be others; one that is no longer pressed after the
+    /// counters were sent, that they are.
+    void look_at_button() {
+        if (pressed_ >= sure_of_button && homed_ == Homed::yes) homed_ = Homed::no;
+        if (reading_.info == 0 && homed_ == Homed::counters_sent)
+            homed_ = is_at_home() ? Homed::yes : Homed::no;
+    }
     bool has_place() const { return homed_ == Homed::yes && reading_.info == 0; }
-    bool is_at_home() const;
+    bool is_at_home() const {
+        for (std::size_t joint = 0; joint < 3; ++joint)
+            if (std::abs(reading_.encoders[joint] - build_.joints[joint].home_counts) > home_slack)
+                return false;
+        return true;
+    }
     glm::dvec3 angles() const {
         return wooden_angles(build_, {reading_.encoders[0], reading_.encoders[1], reading_.encoders[2]});
     }

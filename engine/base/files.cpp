@@ -43,15 +43,13 @@ Error named_error(const std::string& named, const std::string& why) {
 }
 
 /// A file that is open as long as it has readers.
-class Descriptor {
+class Descriptor : NonCopyable {
 public:
     explicit Descriptor(int number) : number_(number) {
         struct statfs system = {};
         in_memory_ = fstatfs(number, &system) == 0 && system.f_type == TMPFS_MAGIC;
     }
     ~Descriptor() { close(number_); }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
 
     std::ptrdiff_t read(std::uint64_t at, char* to, std::size_t count, bool may_wait) const {
         iovec room{to, count};

@@ -115,14 +115,12 @@ enum class Existing { keep, replace };
 /// A file being written that has no name until it is complete, so that the program leaves
 /// nothing behind, however it ends. Where a file system knows only files with names, it has a hidden, random
 /// one beside its target, and is removed where it never becomes complete.
-class NewFile {
+class NewFile : NonCopyable {
 public:
     /// `beside`: an existing folder of the target's file system; the target's own where it is left out.
     explicit NewFile(std::filesystem::path target, Existing existing = Existing::replace,
                      const std::filesystem::path& beside = {});
     ~NewFile();
-    NewFile(const NewFile&) = delete;
-    NewFile& operator=(const NewFile&) = delete;
 
     const std::filesystem::path& target() const { return target_; }
     /// Where to write until `commit`. The writer closes what it opened before that.

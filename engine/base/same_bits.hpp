@@ -34,12 +34,10 @@ double exponential(double x);
 double logarithm(double x);
 
 /// XXH64 (seed 0) of bytes as they come.
-class ByteHash {
+class ByteHash : NonCopyable {
 public:
     ByteHash();
     ~ByteHash();
-    ByteHash(const ByteHash&) = delete;
-    ByteHash& operator=(const ByteHash&) = delete;
 
     void add(const void* bytes, std::size_t size);
     std::uint64_t value() const;

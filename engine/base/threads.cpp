@@ -69,10 +69,6 @@ int threads_for(long pixels, long pixels_per_thread) {
                       std::max(cores, 1));
 }
 
-RowBands::RowBands(int threads, bool until_stopped) : threads_(threads), until_stopped_(until_stopped) {
-    assert(threads >= 1);
-}
-
 RowBands::~RowBands() {
     {
         const std::lock_guard lock(mutex_);

@@ -64,7 +64,7 @@ bool until_stopped(std::size_t count, auto&& work) {
 
 /// What ends the work of its thread, beside a stop of the program, as long as it lives. Scopes may lie within
 /// each other, and each counts.
-class StopScope {
+class StopScope : NonCopyable {
 public:
     using Deadline = std::chrono::steady_clock::time_point;
     static constexpr Deadline never = Deadline::max();
@@ -83,8 +83,6 @@ public:
     /// of the program does not end it. (A second request ends the program.)
     static StopScope after_stop() { return StopScope({}, never, current(), true); }
     ~StopScope();
-    StopScope(const StopScope&) = delete;
-    StopScope& operator=(const StopScope&) = delete;
 
     /// The innermost of this thread; null: there is none.
     static const StopScope* current();
@@ -225,15 +223,16 @@ struct RowBand {
 int threads_for(long pixels, long pixels_per_thread);
 
 /// Threads that share the rows of a picture: the one that calls, and others that sleep in between.
-class RowBands {
+class RowBands : NonCopyable {
 public:
     /// `threads` with the one that calls, at least 1. The others start when first needed, and take on the
     /// scheduling of the thread that calls then, and in each call its StopScope. `until_stopped`: bands are
     /// left out once the thread that calls is asked to stop, which the caller looks for (stop_requested).
-    explicit RowBands(int threads, bool until_stopped = false);
+    explicit RowBands(int threads, bool until_stopped = false)
+        : threads_(threads), until_stopped_(until_stopped) {
+        assert(threads >= 1);
+    }
     ~RowBands();
-    RowBands(const RowBands&) = delete;
-    RowBands& operator=(const RowBands&) = delete;
 
     int threads() const { return threads_; }
 

@@ -123,10 +123,30 @@ public:
         : ReaderAround(std::shared_ptr<ClipReader>(shared, shared->camera_.get())),
           shared_(std::move(shared)),
           reads_(is_first) {}
-    Result<std::optional<RawFrame>> next() override;
-    Result<void> seek(std::int64_t frame) override;
+    /// A frame of before the run is as the camera has such: numbered one by one, a moment apart.
+    Result<std::optional<RawFrame>> next() override {
+        if (reads_) {
+            auto frame = shared_->read();
+            if (frame && *frame) (*frame)->number += further_;
+            return frame;
+        }
+        TRY_ASSIGN(auto frame, shared_->newest());
+        frame.number = next_number_++;
+        frame.time_ns = frame.number * ns_before_a_run;
+        return std::optional(std::move(frame));
+    }
+    Result<void> seek(std::int64_t frame) override {
+        if (reads_) return inner().seek(frame);
+        next_number_ = frame;
+        return {};
+    }
     void leave_out_colour() override {}  // another run may show it
-    Result<void> begin(std::chrono::steady_clock::time_point zero) override;
+    Result<void> begin(std::chrono::steady_clock::time_point zero) override {
+        if (auto begun = inner().begin(zero); !begun || reads_) return begun;
+        further_ = next_number_ - shared_->next_number_;
+        reads_ = true;
+        return {};
+    }
     void interrupt() override {
         if (reads_) inner().interrupt();
     }
@@ -137,32 +157,6 @@ private:
     std::int64_t next_number_ = 0;  // before the run
     std::int64_t further_ = 0;      // the run's numbers than the camera's
 };
-
-/// A frame of before the run is as the camera has such: numbered one by one, a moment apart.
-Result<std::optional<RawFrame>> SharedCamera::Reader::next() {
-    if (reads_) {
-        auto frame = shared_->read();
-        if (frame && *frame) (*frame)->number += further_;
-        return frame;
-    }
-    TRY_ASSIGN(auto frame, shared_->newest());
-    frame.number = next_number_++;
-    frame.time_ns = frame.number * ns_before_a_run;
-    return std::optional(std::move(frame));
-}
-
-Result<void> SharedCamera::Reader::seek(std::int64_t frame) {
-    if (reads_) return inner().seek(frame);
-    next_number_ = frame;
-    return {};
-}
-
-Result<void> SharedCamera::Reader::begin(std::chrono::steady_clock::time_point zero) {
-    if (auto begun = inner().begin(zero); !begun || reads_) return begun;
-    further_ = next_number_ - shared_->next_number_;
-    reads_ = true;
-    return {};
-}
 
 Result<std::optional<RawFrame>> SharedCamera::read() {
     auto frame = camera_->next();

@@ -456,27 +456,6 @@ Result<void> check_address(const std::string& address) {
     return read ? Result<void>() : read.error();
 }
 
-std::size_t FramesetHeader::depth_bytes() const {
-    return std::size_t{2} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
-std::size_t FramesetHeader::payload_bytes() const {
-    return depth_bytes() +
-           std::size_t{3} * static_cast<std::size_t>(colour_width) * static_cast<std::size_t>(colour_height);
-}
-
-bool FramesetHeader::means_the_same_as(const FramesetHeader& other) const {
-    return width == other.width && height == other.height && metres_per_unit == other.metres_per_unit &&
-           fx == other.fx && fy == other.fy && cx == other.cx && cy == other.cy &&
-           colour_width == other.colour_width && colour_height == other.colour_height &&
-           colour_is_registered == other.colour_is_registered;
-}
-
-PlaneView Frameset::depth() const {
-    return {
-        payload->data(), 2 * static_cast<std::ptrdiff_t>(header.width), header.width, header.height, 2, 1};
-}
-
 PlaneView Frameset::colour() const {
     if (!header.has_colour()) return {};
     return {payload->data() + header.depth_bytes(),
@@ -494,13 +473,6 @@ void FramesetParser::take(std::span<const std::uint8_t> bytes) {
     }
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     credit_ = std::min(credit_ + checks_per_byte * bytes.size(), most_credit);
-}
-
-void FramesetParser::pass_over(std::size_t count) {
-    begin_ += count;
-    strays_ += count;
-    if (count > 0 && !is_lost_) ++damaged_;
-    is_lost_ = is_lost_ || count > 0;
 }
 
 /// False: bytes that say again and again that a frameset begins here, and none does, would keep this busy.

@@ -31,11 +31,21 @@ struct FramesetHeader {
     bool colour_is_registered = false;        ///< seen from where depth is seen from, by the same lens
 
     bool has_colour() const { return colour_width > 0; }
-    std::size_t depth_bytes() const;
+    std::size_t depth_bytes() const {
+        return std::size_t{2} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    }
     /// Of depth and colour.
-    std::size_t payload_bytes() const;
+    std::size_t payload_bytes() const {
+        return depth_bytes() + std::size_t{3} * static_cast<std::size_t>(colour_width) *
+                                   static_cast<std::size_t>(colour_height);
+    }
     /// All but number and time.
-    bool means_the_same_as(const FramesetHeader& other) const;
+    bool means_the_same_as(const FramesetHeader& other) const {
+        return width == other.width && height == other.height && metres_per_unit == other.metres_per_unit &&
+               fx == other.fx && fy == other.fy && cx == other.cx && cy == other.cy &&
+               colour_width == other.colour_width && colour_height == other.colour_height &&
+               colour_is_registered == other.colour_is_registered;
+    }
 };
 
 inline constexpr std::size_t frameset_header_bytes = 100;
@@ -47,7 +57,15 @@ struct Frameset {
     FramesetHeader header;
     std::shared_ptr<std::vector<std::uint8_t>> payload;  ///< depth in host order, then colour
 
-    PlaneView depth() const;   ///< 1 channel, 16 bits; 0 is no depth
+    /// 1 channel, 16 bits; 0 is no depth.
+    PlaneView depth() const {
+        return {payload->data(),
+                2 * static_cast<std::ptrdiff_t>(header.width),
+                header.width,
+                header.height,
+                2,
+                1};
+    }
     PlaneView colour() const;  ///< RGB of 8 bits; without colour none
 };
 
@@ -68,7 +86,12 @@ public:
 private:
     std::span<const std::uint8_t> rest() const { return std::span(bytes_).subspan(begin_); }
     bool find_header();
-    void pass_over(std::size_t count);
+    void pass_over(std::size_t count) {
+        begin_ += count;
+        strays_ += count;
+        if (count > 0 && !is_lost_) ++damaged_;
+        is_lost_ = is_lost_ || count > 0;
+    }
     bool may_check(std::size_t count);
 
     std::vector<std::uint8_t> bytes_;

@@ -520,11 +520,6 @@ Result<std::optional<v4l2_buffer>> V4l2Stream::dequeue() {
     return input_error("stopped (" + std::generic_category().message(failure) + ")");
 }
 
-bool V4l2Stream::is_whole(const v4l2_buffer& buffer) const {
-    return (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && buffer.bytesused >= format_.least &&
-           buffer.bytesused <= buffers_[buffer.index].length;
-}
-
 TakenPicture V4l2Stream::copied(const v4l2_buffer& buffer) const {
     const auto* const from = static_cast<const std::uint8_t*>(buffers_[buffer.index].memory);
     auto bytes = std::make_shared<std::vector<std::uint8_t>>();

@@ -121,15 +121,13 @@ inline constexpr int most_faults_in_a_row = 100;
 
 /// A stream of a camera's pictures by buffers that its driver fills and that are mapped here. It owns the
 /// device while it is there. One thread.
-class V4l2Stream {
+class V4l2Stream : NonCopyable {
 public:
     /// Chooses the mode, and starts. An error names the node.
     static Result<std::unique_ptr<V4l2Stream>> open(std::shared_ptr<VideoSystem> system,
                                                     const NodeFacts& facts, const NodeFormat& format,
                                                     const ModeWish& wish);
     ~V4l2Stream();
-    V4l2Stream(const V4l2Stream&) = delete;
-    V4l2Stream& operator=(const V4l2Stream&) = delete;
 
     const StreamFormat& format() const { return format_; }
     /// As the driver settled it; nothing: it does not say.
@@ -162,7 +160,10 @@ private:
     Result<void> map_buffers();
     Result<void> queue(std::uint32_t index);
     Result<std::optional<v4l2_buffer>> dequeue();
-    bool is_whole(const v4l2_buffer& buffer) const;
+    bool is_whole(const v4l2_buffer& buffer) const {
+        return (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 && buffer.bytesused >= format_.least &&
+               buffer.bytesused <= buffers_[buffer.index].length;
+    }
     TakenPicture copied(const v4l2_buffer& buffer) const;
 
     std::shared_ptr<VideoSystem> system_;

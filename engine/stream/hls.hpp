@@ -4,6 +4,7 @@
 // (hls_playlist.cpp), and a stream that is read from a web server or a folder (hls_input.cpp). Folders are
 // written in hls_output.cpp, behind HlsWriter.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -132,11 +133,14 @@ class LevelChoice {
 public:
     void add(const FetchedSegment& fetched);
     /// Colour is fetched no more.
-    void leave_out_colour();
+    void leave_out_colour() { bytes_[1] = seconds_[1] = needs_[0][1] = needs_[1][1] = 0; }
     bool is_low() const { return is_low_; }
     /// Bytes a second: of the link, 0 where nothing was fetched yet, and what a level was seen to need.
-    double rate() const;
-    double need(bool of_low) const;
+    double rate() const { return std::min(quick_, slow_); }
+    double need(bool of_low) const {
+        const OfRenditions& needs = needs_[of_low ? 1 : 0];
+        return needs[0] + needs[1];
+    }
 
 private:
     using OfRenditions = std::array<double, 2>;  // touch, colour

@@ -187,7 +187,7 @@ struct HlsBeginning {
 };
 
 /// A media playlist and its segments, as FFmpeg's reader of HLS takes them.
-class HlsRendition {
+class HlsRendition : NonCopyable {
 public:
     /// `place`: of the media playlist. Errors name a place.
     static Result<std::unique_ptr<HlsRendition>> open(std::string place, HlsBeginning beginning = {}) {
@@ -200,8 +200,6 @@ public:
         avformat_close_input(&context_);
         close_bytes(first_io_);
     }
-    HlsRendition(const HlsRendition&) = delete;
-    HlsRendition& operator=(const HlsRendition&) = delete;
 
     /// The packet that `take` gives; null at the end, or where the other level goes on.
     Result<const AVPacket*> peek() {
@@ -355,7 +353,7 @@ struct HlsLevelPlaces {
 
 /// One rendition, full or low as `reading` chooses. It goes over at a segment's beginning, once the other
 /// level is open there; where that cannot be had, it stays, and tries again before the next segment.
-class HlsLevels {
+class HlsLevels : NonCopyable {
 public:
     /// `reading`: null: the full level alone. `text`: of the full level's playlist, where it was fetched.
     static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch,
@@ -367,8 +365,6 @@ public:
                    HlsRendition::open(levels->places_.full, {.text = std::move(text), .levels = chooses}));
         return levels;
     }
-    HlsLevels(const HlsLevels&) = delete;
-    HlsLevels& operator=(const HlsLevels&) = delete;
 
     /// As HlsRendition has them.
     Result<const AVPacket*> peek() {
@@ -533,19 +529,6 @@ std::string place_of(const std::string& named) {
 }  // namespace
 
 // --- LevelChoice
-
-double LevelChoice::rate() const {
-    return std::min(quick_, slow_);
-}
-
-double LevelChoice::need(bool of_low) const {
-    const OfRenditions& needs = needs_[of_low ? 1 : 0];
-    return needs[0] + needs[1];
-}
-
-void LevelChoice::leave_out_colour() {
-    bytes_[1] = seconds_[1] = needs_[0][1] = needs_[1][1] = 0;
-}
 
 void LevelChoice::add(const FetchedSegment& fetched) {
     if (fetched.duration_ns <= 0) return;

@@ -212,15 +212,6 @@ bool is_sound(const ReadSei& sei, const PlaneView& samples) {
 
 // --- LabelledEncoder
 
-std::string LabelledEncoder::name(std::size_t track) const {
-    const Track& named = tracks_[track];
-    return std::string(role_name(named.role)) + (named.part == PlanePart::low ? low_track_suffix : "");
-}
-
-Result<void> LabelledEncoder::describe(std::size_t track, AVCodecParameters& stored) const {
-    return tracks_[track].encoder->describe(stored);
-}
-
 Result<void> LabelledEncoder::add_track(Track track, const RawFrame& first, const Scene& scene,
                                         TrackCoding coding) {
     const PlaneView& plane = plane_of(first, track.role);

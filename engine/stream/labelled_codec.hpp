@@ -69,9 +69,14 @@ public:
     /// Tracks in their order: colour first, which ordinary players show, low parts last.
     std::size_t tracks() const { return tracks_.size(); }
     /// "depth", "depth_low": for tools that show names.
-    std::string name(std::size_t track) const;
+    std::string name(std::size_t track) const {
+        const Track& named = tracks_[track];
+        return std::string(role_name(named.role)) + (named.part == PlanePart::low ? low_track_suffix : "");
+    }
     /// Says in a container how a track is encoded.
-    Result<void> describe(std::size_t track, AVCodecParameters& stored) const;
+    Result<void> describe(std::size_t track, AVCodecParameters& stored) const {
+        return tracks_[track].encoder->describe(stored);
+    }
 
     /// A packet for each track, without times; planes as the first frame had them, or an error of kind input.
     /// Where `is_key`, decoding can begin with each.

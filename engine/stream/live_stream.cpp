@@ -56,8 +56,6 @@ public:
         }
         if (thread_.joinable()) thread_.join();
     }
-    LiveStream(const LiveStream&) = delete;
-    LiveStream& operator=(const LiveStream&) = delete;
     Result<void> open() {
         TRY_ASSIGN(receiver_, connect());
         source_.connection.reset();

@@ -341,12 +341,6 @@ Result<bool> MatroskaGate::fill(std::size_t bytes) {
     return there() >= bytes;
 }
 
-void MatroskaGate::give(std::size_t bytes) {
-    const auto from = in_.begin() + static_cast<std::ptrdiff_t>(at_);
-    out_.insert(out_.end(), from, from + static_cast<std::ptrdiff_t>(bytes));
-    at_ += bytes;
-}
-
 /// The head of the element that comes next; one without an identifier where there is no valid head.
 Result<std::optional<MatroskaHead>> MatroskaGate::head() {
     for (std::size_t wanted = 2;; ++wanted) {

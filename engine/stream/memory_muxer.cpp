@@ -41,20 +41,6 @@ int MemoryMuxer::append(void* own, MuxedBytes* bytes, int count) {
     return count;
 }
 
-Result<void> MemoryMuxer::check(int status) const {
-    if (status >= 0 && context_->pb && context_->pb->error < 0) status = context_->pb->error;
-    if (status >= 0) return {};
-    const std::string format = context_->oformat->name;
-    return Error{ErrorKind::internal, "muxer " + format + ": " + ffmpeg_text(status)};
-}
-
-Result<AVStream*> MemoryMuxer::add_stream(AVRational tick) {
-    AVStream* const stream = avformat_new_stream(context_, nullptr);
-    if (!stream) return memory_error();
-    stream->time_base = tick;
-    return stream;
-}
-
 Result<int> MemoryMuxer::add_sound(const AVCodecParameters& codec, AVRational tick) {
     TRY_ASSIGN(AVStream* const stream, add_stream(tick));
     if (avcodec_parameters_copy(stream->codecpar, &codec) < 0) return memory_error();
@@ -68,21 +54,6 @@ Result<void> MemoryMuxer::begin(const std::string& options) {
     if (status >= 0) status = avformat_write_header(context_, &read);
     av_dict_free(&read);
     return check(status);
-}
-
-Result<void> MemoryMuxer::write(AVPacket& packet, int stream, AVRational tick) {
-    packet.stream_index = stream;
-    av_packet_rescale_ts(&packet, tick, context_->streams[stream]->time_base);
-    return check(av_write_frame(context_, &packet));
-}
-
-Result<void> MemoryMuxer::flush() {
-    return check(av_write_frame(context_, nullptr));
-}
-
-std::vector<std::uint8_t> MemoryMuxer::take() {
-    avio_flush(context_->pb);
-    return std::exchange(bytes_, {});
 }
 
 Result<StreamSound> StreamSound::open(const SoundPart& part) {

@@ -14,32 +14,47 @@
 namespace touchable {
 
 /// A container that is written forwards, and taken piece by piece.
-class MemoryMuxer {
+class MemoryMuxer : NonCopyable {
 public:
     /// `format`: as FFmpeg calls it.
     static Result<std::unique_ptr<MemoryMuxer>> open(const char* format);
     ~MemoryMuxer();
-    MemoryMuxer(const MemoryMuxer&) = delete;
-    MemoryMuxer& operator=(const MemoryMuxer&) = delete;
 
     AVFormatContext& context() { return *context_; }
     /// Adds a stream, before `begin`. `tick`: the unit of its times; the muxer may choose another.
-    Result<AVStream*> add_stream(AVRational tick);
+    Result<AVStream*> add_stream(AVRational tick) {
+        AVStream* const stream = avformat_new_stream(context_, nullptr);
+        if (!stream) return memory_error();
+        stream->time_base = tick;
+        return stream;
+    }
     /// Adds sound as another container has it, and returns the stream's number.
     Result<int> add_sound(const AVCodecParameters& codec, AVRational tick);
     /// `options`: of the muxer, "key=value:key=value".
     Result<void> begin(const std::string& options);
     /// A packet whose times are in `tick`.
-    Result<void> write(AVPacket& packet, int stream, AVRational tick);
+    Result<void> write(AVPacket& packet, int stream, AVRational tick) {
+        packet.stream_index = stream;
+        av_packet_rescale_ts(&packet, tick, context_->streams[stream]->time_base);
+        return check(av_write_frame(context_, &packet));
+    }
     /// Writes what the muxer holds back.
-    Result<void> flush();
+    Result<void> flush() { return check(av_write_frame(context_, nullptr)); }
     /// The bytes of all that was written since the last time.
-    std::vector<std::uint8_t> take();
+    std::vector<std::uint8_t> take() {
+        avio_flush(context_->pb);
+        return std::exchange(bytes_, {});
+    }
 
 private:
     explicit MemoryMuxer(AVFormatContext* context) : context_(context) {}
     static int append(void* own, MuxedBytes* bytes, int count);
-    Result<void> check(int status) const;
+    Result<void> check(int status) const {
+        if (status >= 0 && context_->pb && context_->pb->error < 0) status = context_->pb->error;
+        if (status >= 0) return {};
+        const std::string format = context_->oformat->name;
+        return Error{ErrorKind::internal, "muxer " + format + ": " + ffmpeg_text(status)};
+    }
 
     AVFormatContext* context_;
     std::vector<std::uint8_t> bytes_;

@@ -96,12 +96,6 @@ void FramesetAssembler::add(StreamPicture picture) {
     admit(std::move(picture));
 }
 
-/// A doubtful picture that nothing goes on from is late.
-void FramesetAssembler::leave_doubtful() {
-    if (doubtful_ && doubtful_->role != PlaneRole::colour) add_late(*doubtful_);
-    doubtful_.reset();
-}
-
 void FramesetAssembler::admit(StreamPicture picture) {
     const PlaneRole role = picture.role;
     if (last_ && picture.number + picture.frames <= *last_ + 1) {
@@ -127,11 +121,6 @@ void FramesetAssembler::add_late(const StreamPicture& picture) {
     count(missed, -1);
     missed_.erase(found);
     ++counts_.late;
-}
-
-/// `by`: 1, or -1 to take a count back.
-void FramesetAssembler::count(const Missed& missed, std::int64_t by) {
-    (missed.is_torn ? counts_.torn : counts_.lost) += by;
 }
 
 /// False where it was there.
@@ -291,12 +280,6 @@ void FramesetAssembler::forget() {
     }
 }
 
-void FramesetAssembler::end() {
-    ended_ = true;
-    leave_doubtful();
-    give_whole();
-}
-
 void FramesetAssembler::restart() {
     for (auto& held : held_) held.clear();
     doubtful_.reset();
@@ -314,13 +297,6 @@ bool FramesetAssembler::has_part() const {
         for (const Held& held : held_[index_of(role)])
             if ((needed_ & bit_of(role)) != 0 && (!last_ || held.end > *last_ + 1)) return true;
     return false;
-}
-
-std::optional<WholeFrameset> FramesetAssembler::take() {
-    if (whole_.empty()) return std::nullopt;
-    WholeFrameset frameset = std::move(whole_.front());
-    whole_.pop_front();
-    return frameset;
 }
 
 // --- StreamReceiver

@@ -63,11 +63,20 @@ public:
     /// Colour is not wanted: it is not waited for.
     void leave_out_colour() { has_colour_ = false; }
     /// No more will come: what waits for its colour does so no longer.
-    void end();
+    void end() {
+        ended_ = true;
+        leave_doubtful();
+        give_whole();
+    }
     /// Numbers begin anew.
     void restart();
     /// The next whole one.
-    std::optional<WholeFrameset> take();
+    std::optional<WholeFrameset> take() {
+        if (whole_.empty()) return std::nullopt;
+        WholeFrameset frameset = std::move(whole_.front());
+        whole_.pop_front();
+        return frameset;
+    }
     /// Whether there are pictures of a frame that is not whole.
     bool has_part() const;
     const FramesetCounts& counts() const { return counts_; }
@@ -93,7 +102,11 @@ private:
     Anew begins_anew(const StreamPicture& picture) const;
     bool goes_on_from_doubtful(const StreamPicture& picture) const;
     void begin_anew(std::int64_t since_ns);
-    void leave_doubtful();
+    /// A doubtful picture that nothing goes on from is late.
+    void leave_doubtful() {
+        if (doubtful_ && doubtful_->role != PlaneRole::colour) add_late(*doubtful_);
+        doubtful_.reset();
+    }
     void admit(StreamPicture picture);
     bool is_of_before(const StreamPicture& picture);
     void add_late(const StreamPicture& picture);
@@ -105,7 +118,10 @@ private:
     bool came_before_colour(std::int64_t number) const;
     void give_whole();
     void give(std::int64_t number);
-    void count(const Missed& missed, std::int64_t by);
+    /// `by`: 1, or -1 to take a count back.
+    void count(const Missed& missed, std::int64_t by) {
+        (missed.is_torn ? counts_.torn : counts_.lost) += by;
+    }
     void count_missing(std::int64_t next, std::int64_t step);
     void forget();
 

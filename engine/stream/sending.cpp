@@ -20,11 +20,6 @@ std::string listeners(int count) {
 
 // --- StreamRing
 
-void StreamRing::changed() {
-    there_is_more_.notify_all();
-    for (const auto& wake : watchers_) wake();
-}
-
 void StreamRing::begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding) {
     auto bytes = std::make_shared<const std::vector<std::uint8_t>>(header.begin(), header.end());
     {
@@ -60,23 +55,6 @@ void StreamRing::end() {
     changed();
 }
 
-StreamRing::Cursor StreamRing::join() const {
-    const std::lock_guard lock(mutex_);
-    Cursor cursor;
-    cursor.next_ = newest_key_;
-    return cursor;
-}
-
-StreamRing::Bytes StreamRing::header() const {
-    const std::lock_guard lock(mutex_);
-    return header_;
-}
-
-std::vector<std::uint8_t> StreamRing::padding() const {
-    const std::lock_guard lock(mutex_);
-    return padding_;
-}
-
 /// A cursor whose next block is not kept any more goes on with the newest key.
 StreamRing::Block StreamRing::take(Cursor& cursor) const {
     if (cursor.next_ < first_) {
@@ -87,38 +65,12 @@ StreamRing::Block StreamRing::take(Cursor& cursor) const {
     return kept_[static_cast<std::size_t>(cursor.next_++ - first_)].block;
 }
 
-StreamRing::Block StreamRing::next(Cursor& cursor) const {
-    const std::lock_guard lock(mutex_);
-    return take(cursor);
-}
-
-StreamRing::Block StreamRing::wait_next(Cursor& cursor, std::chrono::milliseconds longest) const {
-    std::unique_lock lock(mutex_);
-    there_is_more_.wait_for(lock, longest, [&] { return is_over_ || cursor.next_ < end_of_kept(); });
-    return take(cursor);
-}
-
-bool StreamRing::has_next(const Cursor& cursor) const {
-    const std::lock_guard lock(mutex_);
-    return cursor.next_ < end_of_kept();
-}
-
 bool StreamRing::go_to_newest_key(Cursor& cursor) const {
     const std::lock_guard lock(mutex_);
     if (cursor.next_ >= newest_key_) return false;
     cursor.dropped_ += newest_key_ - cursor.next_;
     cursor.next_ = newest_key_;
     return true;
-}
-
-bool StreamRing::is_over(const Cursor& cursor) const {
-    const std::lock_guard lock(mutex_);
-    return is_over_ && cursor.next_ >= end_of_kept();
-}
-
-bool StreamRing::is_ended() const {
-    const std::lock_guard lock(mutex_);
-    return is_over_;
 }
 
 // --- StreamAudience
@@ -142,61 +94,13 @@ void StreamAudience::went(Listener figures) {
     --there_;
 }
 
-void StreamAudience::goes_without_colour(const std::string& name) {
-    remark(name + ": its link is too narrow; colour is left out for it until it keeps up");
-}
-
-void StreamAudience::remark(const std::string& line) {
-    const std::lock_guard lock(mutex_);
-    say_(line);
-}
-
-std::vector<StreamAudience::Listener> StreamAudience::gone() const {
-    const std::lock_guard lock(mutex_);
-    return gone_;
-}
-
-std::int64_t StreamAudience::all() const {
-    const std::lock_guard lock(mutex_);
-    return all_;
-}
-
 // --- StreamSender::SystemTime
 
 std::int64_t StreamSender::SystemTime::now_ns() {
     return steady_now_ns();
 }
 
-std::int64_t StreamSender::SystemTime::utc_ns() {
-    return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
-bool StreamSender::SystemTime::wait_until(std::int64_t at_ns) {
-    const std::chrono::steady_clock::time_point at{std::chrono::nanoseconds(at_ns)};
-    std::unique_lock lock(mutex_);
-    return !told_.wait_until(lock, at, [this] { return is_over_; });
-}
-
-void StreamSender::SystemTime::end() {
-    const std::lock_guard lock(mutex_);
-    is_over_ = true;
-    told_.notify_all();
-}
-
 // --- StreamSender
-
-void StreamSender::end() {
-    is_told_to_end_ = true;
-    time_.end();
-    clip_->interrupt();
-}
-
-Result<void> StreamSender::run() {
-    auto sent = send_all();
-    for (const Channel& channel : channels_) channel.ring.end();
-    const bool is_ended = is_told_to_end_ && !sent && sent.error().kind == ErrorKind::interrupted;
-    return is_ended ? Result<void>{} : std::move(sent);
-}
 
 Result<void> StreamSender::send_all() {
     begin_ns_ = time_.now_ns() + (clip_->is_live() ? 0 : lead_ns);
@@ -236,14 +140,6 @@ Result<std::optional<RawFrame>> StreamSender::next() {
     return frame;
 }
 
-/// At an even rate the rounds of a loop go on evenly, to the nanosecond.
-StreamSender::Due StreamSender::due(const RawFrame& frame) const {
-    const FrameRate& rate = clip_->scene().rate;
-    const bool has_own_times = clip_->is_live() || rate.own_times;
-    const std::int64_t time_ns = has_own_times ? round_ns_ + frame.time_ns : rate.time_ns(figures_.framesets);
-    return {time_ns, begin_ns_ + time_ns};
-}
-
 /// The frame after this one may come as late as the rate says.
 bool StreamSender::is_key(std::int64_t time_ns) {
     const std::int64_t period_ns = clip_->scene().rate.time_ns(1);
@@ -278,12 +174,6 @@ Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
     figures_.keys += key ? 1 : 0;
     sent_ = figures_.framesets;
     return true;
-}
-
-void StreamSender::give(Channel& channel, StreamMuxer::Block block) {
-    if (figures_.framesets == 0) channel.ring.begin(channel.muxer->header(), channel.muxer->padding());
-    figures_.bytes += std::ssize(block.bytes);
-    channel.ring.add(std::move(block));
 }
 
 void StreamSender::keep_pace(const Due& due) {

@@ -177,25 +177,52 @@ public:
     void end();
 
     /// A listener that comes now begins with the newest key; where there is no block yet, with the first.
-    Cursor join() const;
+    Cursor join() const {
+        const std::lock_guard lock(mutex_);
+        Cursor cursor;
+        cursor.next_ = newest_key_;
+        return cursor;
+    }
     /// Null before `begin`.
-    Bytes header() const;
+    Bytes header() const {
+        const std::lock_guard lock(mutex_);
+        return header_;
+    }
     /// Empty before `begin`.
-    std::vector<std::uint8_t> padding() const;
+    std::vector<std::uint8_t> padding() const {
+        const std::lock_guard lock(mutex_);
+        return padding_;
+    }
     /// The listener's next frameset: the one after the last, or where it is too far behind the newest key.
     /// Null: there is none yet.
-    Block next(Cursor& cursor) const;
+    Block next(Cursor& cursor) const {
+        const std::lock_guard lock(mutex_);
+        return take(cursor);
+    }
     /// `next`, after waiting at most `longest` for a frameset.
-    Block wait_next(Cursor& cursor, std::chrono::milliseconds longest) const;
+    Block wait_next(Cursor& cursor, std::chrono::milliseconds longest) const {
+        std::unique_lock lock(mutex_);
+        there_is_more_.wait_for(lock, longest, [&] { return is_over_ || cursor.next_ < end_of_kept(); });
+        return take(cursor);
+    }
     /// Whether `next` would give one.
-    bool has_next(const Cursor& cursor) const;
+    bool has_next(const Cursor& cursor) const {
+        const std::lock_guard lock(mutex_);
+        return cursor.next_ < end_of_kept();
+    }
     /// Makes the newest key the listener's next frameset and leaves out those before it. False where that
     /// would leave nothing out.
     bool go_to_newest_key(Cursor& cursor) const;
     /// Whether `next` has nothing more for it.
-    bool is_over(const Cursor& cursor) const;
+    bool is_over(const Cursor& cursor) const {
+        const std::lock_guard lock(mutex_);
+        return is_over_ && cursor.next_ >= end_of_kept();
+    }
     /// Whether `end` was called.
-    bool is_ended() const;
+    bool is_ended() const {
+        const std::lock_guard lock(mutex_);
+        return is_over_;
+    }
 
 private:
     struct Kept {
@@ -204,7 +231,10 @@ private:
     };
     Block take(Cursor& cursor) const;
     std::int64_t end_of_kept() const { return first_ + std::ssize(kept_); }
-    void changed();
+    void changed() {
+        there_is_more_.notify_all();
+        for (const auto& wake : watchers_) wake();
+    }
 
     const Bounds bounds_;
     std::vector<std::function<void()>> watchers_;
@@ -240,15 +270,26 @@ public:
     void came(const std::string& name);
     void went(Listener figures);
     /// Says that a listener's link is too narrow for the colour.
-    void goes_without_colour(const std::string& name);
+    void goes_without_colour(const std::string& name) {
+        remark(name + ": its link is too narrow; colour is left out for it until it keeps up");
+    }
     /// Another line for a person about the listeners.
-    void remark(const std::string& line);
+    void remark(const std::string& line) {
+        const std::lock_guard lock(mutex_);
+        say_(line);
+    }
 
     int there() const { return there_; }
     bool has_room() const { return there_ < most_listeners; }
     /// Those that left, the earliest first, the last 256; `all` counts every listener so far.
-    std::vector<Listener> gone() const;
-    std::int64_t all() const;
+    std::vector<Listener> gone() const {
+        const std::lock_guard lock(mutex_);
+        return gone_;
+    }
+    std::int64_t all() const {
+        const std::lock_guard lock(mutex_);
+        return all_;
+    }
 
 private:
     mutable std::mutex mutex_;
@@ -339,9 +380,19 @@ public:
     class SystemTime final : public Time {
     public:
         std::int64_t now_ns() override;
-        std::int64_t utc_ns() override;
-        bool wait_until(std::int64_t at_ns) override;
-        void end() override;
+        std::int64_t utc_ns() override {
+            return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
+        }
+        bool wait_until(std::int64_t at_ns) override {
+            const std::chrono::steady_clock::time_point at{std::chrono::nanoseconds(at_ns)};
+            std::unique_lock lock(mutex_);
+            return !told_.wait_until(lock, at, [this] { return is_over_; });
+        }
+        void end() override {
+            const std::lock_guard lock(mutex_);
+            is_over_ = true;
+            told_.notify_all();
+        }
 
     private:
         std::mutex mutex_;
@@ -379,9 +430,18 @@ public:
 
     /// Sends from the clip's beginning until it ends, `longest_ns` is over, or `end` is called; the rings are
     /// then over.
-    Result<void> run();
+    Result<void> run() {
+        auto sent = send_all();
+        for (const Channel& channel : channels_) channel.ring.end();
+        const bool is_ended = is_told_to_end_ && !sent && sent.error().kind == ErrorKind::interrupted;
+        return is_ended ? Result<void>{} : std::move(sent);
+    }
     /// From any thread.
-    void end();
+    void end() {
+        is_told_to_end_ = true;
+        time_.end();
+        clip_->interrupt();
+    }
     /// Framesets so far, from any thread.
     std::int64_t framesets() const { return sent_; }
     /// Remarks for a person, such as that the camera was unplugged.
@@ -396,10 +456,21 @@ private:
     };
     Result<void> send_all();
     Result<std::optional<RawFrame>> next();
-    Due due(const RawFrame& frame) const;
+    /// At an even rate the rounds of a loop go on evenly, to the nanosecond.
+    Due due(const RawFrame& frame) const {
+        const FrameRate& rate = clip_->scene().rate;
+        const bool has_own_times = clip_->is_live() || rate.own_times;
+        const std::int64_t time_ns =
+            has_own_times ? round_ns_ + frame.time_ns : rate.time_ns(figures_.framesets);
+        return {time_ns, begin_ns_ + time_ns};
+    }
     Result<bool> send(const RawFrame& frame, const Due& due);
     bool is_key(std::int64_t time_ns);
-    void give(Channel& channel, StreamMuxer::Block block);
+    void give(Channel& channel, StreamMuxer::Block block) {
+        if (figures_.framesets == 0) channel.ring.begin(channel.muxer->header(), channel.muxer->padding());
+        figures_.bytes += std::ssize(block.bytes);
+        channel.ring.add(std::move(block));
+    }
     void keep_pace(const Due& due);
 
     const std::unique_ptr<ClipReader> clip_;

@@ -15,7 +15,7 @@ constexpr int longest_srt_call_ms = 3000;
 
 /// One listener by SRT. It is given the stream at the pace of its link; where that is too slow, whole
 /// framesets are left out for it alone. Never waits. Moments are of a steady clock, ns.
-class SrtListener {
+class SrtListener : NonCopyable {
 public:
     /// The socket is connected. The ring and the audience outlive it.
     SrtListener(SrtSocket socket, std::string name, const StreamRing& ring, StreamAudience& audience,
@@ -31,8 +31,6 @@ public:
     }
 
     ~SrtListener() { end("is cut off"); }
-    SrtListener(const SrtListener&) = delete;
-    SrtListener& operator=(const SrtListener&) = delete;
 
     /// Gives what there is to give and fits.
     void go_on(std::int64_t now_ns) {

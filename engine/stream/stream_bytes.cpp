@@ -220,14 +220,6 @@ AVDictionary* http_options(bool is_tls) {
 
 // --- StreamWait
 
-void StreamWait::at_most(std::chrono::milliseconds longest) {
-    until_ = std::min(std::chrono::steady_clock::now() + longest, together_until_);
-}
-
-void StreamWait::together_at_most(std::chrono::milliseconds longest) {
-    until_ = together_until_ = std::chrono::steady_clock::now() + longest;
-}
-
 // --- StreamBytes
 
 Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,

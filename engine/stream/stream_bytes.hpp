@@ -22,9 +22,13 @@ namespace touchable {
 class StreamWait {
 public:
     /// The next wait, which also ends when `together_at_most` does.
-    void at_most(std::chrono::milliseconds longest);
+    void at_most(std::chrono::milliseconds longest) {
+        until_ = std::min(std::chrono::steady_clock::now() + longest, together_until_);
+    }
     /// All waits from now on together, until this or `each_alone` is called.
-    void together_at_most(std::chrono::milliseconds longest);
+    void together_at_most(std::chrono::milliseconds longest) {
+        until_ = together_until_ = std::chrono::steady_clock::now() + longest;
+    }
     void each_alone() { together_until_ = StopScope::never; }
     bool is_together() const { return together_until_ != StopScope::never; }
     StopScope::Deadline until() const { return until_; }

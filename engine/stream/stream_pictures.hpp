@@ -108,7 +108,11 @@ private:
     Result<bool> fill(std::size_t bytes);
     std::size_t there() const { return in_.size() - at_; }
     std::optional<std::size_t> cluster_in(std::size_t from, std::size_t end) const;
-    void give(std::size_t bytes);
+    void give(std::size_t bytes) {
+        const auto from = in_.begin() + static_cast<std::ptrdiff_t>(at_);
+        out_.insert(out_.end(), from, from + static_cast<std::ptrdiff_t>(bytes));
+        at_ += bytes;
+    }
     Result<std::optional<MatroskaHead>> head();
 
     const std::shared_ptr<Demuxer::ByteFlow> source_;

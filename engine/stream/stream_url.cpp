@@ -179,13 +179,6 @@ std::string StreamUrl::name() const {
     return printable(without_secrets(text), 200);
 }
 
-std::string StreamUrl::protocols() const {
-    if (transport == StreamTransport::http) return is_tls ? "https,tls,tcp" : "http,tcp";
-    if (transport == StreamTransport::tcp) return "tcp";
-    if (transport == StreamTransport::udp) return "udp";
-    return transport == StreamTransport::pipe ? "pipe" : "";
-}
-
 std::string StreamUrl::value(std::string_view key) const {
     const auto pair = find_pair(query, [key](std::string_view name) { return name == key; });
     if (!pair || pair->size() <= key.size()) return "";

@@ -40,7 +40,12 @@ struct StreamUrl {
     /// The name for messages: without a passphrase.
     std::string name() const;
     /// FFmpeg's `protocol_whitelist` for this URL; empty for SRT.
-    std::string protocols() const;
+    std::string protocols() const {
+        if (transport == StreamTransport::http) return is_tls ? "https,tls,tcp" : "http,tcp";
+        if (transport == StreamTransport::tcp) return "tcp";
+        if (transport == StreamTransport::udp) return "udp";
+        return transport == StreamTransport::pipe ? "pipe" : "";
+    }
     /// A playlist of HTTP Live Streaming (.m3u8).
     bool is_playlist() const { return transport == StreamTransport::http && path.ends_with(".m3u8"); }
     /// The query's value of this key; empty where there is none.

@@ -42,7 +42,7 @@ void make_prompt(int socket) {
 
 /// One connection: a client asks for the stream (HTTP), is given it, and leaves. Never waits. Moments are
 /// those of the server's clock, ns.
-class TcpListener {
+class TcpListener : NonCopyable {
 public:
     /// `path`: where HTTP has the stream; nothing: it is given at once, and the audience has room for it. By
     /// HTTP a client is refused where there is no room. The socket is one that never waits.
@@ -60,8 +60,6 @@ public:
     }
 
     ~TcpListener() { end("is cut off"); }
-    TcpListener(const TcpListener&) = delete;
-    TcpListener& operator=(const TcpListener&) = delete;
 
     int socket() const { return socket_.get(); }
     /// For poll.
