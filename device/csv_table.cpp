@@ -66,14 +66,6 @@ Result<void> CsvTable::find_lines() {
     return {};
 }
 
-std::string_view CsvTable::line(std::size_t number) const {
-    std::string_view line(*text_);
-    line.remove_prefix(lines_[number]);
-    line = line.substr(0, line.find('\n'));
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
-}
-
 /// Fields of the first two lines, where both have as many; otherwise 1.
 std::size_t CsvTable::fields_by(char separator) {
     separator_ = separator;

@@ -193,7 +193,13 @@ private:
     Result<void> check_fields();
     std::size_t fields_by(char separator);
     void choose_separator();
-    std::string_view line(std::size_t number) const;
+    std::string_view line(std::size_t number) const {
+        std::string_view line(*text_);
+        line.remove_prefix(lines_[number]);
+        line = line.substr(0, line.find('\n'));
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        return line;
+    }
     /// Fields of a line, which replace those given; says what is wrong with it.
     Result<void> split(std::string_view line, std::vector<std::string_view>& fields) const;
 
@@ -324,7 +330,13 @@ private:
     std::optional<glm::dvec3> centre() const;
     glm::dvec3 moved() const;
     void grip();
-    void let_go(const SurfaceProbe* surface);
+    void let_go(const SurfaceProbe* surface) {
+        offset_ -= moved();
+        gripped_ = false;
+        for (Finger& finger : fingers_) finger.gripped.reset();
+        close_gates();
+        if (surface) come_out(*surface);
+    }
     void come_out(const SurfaceProbe& surface);
     glm::dvec3 offset_in_effect() const { return gripped_ ? offset_ - moved() : offset_; }
     void take_buttons(std::uint32_t buttons, bool known);

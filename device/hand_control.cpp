@@ -60,14 +60,6 @@ void HandControl::grip() {
     }
 }
 
-void HandControl::let_go(const SurfaceProbe* surface) {
-    offset_ -= moved();
-    gripped_ = false;
-    for (Finger& finger : fingers_) finger.gripped.reset();
-    close_gates();
-    if (surface) come_out(*surface);
-}
-
 /// Each finger that is inside goes along its pixel's ray and takes the others along. One of them may come
 /// under a cliff so, and goes on in the next round.
 void HandControl::come_out(const SurfaceProbe& surface) {

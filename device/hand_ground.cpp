@@ -88,14 +88,6 @@ double start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel, const Han
     return found ? found->depth : device_depth(workspace);
 }
 
-LocalReliefSearch::LocalReliefSearch(double reach, double metres_per_scene_unit, const HandArea& box)
-    : reach_(reach), metres_per_scene_unit_(metres_per_scene_unit), box_(box) {
-    for (int k = 0; k < directions; ++k) {
-        const double angle = 2 * pi * k / directions;
-        directions_[static_cast<std::size_t>(k)] = {cosine(angle), -sine(angle)};
-    }
-}
-
 LocalRelief LocalReliefSearch::about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const {
     const glm::dvec2 size = pixel_size(probe, pixel, depth, metres_per_scene_unit_);
     bool broken = false, rough = false;

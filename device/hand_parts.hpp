@@ -66,7 +66,13 @@ class LocalReliefSearch {
 public:
     /// Looks `reach` device metres, > 0, to every side, and at pixels of `box` alone: no finger goes
     /// elsewhere.
-    LocalReliefSearch(double reach, double metres_per_scene_unit, const HandArea& box);
+    LocalReliefSearch(double reach, double metres_per_scene_unit, const HandArea& box)
+        : reach_(reach), metres_per_scene_unit_(metres_per_scene_unit), box_(box) {
+        for (int k = 0; k < directions; ++k) {
+            const double angle = 2 * pi * k / directions;
+            directions_[static_cast<std::size_t>(k)] = {cosine(angle), -sine(angle)};
+        }
+    }
 
     /// At `pixel` of the box, where the finger takes the surface to be at planar depth `depth`.
     LocalRelief about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const;

@@ -208,14 +208,6 @@ Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times,
 
 // ---- A spring
 
-Result<glm::dvec3> SpringTrial::read() {
-    if (!device_.read_positions(metres_)) return failure_of(device_);
-    if (std::isfinite(metres_[0].x + metres_[0].y + metres_[0].z)) return metres_[0];
-    const std::string prompt = device_.prompt();
-    return device_error(device_.name() + ": lost its position while a spring was tried" +
-                        (prompt.empty() ? "" : "; " + prompt));
-}
-
 Result<HandleRest> SpringTrial::wait_for_rest() {
     constexpr int window = 300, most_windows = 40;
     constexpr double still_m = 0.0003, surely_still_m = 1e-6;

@@ -66,7 +66,13 @@ public:
     }
 
 private:
-    Result<glm::dvec3> read();
+    Result<glm::dvec3> read() {
+        if (!device_.read_positions(metres_)) return failure_of(device_);
+        if (std::isfinite(metres_[0].x + metres_[0].y + metres_[0].z)) return metres_[0];
+        const std::string prompt = device_.prompt();
+        return device_error(device_.name() + ": lost its position while a spring was tried" +
+                            (prompt.empty() ? "" : "; " + prompt));
+    }
     Result<void> push(const glm::dvec3& newtons) {
         newtons_[0] = newtons;
         if (!device_.write_forces(newtons_)) return failure_of(device_);

@@ -143,15 +143,6 @@ Result<void> DrivenDevice::take_hold() {
     return {};
 }
 
-/// Whatever ends it, the hardware is let go of with zero force.
-void DrivenDevice::drive() {
-    if (settings_.as_thread_begins) settings_.as_thread_begins();
-    const StopScope until(stopping_.get_token());
-    while (!stop_requested() && turn())
-        if (!held_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    driver_->disconnect();
-}
-
 bool DrivenDevice::turn() {
     if (!held_) return look_for_it();
     const auto served = answer_of(name_, [this] { return serve(); });

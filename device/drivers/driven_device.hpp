@@ -110,7 +110,14 @@ private:
         std::int64_t received_ns = 0;  // of the position that it answers
     };
 
-    void drive();
+    /// Whatever ends it, the hardware is let go of with zero force.
+    void drive() {
+        if (settings_.as_thread_begins) settings_.as_thread_begins();
+        const StopScope until(stopping_.get_token());
+        while (!stop_requested() && turn())
+            if (!held_) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        driver_->disconnect();
+    }
     Result<void> take_hold();
     Result<void> serve();
     Result<void> receive(std::chrono::microseconds patience);

@@ -304,14 +304,6 @@ Result<void> FalconDriver::load() {
     return last;
 }
 
-Result<void> FalconDriver::command(const std::array<std::int16_t, 3>& motors) {
-    FalconCommand command;
-    command.motors = motors;
-    command.lamp = is_homed() ? FalconLamp::green : FalconLamp::red;
-    ++unanswered_;
-    return transport_->send(encode(command));
-}
-
 Result<void> FalconDriver::send(std::span<const glm::dvec3> newtons) {
     const bool lives = is_homed() && pose_ && !newtons.empty();
     return command(lives ? falcon_motor_words(*pose_, newtons.front()) : no_motors);

@@ -242,7 +242,13 @@ public:
 
 private:
     bool is_homed() const { return homed_in_a_row_ >= homed_reports; }
-    Result<void> command(const std::array<std::int16_t, 3>& motors);
+    Result<void> command(const std::array<std::int16_t, 3>& motors) {
+        FalconCommand command;
+        command.motors = motors;
+        command.lamp = is_homed() ? FalconLamp::green : FalconLamp::red;
+        ++unanswered_;
+        return transport_->send(encode(command));
+    }
     Result<std::optional<FalconReport>> newest_report(std::chrono::microseconds patience);
     Result<bool> answers();
     Result<void> load();

@@ -427,14 +427,6 @@ std::optional<ZeroForcePacket> Inverse3Driver::zero_force_packet() const {
     return ZeroForcePacket{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}, {}};
 }
 
-std::string Inverse3Driver::prompt() const {
-    if (id_.empty()) return {};
-    if (!trouble_.empty()) return "Inverse3 " + id_ + " " + trouble_;
-    const std::string altered = altered_forces(settings_);
-    return altered.empty() ? altered
-                           : "the Haply service " + altered + "; change it in Haply Hub if that is not meant";
-}
-
 std::string Inverse3Driver::service_in_words() const {
     if (id_.empty()) return {};
     const std::string settings = in_words(settings_);

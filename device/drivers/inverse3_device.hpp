@@ -158,7 +158,14 @@ public:
         return transport_->drop_what_came(room_);
     }
     std::optional<ZeroForcePacket> zero_force_packet() const override;
-    std::string prompt() const override;
+    std::string prompt() const override {
+        if (id_.empty()) return {};
+        if (!trouble_.empty()) return "Inverse3 " + id_ + " " + trouble_;
+        const std::string altered = altered_forces(settings_);
+        return altered.empty()
+                   ? altered
+                   : "the Haply service " + altered + "; change it in Haply Hub if that is not meant";
+    }
 
     /// What the service said of itself when it was connected: its version, the arm, the settings that change
     /// forces. Empty: it was not.

@@ -257,15 +257,6 @@ Result<void> NetworkDriver::connect() {
     return {};
 }
 
-void NetworkDriver::disconnect() noexcept {
-    if (socket_->descriptor() < 0) return;
-    try {
-        part();
-    } catch (...) {
-    }
-    socket_->close();
-}
-
 /// Tells the peer that nothing more comes, and that its forces are zero.
 void NetworkDriver::part() {
     if (!peer_) return;
@@ -345,15 +336,6 @@ Result<void> NetworkDriver::forget_what_came() {
     return {};
 }
 
-/// Who may move the fingers; empty where only this machine's programs reach the device.
-std::string NetworkDriver::who_may_touch() const {
-    if (from_) return ", from " + settings_.from + " alone";
-    const auto own = read_udp_address(settings_.listen);
-    if (own && own->is_own_machine()) return {};
-    return ", from ANY machine that reaches it: whoever sends first moves the fingers and gets the forces "
-           "(the device network:from=ADDRESS lets one)";
-}
-
 /// Empty: nothing is wrong with it.
 std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress& from) const {
     if (from_ && !from_->is_of_host(from))
@@ -411,14 +393,6 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
     peer_->time_ns = packet.time_ns;
     peer_->received_ns = clock_();
     return true;
-}
-
-std::optional<ZeroForcePacket> NetworkDriver::zero_force_packet() const {
-    NetworkPacket last, meanwhile;
-    last.kind = meanwhile.kind = NetworkPacket::Kind::forces;
-    last.fingers = meanwhile.fingers = settings_.fingers;
-    last.last = meanwhile.stands_still = true;
-    return ZeroForcePacket{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
 }
 
 std::string NetworkDriver::why_no_position() const {

@@ -151,12 +151,25 @@ public:
         return {.buttons = 32, .first_button = "the device's first button (bit 0 of its buttons)"};
     }
     Result<void> connect() override;
-    void disconnect() noexcept override;
+    void disconnect() noexcept override {
+        if (socket_->descriptor() < 0) return;
+        try {
+            part();
+        } catch (...) {
+        }
+        socket_->close();
+    }
     Result<void> send(std::span<const glm::dvec3> newtons) override;
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override;
     int descriptor() const override { return socket_->descriptor(); }
-    std::optional<ZeroForcePacket> zero_force_packet() const override;
+    std::optional<ZeroForcePacket> zero_force_packet() const override {
+        NetworkPacket last, meanwhile;
+        last.kind = meanwhile.kind = NetworkPacket::Kind::forces;
+        last.fingers = meanwhile.fingers = settings_.fingers;
+        last.last = meanwhile.stands_still = true;
+        return ZeroForcePacket{socket_->descriptor(), encode(last), {}, encode(meanwhile)};
+    }
     std::string prompt() const override {
         if (peer_) return {};
         const std::string waits = "waiting for a hand at " + listens_at_ + who_may_touch();
@@ -181,7 +194,14 @@ private:
     };
     bool take(const NetworkPacket& packet, const UdpAddress& from);
     void leave_out(const std::string& why, const UdpAddress& from);
-    std::string who_may_touch() const;
+    /// Who may move the fingers; empty where only this machine's programs reach the device.
+    std::string who_may_touch() const {
+        if (from_) return ", from " + settings_.from + " alone";
+        const auto own = read_udp_address(settings_.listen);
+        if (own && own->is_own_machine()) return {};
+        return ", from ANY machine that reaches it: whoever sends first moves the fingers and gets "
+               "the forces (the device network:from=ADDRESS lets one)";
+    }
     std::string why_not(const NetworkPacket& packet, const UdpAddress& from) const;
     void part();
     NetworkPacket answer(std::span<const glm::dvec3> newtons, bool last) const;

@@ -109,33 +109,7 @@ Result<DeviceLog> DeviceLog::read(const std::string& file) {
     return log;
 }
 
-DeviceSample DeviceLog::sample(std::size_t tick) const {
-    DeviceSample sample;
-    sample.metres.fill(no_place);
-    const auto first = metres_.begin() + static_cast<std::ptrdiff_t>(tick) * fingers_;
-    std::copy(first, first + fingers_, sample.metres.begin());
-    sample.buttons = buttons_[tick];
-    return sample;
-}
-
 // ---- Replay
-
-DeviceCapabilities ReplayDriver::capabilities() const {
-    const std::size_t ticks = log_.ticks();
-    const double length = log_.seconds(ticks - 1);
-    return {.axes_driven = 0,
-            .rate_hz = length > 0 ? static_cast<double>(ticks - 1) / length : 0,
-            .buttons = 32,
-            .own_watchdog = true};
-}
-
-Result<void> ReplayDriver::connect() {
-    connected_ = true;
-    since_ = clock_->now();
-    next_ = 0;
-    over_ = false;
-    return {};
-}
 
 /// The newest tick whose time has come; those that were missed are gone, as they are for a device.
 Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {

@@ -25,7 +25,14 @@ public:
     int fingers() const { return fingers_; }
     std::size_t ticks() const { return seconds_.size(); }              ///< at least 1
     double seconds(std::size_t tick) const { return seconds_[tick]; }  ///< since the first
-    DeviceSample sample(std::size_t tick) const;
+    DeviceSample sample(std::size_t tick) const {
+        DeviceSample sample;
+        sample.metres.fill(no_place);
+        const auto first = metres_.begin() + static_cast<std::ptrdiff_t>(tick) * fingers_;
+        std::copy(first, first + fingers_, sample.metres.begin());
+        sample.buttons = buttons_[tick];
+        return sample;
+    }
 
 private:
     int fingers_ = 0;
@@ -52,8 +59,21 @@ public:
     std::string name() const override { return "recorded device"; }
     int fingers() const override { return log_.fingers(); }
     DeviceLimits limits() const override { return limits_; }
-    DeviceCapabilities capabilities() const override;
-    Result<void> connect() override;
+    DeviceCapabilities capabilities() const override {
+        const std::size_t ticks = log_.ticks();
+        const double length = log_.seconds(ticks - 1);
+        return {.axes_driven = 0,
+                .rate_hz = length > 0 ? static_cast<double>(ticks - 1) / length : 0,
+                .buttons = 32,
+                .own_watchdog = true};
+    }
+    Result<void> connect() override {
+        connected_ = true;
+        since_ = clock_->now();
+        next_ = 0;
+        over_ = false;
+        return {};
+    }
     void disconnect() noexcept override { connected_ = false; }
     Result<void> send(std::span<const glm::dvec3>) override {
         if (!connected_) return device_error("the replay of " + printable(file_) + " is closed");

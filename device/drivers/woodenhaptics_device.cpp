@@ -215,14 +215,6 @@ WoodenReport encode_wooden_counters(const std::array<std::int16_t, 6>& counters)
 
 // ---- The driver
 
-DeviceCapabilities WoodenHapticsDriver::capabilities() const {
-    return {.axes_driven = build_.drive ? 3 : 0,
-            .reach = glm::dvec3(build_.reach),
-            .rate_hz = 1000,
-            .own_watchdog = true,
-            .answers = true};
-}
-
 Result<void> WoodenHapticsDriver::connect() {
     TRY_ASSIGN(transport_, open_());
     homed_ = Homed::no;
@@ -268,14 +260,6 @@ void WoodenHapticsDriver::disconnect() noexcept {
     transport_.reset();
 }
 
-Result<void> WoodenHapticsDriver::send(std::span<const glm::dvec3> newtons) {
-    // The board remembers its button until its counters are set.
-    if (homed_ != Homed::yes && pressed_ >= sure_of_button) return set_counters();
-    const bool lives = build_.drive && has_place();
-    return transport_->send(encode_wooden_currents(lives ? wooden_currents(build_, angles(), newtons[0])
-                                                         : std::array<std::int16_t, 3>{}));
-}
-
 Result<bool> WoodenHapticsDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
     TRY_ASSIGN(const auto came, read_newest(patience));
     if (!came) {
@@ -308,14 +292,6 @@ Result<bool> WoodenHapticsDriver::read_newest(std::chrono::microseconds patience
         any = true;
     }
     return any;
-}
-
-std::string WoodenHapticsDriver::prompt() const {
-    if (homed_ == Homed::yes) return {};
-    if (build_.homing == WoodenParameters::Homing::start)
-        return "it was away: put the handle in its home pose, and press the button of its board or start "
-               "anew";
-    return "put the handle in its home pose, and press the button of its board";
 }
 
 // ---- Keys

@@ -112,10 +112,22 @@ public:
         return build_.name + (build_.drive ? "" : " (exerts no force: \"drive\" is \"no\" in its file)");
     }
     DeviceLimits limits() const override { return build_.limits; }
-    DeviceCapabilities capabilities() const override;
+    DeviceCapabilities capabilities() const override {
+        return {.axes_driven = build_.drive ? 3 : 0,
+                .reach = glm::dvec3(build_.reach),
+                .rate_hz = 1000,
+                .own_watchdog = true,
+                .answers = true};
+    }
     Result<void> connect() override;
     void disconnect() noexcept override;
-    Result<void> send(std::span<const glm::dvec3> newtons) override;
+    Result<void> send(std::span<const glm::dvec3> newtons) override {
+        // The board remembers its button until its counters are set.
+        if (homed_ != Homed::yes && pressed_ >= sure_of_button) return set_counters();
+        const bool lives = build_.drive && has_place();
+        return transport_->send(encode_wooden_currents(lives ? wooden_currents(build_, angles(), newtons[0])
+                                                             : std::array<std::int16_t, 3>{}));
+    }
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override {
         std::array<std::byte, 65> room;
@@ -127,7 +139,13 @@ public:
         const auto unpowered = encode_wooden_currents({});
         return ZeroForcePacket{transport_->spare_descriptor(), {unpowered.begin(), unpowered.end()}, {}, {}};
     }
-    std::string prompt() const override;
+    std::string prompt() const override {
+        if (homed_ == Homed::yes) return {};
+        if (build_.homing == WoodenParameters::Homing::start)
+            return "it was away: put the handle in its home pose, and press the button of its board or start "
+                   "anew";
+        return "put the handle in its home pose, and press the button of its board";
+    }
 
     std::int64_t left_out() const override { return left_out_; }  ///< reports that cannot be, so far
 

@@ -16,6 +16,8 @@
 #include <memory>
 #include <string>
 
+#include "engine/base/result.hpp"
+
 namespace touchable {
 
 inline constexpr double pi = 3.14159265358979323846;

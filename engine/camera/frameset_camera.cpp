@@ -475,17 +475,6 @@ void FramesetParser::take(std::span<const std::uint8_t> bytes) {
     credit_ = std::min(credit_ + checks_per_byte * bytes.size(), most_credit);
 }
 
-/// False: bytes that say again and again that a frameset begins here, and none does, would keep this busy.
-/// What waits is passed over.
-bool FramesetParser::may_check(std::size_t count) {
-    if (count <= credit_) {
-        credit_ -= count;
-        return true;
-    }
-    pass_over(rest().size());
-    return false;
-}
-
 /// Passes over what is none. False: more bytes are needed.
 bool FramesetParser::find_header() {
     while (true) {

@@ -92,7 +92,16 @@ private:
         if (count > 0 && !is_lost_) ++damaged_;
         is_lost_ = is_lost_ || count > 0;
     }
-    bool may_check(std::size_t count);
+    /// False: bytes that say again and again that a frameset begins here, and none does, would keep this
+    /// busy. What waits is passed over.
+    bool may_check(std::size_t count) {
+        if (count <= credit_) {
+            credit_ -= count;
+            return true;
+        }
+        pass_over(rest().size());
+        return false;
+    }
 
     std::vector<std::uint8_t> bytes_;
     std::size_t begin_ = 0;  // of what is not used yet

@@ -350,9 +350,8 @@ std::string format_text(std::uint32_t code) {
 }
 
 std::string formats_text(const NodeFacts& facts) {
-    std::string all;
-    for (const NodeFormat& format : facts.formats)
-        all += (all.empty() ? "" : ", ") + format_text(format.code);
+    const std::string all =
+        listed(facts.formats, [](const NodeFormat& format) { return format_text(format.code); });
     return all.empty() ? "nothing" : all;
 }
 
@@ -373,8 +372,7 @@ Result<NodeMode> choose_mode(const NodeFormat& format, const ModeWish& wish) {
 }
 
 std::string mode_text(const NodeMode& mode) {
-    std::string rates;
-    for (const FrameRate& rate : mode.rates) rates += (rates.empty() ? "" : ", ") + rate_text(rate);
+    const std::string rates = listed(mode.rates, rate_text);
     return size_text(mode.width, mode.height) + (rates.empty() ? "" : " at " + rates + " frames/s");
 }
 

@@ -318,16 +318,6 @@ Result<void> LabelledDecoder::send(Track& track, const AVPacket* packet, Picture
     }
 }
 
-/// Nothing in a picture of colour shows that it depends on one that was lost; in a plane that is felt the
-/// hash does.
-bool LabelledDecoder::follows(Track& track, const PictureMessage& message, bool is_key) {
-    const std::int64_t frame = message.label.frame;
-    const bool is_next = track.newest && *track.newest < frame && frame - *track.newest == 1;
-    track.newest = frame;
-    track.is_broken = !is_key && (track.is_broken || !is_next);
-    return !track.is_broken || message.role != PlaneRole::colour;
-}
-
 Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictures) {
     SaidOf said = messages_in(*frame);
     if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {

@@ -153,7 +153,15 @@ private:
     using Pictures = std::vector<LabelledPicture>;
     Result<void> send(Track& track, const AVPacket* packet, Pictures& pictures);
     Result<void> take(Track& track, FramePtr frame, Pictures& pictures);
-    bool follows(Track& track, const PictureMessage& message, bool is_key);
+    /// Nothing in a picture of colour shows that it depends on one that was lost; in a plane that is felt the
+    /// hash does.
+    bool follows(Track& track, const PictureMessage& message, bool is_key) {
+        const std::int64_t frame = message.label.frame;
+        const bool is_next = track.newest && *track.newest < frame && frame - *track.newest == 1;
+        track.newest = frame;
+        track.is_broken = !is_key && (track.is_broken || !is_next);
+        return !track.is_broken || message.role != PlaneRole::colour;
+    }
     void join(const PictureMessage& message, LabelledPicture picture, Pictures& pictures);
     std::optional<Plane> plane_in(Track& track, FramePtr frame, const ReadSei& sei);
 

@@ -83,14 +83,6 @@ bool NarrowLink::is_behind(std::int64_t now_ns, bool is_tried) {
     return std::exchange(has_colour_, false);
 }
 
-bool NarrowLink::gives_colour(bool is_key, std::int64_t now_ns) {
-    if (!has_colour_ && is_key && !behind_since_ns_ && now_ns >= next_trial_ns_) {
-        has_colour_ = true;
-        colour_back_ns_ = now_ns;
-    }
-    return has_colour_;
-}
-
 void LinkRate::look(const Look& look) {
     if (!first_in_slice_) first_in_slice_ = look;
     if (look.rtt_ns > 0) {

@@ -81,7 +81,13 @@ public:
         return behind_since_ns_ && now_ns - *behind_since_ns_ > framesets_go_after_ns;
     }
     /// Whether the next frameset goes with its colour. Decoding of colour begins with a key.
-    bool gives_colour(bool is_key, std::int64_t now_ns);
+    bool gives_colour(bool is_key, std::int64_t now_ns) {
+        if (!has_colour_ && is_key && !behind_since_ns_ && now_ns >= next_trial_ns_) {
+            has_colour_ = true;
+            colour_back_ns_ = now_ns;
+        }
+        return has_colour_;
+    }
 
 private:
     std::optional<std::int64_t> first_behind_ns_, behind_since_ns_, colour_back_ns_;

@@ -23,14 +23,6 @@ Result<std::unique_ptr<MemoryMuxer>> MemoryMuxer::open(const char* format) {
     return muxer->check(AVERROR(ENOMEM)).error();
 }
 
-MemoryMuxer::~MemoryMuxer() {
-    if (AVIOContext* io = context_->pb) {
-        av_freep(&io->buffer);
-        avio_context_free(&io);
-    }
-    avformat_free_context(context_);
-}
-
 int MemoryMuxer::append(void* own, MuxedBytes* bytes, int count) {
     auto& all = static_cast<MemoryMuxer*>(own)->bytes_;
     try {
@@ -46,14 +38,6 @@ Result<int> MemoryMuxer::add_sound(const AVCodecParameters& codec, AVRational ti
     if (avcodec_parameters_copy(stream->codecpar, &codec) < 0) return memory_error();
     stream->codecpar->codec_tag = 0;  // the other container's
     return stream->index;
-}
-
-Result<void> MemoryMuxer::begin(const std::string& options) {
-    AVDictionary* read = nullptr;
-    int status = av_dict_parse_string(&read, options.c_str(), "=", ":", 0);
-    if (status >= 0) status = avformat_write_header(context_, &read);
-    av_dict_free(&read);
-    return check(status);
 }
 
 Result<StreamSound> StreamSound::open(const SoundPart& part) {

@@ -18,7 +18,13 @@ class MemoryMuxer : NonCopyable {
 public:
     /// `format`: as FFmpeg calls it.
     static Result<std::unique_ptr<MemoryMuxer>> open(const char* format);
-    ~MemoryMuxer();
+    ~MemoryMuxer() {
+        if (AVIOContext* io = context_->pb) {
+            av_freep(&io->buffer);
+            avio_context_free(&io);
+        }
+        avformat_free_context(context_);
+    }
 
     AVFormatContext& context() { return *context_; }
     /// Adds a stream, before `begin`. `tick`: the unit of its times; the muxer may choose another.
@@ -31,7 +37,13 @@ public:
     /// Adds sound as another container has it, and returns the stream's number.
     Result<int> add_sound(const AVCodecParameters& codec, AVRational tick);
     /// `options`: of the muxer, "key=value:key=value".
-    Result<void> begin(const std::string& options);
+    Result<void> begin(const std::string& options) {
+        AVDictionary* read = nullptr;
+        int status = av_dict_parse_string(&read, options.c_str(), "=", ":", 0);
+        if (status >= 0) status = avformat_write_header(context_, &read);
+        av_dict_free(&read);
+        return check(status);
+    }
     /// A packet whose times are in `tick`.
     Result<void> write(AVPacket& packet, int stream, AVRational tick) {
         packet.stream_index = stream;

@@ -9,16 +9,6 @@ namespace touchable {
 namespace {
 
 constexpr std::size_t most_pictures_held = 64, most_missed = 256;
-constexpr int most_of_before = 256;
-/// Beyond these a number is of another count.
-constexpr std::int64_t most_behind = 64, most_ahead = 1'000'000;
-
-constexpr std::size_t index_of(PlaneRole role) {
-    return static_cast<std::size_t>(role);
-}
-constexpr std::uint32_t bit_of(PlaneRole role) {
-    return std::uint32_t{1} << index_of(role);
-}
 
 /// Why a sender refuses a listener (StreamServer), behind its first byte; empty: it sends something else.
 std::string refusal_in(StreamBytes& bytes) {
@@ -38,43 +28,6 @@ std::string refusal_in(StreamBytes& bytes) {
 }  // namespace
 
 // --- FramesetAssembler
-
-FramesetAssembler::FramesetAssembler(const std::vector<PlaneRole>& roles) {
-    for (const PlaneRole role : roles)
-        if (role == PlaneRole::colour)
-            has_colour_ = true;
-        else
-            needed_ |= bit_of(role);
-}
-
-FramesetAssembler::Anew FramesetAssembler::begins_anew(const StreamPicture& picture) const {
-    if (!last_) return Anew::no;
-    if (picture.number > *last_ + most_ahead || picture.number + picture.frames < *last_ - most_behind)
-        return Anew::yes;
-    // The sender began again, or its clock was put back and this is of before.
-    const bool is_newer = picture.taken_ns > last_taken_ns_ && last_taken_ns_ > 0;
-    return picture.number <= *last_ && is_newer ? Anew::perhaps : Anew::no;
-}
-
-/// Numbers and times of both agree about which of them is the later one.
-bool FramesetAssembler::goes_on_from_doubtful(const StreamPicture& picture) const {
-    const std::int64_t frames = picture.number - doubtful_->number;
-    const std::int64_t ns = picture.taken_ns - doubtful_->taken_ns;
-    if (frames < -most_behind || frames > most_behind || picture.taken_ns <= last_taken_ns_) return false;
-    return frames == 0 ? ns == 0 && picture.role != doubtful_->role : (frames > 0) == (ns > 0);
-}
-
-void FramesetAssembler::begin_anew(std::int64_t since_ns) {
-    before_ = {since_ns, *last_, most_of_before};
-    restart();
-}
-
-bool FramesetAssembler::is_of_before(const StreamPicture& picture) {
-    if (before_.left == 0) return false;
-    --before_.left;
-    return picture.taken_ns > 0 && picture.taken_ns < before_.since_ns &&
-           picture.number > before_.last - most_behind;
-}
 
 void FramesetAssembler::add(StreamPicture picture) {
     if (is_of_before(picture)) return;
@@ -163,19 +116,6 @@ void FramesetAssembler::drop_oldest() {
     }
 }
 
-const FramesetAssembler::Held* FramesetAssembler::of(PlaneRole role, std::int64_t number) const {
-    for (const Held& held : held_[index_of(role)])
-        if (held.first <= number && number < held.end) return &held;
-    return nullptr;
-}
-
-FramesetAssembler::Roles FramesetAssembler::there(std::int64_t number) const {
-    Roles roles = 0;
-    for (const PlaneRole role : all_roles)
-        if ((needed_ & bit_of(role)) != 0 && of(role, number)) roles |= bit_of(role);
-    return roles;
-}
-
 /// Whether its colour is there, or will not come any more.
 bool FramesetAssembler::has_its_colour(std::int64_t number) const {
     constexpr std::size_t most_without = 30;  // framesets that wait for the first colour
@@ -189,12 +129,6 @@ bool FramesetAssembler::has_its_colour(std::int64_t number) const {
         return !held.empty() && held.back().first > than;
     };
     return is_beyond(PlaneRole::colour, number) || is_beyond(PlaneRole::depth, number + 1);
-}
-
-/// A stream whose colour is there at its beginning has colour from the first frameset on.
-bool FramesetAssembler::came_before_colour(std::int64_t number) const {
-    const auto& colour = held_[index_of(PlaneRole::colour)];
-    return has_colour_ && !colour_came_ && !colour.empty() && colour.front().first > number;
 }
 
 void FramesetAssembler::give_whole() {
@@ -292,13 +226,6 @@ void FramesetAssembler::restart() {
     ++counts_.restarts;
 }
 
-bool FramesetAssembler::has_part() const {
-    for (const PlaneRole role : all_roles)
-        for (const Held& held : held_[index_of(role)])
-            if ((needed_ & bit_of(role)) != 0 && (!last_ || held.end > *last_ + 1)) return true;
-    return false;
-}
-
 // --- StreamReceiver
 
 std::size_t bytes_of_planes(const RawFrame& frame) {
@@ -374,14 +301,6 @@ Result<void> StreamReceiver::read_first() {
     notes_.insert(notes_.end(), notes.begin(), notes.end());
     first_ = std::move(first);
     return {};
-}
-
-bool StreamReceiver::is_like(const StreamReceiver& other) const {
-    const auto is_same = [](const TrackInfo& a, const TrackInfo& b) {
-        return a.role == b.role && a.width == b.width && a.height == b.height;
-    };
-    return scene_text_ == other.scene_text_ &&
-           std::equal(tracks_.begin(), tracks_.end(), other.tracks_.begin(), other.tracks_.end(), is_same);
 }
 
 Result<void> StreamReceiver::take(StreamPictures::Came came) {

@@ -55,7 +55,13 @@ struct FramesetCounts {
 class FramesetAssembler {
 public:
     /// `roles`: those of the stream.
-    explicit FramesetAssembler(const std::vector<PlaneRole>& roles);
+    explicit FramesetAssembler(const std::vector<PlaneRole>& roles) {
+        for (const PlaneRole role : roles)
+            if (role == PlaneRole::colour)
+                has_colour_ = true;
+            else
+                needed_ |= bit_of(role);
+    }
 
     void add(StreamPicture picture);
     /// Pictures of planes that are felt whose checksum was wrong.
@@ -78,10 +84,22 @@ public:
         return frameset;
     }
     /// Whether there are pictures of a frame that is not whole.
-    bool has_part() const;
+    bool has_part() const {
+        for (const PlaneRole role : all_roles)
+            for (const Held& held : held_[index_of(role)])
+                if ((needed_ & bit_of(role)) != 0 && (!last_ || held.end > *last_ + 1)) return true;
+        return false;
+    }
     const FramesetCounts& counts() const { return counts_; }
 
 private:
+    static constexpr int most_of_before = 256;
+    /// Beyond these a number is of another count.
+    static constexpr std::int64_t most_behind = 64, most_ahead = 1'000'000;
+
+    static constexpr std::size_t index_of(PlaneRole role) { return static_cast<std::size_t>(role); }
+    static constexpr std::uint32_t bit_of(PlaneRole role) { return std::uint32_t{1} << index_of(role); }
+
     struct Held {
         std::int64_t first = 0, end = 0, taken_ns = 0;
         Plane plane;
@@ -99,23 +117,57 @@ private:
         int left = 0;  // pictures
     };
     enum class Anew { no, perhaps, yes };
-    Anew begins_anew(const StreamPicture& picture) const;
-    bool goes_on_from_doubtful(const StreamPicture& picture) const;
-    void begin_anew(std::int64_t since_ns);
+    Anew begins_anew(const StreamPicture& picture) const {
+        if (!last_) return Anew::no;
+        if (picture.number > *last_ + most_ahead || picture.number + picture.frames < *last_ - most_behind)
+            return Anew::yes;
+        // The sender began again, or its clock was put back and this is of before.
+        const bool is_newer = picture.taken_ns > last_taken_ns_ && last_taken_ns_ > 0;
+        return picture.number <= *last_ && is_newer ? Anew::perhaps : Anew::no;
+    }
+    /// Numbers and times of both agree about which of them is the later one.
+    bool goes_on_from_doubtful(const StreamPicture& picture) const {
+        const std::int64_t frames = picture.number - doubtful_->number;
+        const std::int64_t ns = picture.taken_ns - doubtful_->taken_ns;
+        if (frames < -most_behind || frames > most_behind || picture.taken_ns <= last_taken_ns_) return false;
+        return frames == 0 ? ns == 0 && picture.role != doubtful_->role : (frames > 0) == (ns > 0);
+    }
+    void begin_anew(std::int64_t since_ns) {
+        before_ = {since_ns, *last_, most_of_before};
+        restart();
+    }
     /// A doubtful picture that nothing goes on from is late.
     void leave_doubtful() {
         if (doubtful_ && doubtful_->role != PlaneRole::colour) add_late(*doubtful_);
         doubtful_.reset();
     }
     void admit(StreamPicture picture);
-    bool is_of_before(const StreamPicture& picture);
+    bool is_of_before(const StreamPicture& picture) {
+        if (before_.left == 0) return false;
+        --before_.left;
+        return picture.taken_ns > 0 && picture.taken_ns < before_.since_ns &&
+               picture.number > before_.last - most_behind;
+    }
     void add_late(const StreamPicture& picture);
     bool hold(StreamPicture&& picture);
     void drop_oldest();
-    const Held* of(PlaneRole role, std::int64_t number) const;
-    Roles there(std::int64_t number) const;
+    const Held* of(PlaneRole role, std::int64_t number) const {
+        for (const Held& held : held_[index_of(role)])
+            if (held.first <= number && number < held.end) return &held;
+        return nullptr;
+    }
+    Roles there(std::int64_t number) const {
+        Roles roles = 0;
+        for (const PlaneRole role : all_roles)
+            if ((needed_ & bit_of(role)) != 0 && of(role, number)) roles |= bit_of(role);
+        return roles;
+    }
     bool has_its_colour(std::int64_t number) const;
-    bool came_before_colour(std::int64_t number) const;
+    /// A stream whose colour is there at its beginning has colour from the first frameset on.
+    bool came_before_colour(std::int64_t number) const {
+        const auto& colour = held_[index_of(PlaneRole::colour)];
+        return has_colour_ && !colour_came_ && !colour.empty() && colour.front().first > number;
+    }
     void give_whole();
     void give(std::int64_t number);
     /// `by`: 1, or -1 to take a count back.
@@ -166,7 +218,14 @@ public:
     const std::vector<TrackInfo>& tracks() const { return tracks_; }
     const std::vector<std::string>& notes() const { return notes_; }
     /// Whether both say the same of scene and planes.
-    bool is_like(const StreamReceiver& other) const;
+    bool is_like(const StreamReceiver& other) const {
+        const auto is_same = [](const TrackInfo& a, const TrackInfo& b) {
+            return a.role == b.role && a.width == b.width && a.height == b.height;
+        };
+        return scene_text_ == other.scene_text_ &&
+               std::equal(tracks_.begin(), tracks_.end(), other.tracks_.begin(), other.tracks_.end(),
+                          is_same);
+    }
 
     /// The next whole frameset, within `longest`; nothing once the sender has ended.
     Result<std::optional<Received>> next(std::chrono::milliseconds longest);

@@ -47,32 +47,6 @@ void StreamRing::add(StreamMuxer::Block block) {
     changed();
 }
 
-void StreamRing::end() {
-    {
-        const std::lock_guard lock(mutex_);
-        is_over_ = true;
-    }
-    changed();
-}
-
-/// A cursor whose next block is not kept any more goes on with the newest key.
-StreamRing::Block StreamRing::take(Cursor& cursor) const {
-    if (cursor.next_ < first_) {
-        cursor.dropped_ += newest_key_ - cursor.next_;
-        cursor.next_ = newest_key_;
-    }
-    if (cursor.next_ >= end_of_kept()) return nullptr;
-    return kept_[static_cast<std::size_t>(cursor.next_++ - first_)].block;
-}
-
-bool StreamRing::go_to_newest_key(Cursor& cursor) const {
-    const std::lock_guard lock(mutex_);
-    if (cursor.next_ >= newest_key_) return false;
-    cursor.dropped_ += newest_key_ - cursor.next_;
-    cursor.next_ = newest_key_;
-    return true;
-}
-
 // --- StreamAudience
 
 void StreamAudience::came(const std::string& name) {

@@ -174,7 +174,13 @@ public:
     void begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding = {});
     void add(StreamMuxer::Block block);
     /// No block comes any more.
-    void end();
+    void end() {
+        {
+            const std::lock_guard lock(mutex_);
+            is_over_ = true;
+        }
+        changed();
+    }
 
     /// A listener that comes now begins with the newest key; where there is no block yet, with the first.
     Cursor join() const {
@@ -212,7 +218,13 @@ public:
     }
     /// Makes the newest key the listener's next frameset and leaves out those before it. False where that
     /// would leave nothing out.
-    bool go_to_newest_key(Cursor& cursor) const;
+    bool go_to_newest_key(Cursor& cursor) const {
+        const std::lock_guard lock(mutex_);
+        if (cursor.next_ >= newest_key_) return false;
+        cursor.dropped_ += newest_key_ - cursor.next_;
+        cursor.next_ = newest_key_;
+        return true;
+    }
     /// Whether `next` has nothing more for it.
     bool is_over(const Cursor& cursor) const {
         const std::lock_guard lock(mutex_);
@@ -229,7 +241,15 @@ private:
         Block block;
         std::size_t bytes_before;  // of the stream, up to this block
     };
-    Block take(Cursor& cursor) const;
+    /// A cursor whose next block is not kept any more goes on with the newest key.
+    Block take(Cursor& cursor) const {
+        if (cursor.next_ < first_) {
+            cursor.dropped_ += newest_key_ - cursor.next_;
+            cursor.next_ = newest_key_;
+        }
+        if (cursor.next_ >= end_of_kept()) return nullptr;
+        return kept_[static_cast<std::size_t>(cursor.next_++ - first_)].block;
+    }
     std::int64_t end_of_kept() const { return first_ + std::ssize(kept_); }
     void changed() {
         there_is_more_.notify_all();
