@@ -1,7 +1,5 @@
 #include "device/drivers/spacemouse_device.hpp"
 
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <iterator>
 
 #include "device/hand.hpp"

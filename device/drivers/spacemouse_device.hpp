@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
