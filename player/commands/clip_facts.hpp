@@ -40,7 +40,10 @@ struct ClipFacts {
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel of the first frames is valid
     Kappa near, mid, far;  ///< at the near plane (metric without one: at `nearest`), between, at far
 
-    bool has_track(const std::string& role) const;
+    bool has_track(const std::string& role) const {
+        return std::any_of(tracks.begin(), tracks.end(),
+                           [&](const TrackInfo& track) { return track.role == role; });
+    }
 };
 
 /// Reads the description and the first frames; both can fail.

@@ -415,15 +415,6 @@ Result<TrialFigures> try_touch(const TouchDemand& demand) {
     return figures;
 }
 
-std::string TouchDemand::in_words() const {
-    return std::to_string(width) + "x" + std::to_string(height) + " at " + std::to_string(rate) +
-           " frames/s with " + std::to_string(fingers) + (fingers == 1 ? " finger" : " fingers");
-}
-
-double TrialFigures::cpu_ms_per_second(const TouchDemand& demand) const {
-    return demand.rate * frame_cpu_ms + ms_per_second * tick_cpu_us / us_per_ms;
-}
-
 TrialVerdict judge(const TouchDemand& demand, const TrialFigures& figures, int cores) {
     const double frame_ms = ms_per_second / demand.rate;
     const double usable_ms = usable_share * cores * ms_per_second;

@@ -88,7 +88,10 @@ struct TouchDemand {
     int fingers = 1;
     int rate = 30;  ///< frames per second
 
-    std::string in_words() const;  ///< "720x480 at 30 frames/s with 1 finger"
+    std::string in_words() const {
+        return std::to_string(width) + "x" + std::to_string(height) + " at " + std::to_string(rate) +
+               " frames/s with " + std::to_string(fingers) + (fingers == 1 ? " finger" : " fingers");
+    }  ///< "720x480 at 30 frames/s with 1 finger"
 };
 
 /// What a short piece of that came to here. Wall times, but for CPU time, which is of all threads.
@@ -100,7 +103,9 @@ struct TrialFigures {
     double tick_cpu_us = 0;      ///< with the hand's own work
     int frames = 0, ticks = 0;   ///< that were measured
 
-    double cpu_ms_per_second(const TouchDemand& demand) const;
+    double cpu_ms_per_second(const TouchDemand& demand) const {
+        return demand.rate * frame_cpu_ms + ms_per_second * tick_cpu_us / us_per_ms;
+    }
     /// Whether frames waited for cores more than they used them: other programs had them.
     bool is_crowded() const { return decode_ms.mean + build_ms.mean > 2 * frame_cpu_ms; }
 };

@@ -100,49 +100,41 @@ Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup&
 
 /// Lines that a person types while a device is held: Enter turns forces on and off, c and Enter recentres.
 /// Listens only where standard input is a terminal.
-class ForceKeys {
+class ForceKeys : NonCopyable {
 public:
     /// `control` outlives it.
-    explicit ForceKeys(HandControl& control);
-    ~ForceKeys();
-    ForceKeys(const ForceKeys&) = delete;
-    ForceKeys& operator=(const ForceKeys&) = delete;
+    explicit ForceKeys(HandControl& control) : control_(control) {
+        if (isatty(STDIN_FILENO) == 0) return;
+        tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before meant something else
+        [[maybe_unused]] const auto started =
+            start_thread(thread_, "force-keys", "that reads keys", [this] { listen(); });
+    }
+    ~ForceKeys() {
+        over_ = true;
+        if (thread_.joinable()) thread_.join();
+    }
 
     bool listens() const { return thread_.joinable(); }
 
 private:
-    void listen();
+    void listen() {
+        pollfd input{STDIN_FILENO, POLLIN, 0};
+        while (!over_) {
+            if (poll(&input, 1, 50) <= 0) continue;
+            char line[64];
+            const auto typed = read(STDIN_FILENO, line, sizeof line);
+            if (typed <= 0) return control_.ask_force(false);  // no key can stop them any more
+            if (line[0] == 'c' || line[0] == 'C')
+                control_.recentre();
+            else
+                control_.ask_force(!control_.force_is_asked());
+        }
+    }
 
     HandControl& control_;
     std::atomic<bool> over_{false};
     std::thread thread_;
 };
-
-ForceKeys::ForceKeys(HandControl& control) : control_(control) {
-    if (isatty(STDIN_FILENO) == 0) return;
-    tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before meant something else
-    [[maybe_unused]] const auto started =
-        start_thread(thread_, "force-keys", "that reads keys", [this] { listen(); });
-}
-
-ForceKeys::~ForceKeys() {
-    over_ = true;
-    if (thread_.joinable()) thread_.join();
-}
-
-void ForceKeys::listen() {
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    while (!over_) {
-        if (poll(&input, 1, 50) <= 0) continue;
-        char line[64];
-        const auto typed = read(STDIN_FILENO, line, sizeof line);
-        if (typed <= 0) return control_.ask_force(false);  // no key can stop them any more
-        if (line[0] == 'c' || line[0] == 'C')
-            control_.recentre();
-        else
-            control_.ask_force(!control_.force_is_asked());
-    }
-}
 
 /// Where the table goes: not between figures that another program reads.
 std::ostream& stream_of_words(const TouchOptions& options) {

@@ -208,7 +208,7 @@ Result<void> CameraCapture::open(const std::filesystem::path& file, Existing exi
             write();
         } catch (const std::exception& fault) {
             const std::lock_guard lock(mutex_);
-            failure_ = Error{ErrorKind::internal, file_.string() + ": cannot be written: " + fault.what()};
+            failure_ = internal_error(file_.string() + ": cannot be written: " + fault.what());
             is_broken_ = true;
             changed_.notify_all();
         }

@@ -184,10 +184,6 @@ Result<std::unique_ptr<ClipReader>> SharedClip::open(const Open& open_clip) {
     return std::unique_ptr<ClipReader>(std::make_unique<Reader>(shared_from_this()));
 }
 
-void SharedClip::forget_first_frames() {
-    keeps_first_ = false;  // the next read lets go of them: it may take long until then
-}
-
 Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_from_the_beginning) {
     const std::lock_guard lock(mutex_);
     if (!keeps_first_) first_.clear();
@@ -238,21 +234,11 @@ std::optional<ReliefRange> SharedClip::relief_range(const Bands& bands) const {
     return found == relief_ranges_.end() ? std::nullopt : std::optional(found->second);
 }
 
-void SharedClip::keep_relief_range(const Bands& bands, const ReliefRange& range) {
-    const std::lock_guard lock(relief_mutex_);
-    relief_ranges_[bands] = range;
-}
-
 FiltersChoice FiltersChoice::off() {
     FiltersChoice choice;
     for (const FilterSetting& setting : filter_settings())
         if (setting.open && *setting.in_list) choice.stated.*setting.open = true;
     return choice;
-}
-
-bool FiltersChoice::state(const FilterSetting& setting, std::string_view word) {
-    stated.*setting.open = true;
-    return setting.read(word, settings);
 }
 
 void ClipChoice::take(const LiveCamera& of) {
@@ -265,10 +251,6 @@ void ClipChoice::take(const LiveCamera& of) {
     as_camera = of.delivery;
 }
 
-void ClipChoice::share_clip() {
-    if (!is_camera() && !shared_clip) shared_clip = std::make_shared<SharedClip>();
-}
-
 Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
     auto reader = open_relief(colour);
     return painted && reader ? with_painted_segments(std::move(*reader), painted) : std::move(reader);
@@ -279,12 +261,6 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const
     if (!relief) return open_stored(colour);
     auto reader = open_stored(Colour::wanted);
     return reader ? with_chosen_relief(std::move(*reader), *relief, shared_clip.get()) : std::move(reader);
-}
-
-/// The clip without relief and painted materials.
-Result<std::unique_ptr<ClipReader>> ClipChoice::open_stored(Colour colour) const {
-    if (!shared_clip) return open_anew(colour);
-    return shared_clip->open([this, colour] { return open_anew(colour); });
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {

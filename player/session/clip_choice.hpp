@@ -61,7 +61,7 @@ std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit
 /// Keeps what a camera gave as a clip, so that what was felt can be repeated without it: frame n of the clip
 /// is the n-th that was given. Depth keeps every value. It is written by a thread of its own. Where its disk
 /// becomes full it ends there, and what is given after that is not kept.
-class CameraCapture {
+class CameraCapture : NonCopyable {
 public:
     /// A frame that a camera gave.
     struct Frame {
@@ -73,8 +73,6 @@ public:
     /// `described`: the camera.
     explicit CameraCapture(SceneDescription described) : described_(std::move(described)) {}
     ~CameraCapture();  ///< without `finish` nothing is left behind
-    CameraCapture(const CameraCapture&) = delete;
-    CameraCapture& operator=(const CameraCapture&) = delete;
 
     /// Where it goes, and that of frames that were kept before. Once.
     Result<void> open(const std::filesystem::path& file, Existing existing);
@@ -138,12 +136,17 @@ public:
     /// readers may read at once, each on a thread.
     Result<std::unique_ptr<ClipReader>> open(const Open& open_clip);
     /// What the first frames can tell (DepthEstimator) is known: they are kept no longer than others.
-    void forget_first_frames();
+    void forget_first_frames() {
+        keeps_first_ = false;  // the next read lets go of them: it may take long until then
+    }
 
     /// What was learned of the clip's relief: another amount or height needs no second look. Any thread.
     using Bands = decltype(ReliefSettings::bands);
     std::optional<ReliefRange> relief_range(const Bands& bands) const;
-    void keep_relief_range(const Bands& bands, const ReliefRange& range);
+    void keep_relief_range(const Bands& bands, const ReliefRange& range) {
+        const std::lock_guard lock(relief_mutex_);
+        relief_ranges_[bands] = range;
+    }
 
 private:
     class Reader;
@@ -186,7 +189,10 @@ struct FiltersChoice {
     /// All that `--filters` knows, off.
     static FiltersChoice off();
     /// States one by the word that a person typed, or refuses that by false.
-    bool state(const FilterSetting& setting, std::string_view word);
+    bool state(const FilterSetting& setting, std::string_view word) {
+        stated.*setting.open = true;
+        return setting.read(word, settings);
+    }
 };
 
 /// A clip, and what a person wants of it instead of what it says itself. Nothing: the clip's own.
@@ -229,13 +235,19 @@ struct ClipChoice {
     void take(const LiveCamera& camera);
     bool is_camera() const { return plugged || as_camera; }
     /// From now on, and for copies of this choice, the clip is opened once; does nothing of a camera.
-    void share_clip();
+    void share_clip() {
+        if (!is_camera() && !shared_clip) shared_clip = std::make_shared<SharedClip>();
+    }
     /// The clip, from its beginning.
     Result<std::unique_ptr<ClipReader>> open(Colour colour = Colour::wanted) const;
 
 private:
     Result<std::unique_ptr<ClipReader>> open_relief(Colour colour) const;
-    Result<std::unique_ptr<ClipReader>> open_stored(Colour colour) const;
+    /// The clip without relief and painted materials.
+    Result<std::unique_ptr<ClipReader>> open_stored(Colour colour) const {
+        if (!shared_clip) return open_anew(colour);
+        return shared_clip->open([this, colour] { return open_anew(colour); });
+    }
     Result<std::unique_ptr<ClipReader>> open_anew(Colour colour) const;
 };
 

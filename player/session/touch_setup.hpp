@@ -269,7 +269,7 @@ struct WatchedFigures {
 /// A live session on threads of its own, beside a watcher who also commands its clip's clock. It goes on
 /// until it is stopped, or the device fails: where the clip ends or fails, its surface stands still. Nothing
 /// here keeps the haptic thread waiting.
-class WatchedSession {
+class WatchedSession : NonCopyable {
 public:
     /// As many commands as a session takes: one every tenth of a second for an hour and a half.
     static constexpr std::size_t most_commands = 65536;
@@ -280,8 +280,6 @@ public:
     static Result<std::unique_ptr<WatchedSession>> start(std::unique_ptr<TouchSetup> setup,
                                                          std::vector<TouchSink*> sinks);
     ~WatchedSession();  ///< stops it
-    WatchedSession(const WatchedSession&) = delete;
-    WatchedSession& operator=(const WatchedSession&) = delete;
 
     /// Zero force, threads ended, the device closed, and the setup as after any run: its settings have all
     /// commands.

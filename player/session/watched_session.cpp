@@ -178,7 +178,7 @@ void WatchedSession::run() {
     } catch (const std::bad_alloc&) {
         ran_ = too_large("the session's ticks");
     } catch (const std::exception& fault) {
-        ran_ = Error{ErrorKind::internal, std::string("while the session ran: ") + fault.what()};
+        ran_ = internal_error(std::string("while the session ran: ") + fault.what());
     }
     facts_ = live_->facts();
     explain_failure(*setup_, facts_);

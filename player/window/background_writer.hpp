@@ -28,7 +28,7 @@
 
 namespace touchable {
 
-class BackgroundWriter {
+class BackgroundWriter : NonCopyable {
 public:
     struct Job {
         std::filesystem::path file{};  ///< as errors name it; empty: `name` finds it
@@ -53,8 +53,6 @@ public:
                      std::size_t most_waiting = std::numeric_limits<std::size_t>::max());
     /// Waits as `finish` does, unless `finish` has waited in vain; late jobs are done.
     ~BackgroundWriter();
-    BackgroundWriter(const BackgroundWriter&) = delete;
-    BackgroundWriter& operator=(const BackgroundWriter&) = delete;
 
     /// A job that is refused, or for which the machine has no thread left, has an error as its result.
     void give(Job job);

@@ -57,7 +57,7 @@ Result<std::optional<std::string>> read_saved(const std::filesystem::path& file)
 }
 
 /// A file beside the history, which exists while a window uses the history.
-class HistoryLock {
+class HistoryLock : NonCopyable {
 public:
     /// Whether no other window holds it. A lock file that cannot be made counts as free: then no history can
     /// be written either.
@@ -81,8 +81,6 @@ public:
         return true;
     }
     HistoryLock() = default;
-    HistoryLock(const HistoryLock&) = delete;
-    HistoryLock& operator=(const HistoryLock&) = delete;
     ~HistoryLock() {
         if (is_held_) ::unlink(file_.c_str());
         if (descriptor_ >= 0) ::close(descriptor_);
@@ -184,10 +182,6 @@ std::filesystem::path BrushFiles::history() const {
     return history_folder / ("brush-" + hash_of_text(key) + ".json");
 }
 
-void KeptBrush::say(const std::string& words) {
-    words_ += (words_.empty() ? "" : "; ") + words;
-}
-
 /// Takes the saved names of segments in place of guesses.
 Result<void> KeptBrush::take_saved(const std::optional<std::string>& text) {
     if (!text) return {};
@@ -214,15 +208,6 @@ Result<void> KeptBrush::take_history(const std::string& text, const std::optiona
     TRY(brush_.repeat(changes, where));
     saved_ = std::move(hashes);
     return {};
-}
-
-std::filesystem::path KeptBrush::history_file() const {
-    return keeps_history_ ? files_.history() : std::filesystem::path();
-}
-
-void KeptBrush::go_without_history(const std::string& why) {
-    keeps_history_ = false;
-    say(why + "; what is done now is not kept beyond this window, unless it is saved");
 }
 
 void KeptBrush::set_history_aside(const Error& why) {

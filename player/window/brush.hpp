@@ -107,7 +107,9 @@ public:
     const MaterialBrush& brush() const { return brush_; }
     const BrushFiles& files() const { return files_; }
     /// Where to keep its history; empty: nowhere.
-    std::filesystem::path history_file() const;
+    std::filesystem::path history_file() const {
+        return keeps_history_ ? files_.history() : std::filesystem::path();
+    }
     /// What it began with, in words; empty: with guesses.
     const std::string& begun_with() const { return words_; }
     /// Whether a person has painted any segment; otherwise all materials are guesses.
@@ -126,8 +128,11 @@ private:
     Result<bool> find_history(const std::optional<std::string>& saved);
     Result<void> take_history(const std::string& text, const std::optional<std::string>& saved);
     void set_history_aside(const Error& why);
-    void go_without_history(const std::string& why);
-    void say(const std::string& words);
+    void go_without_history(const std::string& why) {
+        keeps_history_ = false;
+        say(why + "; what is done now is not kept beyond this window, unless it is saved");
+    }
+    void say(const std::string& words) { words_ += (words_.empty() ? "" : "; ") + words; }
 
     MaterialBrush brush_;
     BrushFiles files_;

@@ -90,11 +90,6 @@ void ClipPicture::set_overlay(Overlay overlay) {
     shown_.reset();
 }
 
-void ClipPicture::forget() {
-    shown_.reset();
-    overlays_ = std::make_unique<Overlays>();
-}
-
 Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& field, int step) {
     const FramePair& pair = moment.held.pair;
     const PlaneView colour = moment.colour();
@@ -121,11 +116,6 @@ Result<void> ClipPicture::draw(const WatchedMoment& moment, const HeightField& f
     drawn_width_ = camera.width;
     drawn_height_ = camera.height;
     return graphics_->draw(camera, fingers, sizes, width, height);
-}
-
-bool DrawnState::is_other_frame(const WatchedMoment& moment) const {
-    const FramePair& pair = moment.held.pair;
-    return pair.epoch != epoch_ || pair.prev.number != prev_;
 }
 
 bool DrawnState::differs(const WatchedMoment& moment, int count, double small) const {

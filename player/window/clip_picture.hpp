@@ -106,7 +106,10 @@ public:
     /// What the overlay's colours mean; null where they are the clip's.
     const Overlays::Scale* scale() const { return overlay_ == Overlay::colour ? nullptr : &scale_; }
     /// Another clip: nothing of the last one serves.
-    void forget();
+    void forget() {
+        shown_.reset();
+        overlays_ = std::make_unique<Overlays>();
+    }
 
 private:
     Result<void> show(const WatchedMoment& moment, const HeightField& field, int step);
@@ -134,7 +137,10 @@ private:
 class DrawnState {
 public:
     /// Whether the moment is at another frame than the last picture; whatever its blend with the next.
-    bool is_other_frame(const WatchedMoment& moment) const;
+    bool is_other_frame(const WatchedMoment& moment) const {
+        const FramePair& pair = moment.held.pair;
+        return pair.epoch != epoch_ || pair.prev.number != prev_;
+    }
     /// Whether frames, blend, colour or a finger are others. `count`: fingers that are shown; `small`: by how
     /// much they may move unseen, scene units.
     bool differs(const WatchedMoment& moment, int count, double small) const;

@@ -58,12 +58,10 @@ std::vector<Value> all_of(Ask ask) {
 }
 
 /// A window system's surface for Vulkan. It must outlive every swapchain that shows on it.
-class WindowSurface {
+class WindowSurface : NonCopyable {
 public:
     WindowSurface(std::shared_ptr<VulkanDevice> vulkan, VkSurfaceKHR surface)
         : vulkan_(std::move(vulkan)), surface_(surface) {}
-    WindowSurface(const WindowSurface&) = delete;
-    WindowSurface& operator=(const WindowSurface&) = delete;
     ~WindowSurface() { vkDestroySurfaceKHR(vulkan_->instance_handle(), surface_, nullptr); }
     VkSurfaceKHR handle() const { return surface_; }
 
@@ -75,28 +73,192 @@ private:
 /// The pictures that a window shows in turn. `present` waits until the drawing is done, so that nothing that
 /// the drawing read has to be kept longer. A GPU that hangs is not waited for; what it may still use stays in
 /// memory. A lost surface counts as a lost GPU: both have to be opened anew.
-class Swapchain {
+class Swapchain : NonCopyable {
 public:
     /// ErrorKind::gpu where the device cannot show on this surface.
     static Result<std::unique_ptr<Swapchain>> create(std::shared_ptr<GpuDevice> device,
-                                                     std::unique_ptr<WindowSurface> surface);
-    ~Swapchain();
-    Swapchain(const Swapchain&) = delete;
-    Swapchain& operator=(const Swapchain&) = delete;
+                                                     std::unique_ptr<WindowSurface> surface) {
+        std::unique_ptr<Swapchain> made(new Swapchain(std::move(device), std::move(surface)));
+        TRY(made->choose());
+        return made;
+    }
+    ~Swapchain() {
+        if (acquiring_ || !device_->comes_to_rest()) {
+            leave_for_good(device_->vulkan());
+            leave_for_good(std::shared_ptr<WindowSurface>(std::move(surface_)));
+            return;
+        }
+        destroy_chain();
+        if (acquired_) vkDestroyFence(device_->vulkan()->device, acquired_, nullptr);
+    }
 
     /// Screen::present; `wanted`: pixels of the window, of which the surface may know better. Nothing is
     /// shown while it has none.
-    Result<void> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted);
+    Result<void> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted) {
+        std::uint32_t index = 0;
+        bool shown = false;
+        if (chain_ && !outdated_) {
+            TRY_ASSIGN(shown, acquire(index));
+        }
+        if (!shown) {
+            TRY_ASSIGN(shown, make(wanted));
+            if (shown) {
+                TRY_ASSIGN(shown, acquire(index));
+            }
+        }
+        if (shown) record_copy(commands, canvas, images_[index]);
+        TRY(std::move(commands).run());
+        if (!shown) return {};
+        VulkanDevice& gpu = *device_->vulkan();
+        VkPresentInfoKHR info{};
+        info.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
+        info.swapchainCount = 1;
+        info.pSwapchains = &chain_;
+        info.pImageIndices = &index;
+        VkResult result;
+        {
+            const std::lock_guard lock(gpu.queue_mutex);
+            result = vkQueuePresentKHR(gpu.queue, &info);
+        }
+        outdated_ = outdated_ || result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR;
+        if (result != VK_SUCCESS && !outdated_) return failed("vkQueuePresentKHR", result);
+        return {};
+    }
 
 private:
     Swapchain(std::shared_ptr<GpuDevice> device, std::unique_ptr<WindowSurface> surface)
         : device_(std::move(device)), surface_(std::move(surface)) {}
-    Result<void> choose();
-    Result<bool> make(VkExtent2D wanted);
-    void destroy_chain();
-    Error failed(const char* call, VkResult result);
-    Result<bool> acquire(std::uint32_t& index);
-    void record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const;
+    Result<void> choose() {
+        VulkanDevice& gpu = *device_->vulkan();
+        VkBool32 shows = VK_FALSE;
+        const VkResult asked =
+            vkGetPhysicalDeviceSurfaceSupportKHR(gpu.physical, gpu.queue_family, surface_->handle(), &shows);
+        if (asked != VK_SUCCESS || !shows)
+            return gpu_error(gpu.facts.name + " cannot show pictures in this window; another GPU may",
+                             {{Setting::gpu, "NAME"}});
+        const auto formats = all_of<VkSurfaceFormatKHR>([&](std::uint32_t* count, VkSurfaceFormatKHR* to) {
+            return vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physical, surface_->handle(), count, to);
+        });
+        // The canvas holds what is to be seen already: a format that would make it brighter is the last
+        // resort.
+        const auto plain = std::find_if(formats.begin(), formats.end(), [](const VkSurfaceFormatKHR& format) {
+            return format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
+        });
+        if (formats.empty()) return gpu_error(gpu.facts.name + " has no format for this window");
+        format_ = plain == formats.end() ? formats.front() : *plain;
+        const auto modes = all_of<VkPresentModeKHR>([&](std::uint32_t* count, VkPresentModeKHR* to) {
+            return vkGetPhysicalDeviceSurfacePresentModesKHR(gpu.physical, surface_->handle(), count, to);
+        });
+        // The player paces itself: a wait for the screen here would only make it late.
+        if (std::find(modes.begin(), modes.end(), VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
+            mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
+        VkFenceCreateInfo fence{};
+        fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+        const VkResult result = vkCreateFence(gpu.device, &fence, nullptr, &acquired_);
+        if (result != VK_SUCCESS) return gpu.failed("vkCreateFence", result);
+        return {};
+    }
+    /// False where the window has no pixels. Nothing that was drawn before is still at work.
+    Result<bool> make(VkExtent2D wanted) {
+        VulkanDevice& gpu = *device_->vulkan();
+        destroy_chain();
+        VkSurfaceCapabilitiesKHR can{};
+        VkResult result = vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu.physical, surface_->handle(), &can);
+        if (result != VK_SUCCESS) return failed("vkGetPhysicalDeviceSurfaceCapabilitiesKHR", result);
+        extent_ = can.currentExtent;
+        if (extent_.width == UINT32_MAX)
+            extent_ = {std::clamp(wanted.width, can.minImageExtent.width, can.maxImageExtent.width),
+                       std::clamp(wanted.height, can.minImageExtent.height, can.maxImageExtent.height)};
+        if (extent_.width == 0 || extent_.height == 0) return false;
+        VkSwapchainCreateInfoKHR info{};
+        info.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR;
+        info.surface = surface_->handle();
+        info.minImageCount = std::max(can.minImageCount, 3U);
+        if (can.maxImageCount > 0) info.minImageCount = std::min(info.minImageCount, can.maxImageCount);
+        info.imageFormat = format_.format;
+        info.imageColorSpace = format_.colorSpace;
+        info.imageExtent = extent_;
+        info.imageArrayLayers = 1;
+        info.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+        info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
+        info.preTransform = can.currentTransform;
+        info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
+        info.presentMode = mode_;
+        info.clipped = VK_TRUE;
+        result = vkCreateSwapchainKHR(gpu.device, &info, nullptr, &chain_);
+        if (result != VK_SUCCESS) return failed("vkCreateSwapchainKHR", result);
+        images_ = all_of<VkImage>([&](std::uint32_t* count, VkImage* to) {
+            return vkGetSwapchainImagesKHR(gpu.device, chain_, count, to);
+        });
+        if (images_.empty()) return gpu_error(gpu.facts.name + " has no pictures for this window");
+        outdated_ = false;
+        return true;
+    }
+    void destroy_chain() {
+        if (!chain_) return;
+        VulkanDevice& gpu = *device_->vulkan();
+        if (!device_->lost()) {
+            // What was drawn is done; what was presented may not be.
+            const std::lock_guard lock(gpu.queue_mutex);
+            vkQueueWaitIdle(gpu.queue);
+        }
+        vkDestroySwapchainKHR(gpu.device, chain_, nullptr);
+        chain_ = VK_NULL_HANDLE;
+        images_.clear();
+    }
+    Error failed(const char* call, VkResult result) {
+        if (result == VK_ERROR_SURFACE_LOST_KHR) device_->lose();
+        return device_->vulkan()->failed(call, result);
+    }
+    /// False where the chain has to be made anew first.
+    Result<bool> acquire(std::uint32_t& index) {
+        VulkanDevice& gpu = *device_->vulkan();
+        constexpr std::uint64_t patience_ns = 100'000'000;
+        VkResult result =
+            vkAcquireNextImageKHR(gpu.device, chain_, patience_ns, VK_NULL_HANDLE, acquired_, &index);
+        // A window that is covered may have no picture free: this one is not shown then.
+        if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY)
+            return false;
+        if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
+        if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR)
+            return failed("vkAcquireNextImageKHR", result);
+        acquiring_ = true;
+        const std::chrono::nanoseconds patience =
+            std::min<std::chrono::nanoseconds>(device_->patience(), GpuDevice::longest_picture);
+        result =
+            vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE, static_cast<std::uint64_t>(patience.count()));
+        if (result == VK_TIMEOUT) device_->lose();
+        if (result != VK_SUCCESS) return failed("vkWaitForFences", result);
+        acquiring_ = false;
+        vkResetFences(gpu.device, 1, &acquired_);
+        return true;
+    }
+    void record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const {
+        const VkCommandBuffer buffer = commands.handle();
+        record_change(buffer, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        const auto corner = [](VkExtent2D extent) {
+            return VkOffset3D{static_cast<std::int32_t>(extent.width),
+                              static_cast<std::int32_t>(extent.height), 1};
+        };
+        VkImageBlit2 region{};
+        region.sType = VK_STRUCTURE_TYPE_IMAGE_BLIT_2;
+        region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.srcOffsets[1] = corner(canvas.extent());
+        region.dstOffsets[1] = corner(extent_);
+        VkBlitImageInfo2 blit{};
+        blit.sType = VK_STRUCTURE_TYPE_BLIT_IMAGE_INFO_2;
+        blit.srcImage = canvas.handle();
+        blit.srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+        blit.dstImage = to;
+        blit.dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        blit.regionCount = 1;
+        blit.pRegions = &region;
+        const bool same_size =
+            canvas.extent().width == extent_.width && canvas.extent().height == extent_.height;
+        blit.filter = same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+        vkCmdBlitImage2(buffer, &blit);
+        record_change(buffer, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+    }
 
     std::shared_ptr<GpuDevice> device_;
     std::unique_ptr<WindowSurface> surface_;
@@ -108,212 +270,6 @@ private:
     VkFence acquired_ = VK_NULL_HANDLE;
     bool outdated_ = false;
     bool acquiring_ = false;  // the window system has yet to signal the fence
-};
-
-Result<std::unique_ptr<Swapchain>> Swapchain::create(std::shared_ptr<GpuDevice> device,
-                                                     std::unique_ptr<WindowSurface> surface) {
-    std::unique_ptr<Swapchain> made(new Swapchain(std::move(device), std::move(surface)));
-    TRY(made->choose());
-    return made;
-}
-
-Swapchain::~Swapchain() {
-    if (acquiring_ || !device_->comes_to_rest()) {
-        leave_for_good(device_->vulkan());
-        leave_for_good(std::shared_ptr<WindowSurface>(std::move(surface_)));
-        return;
-    }
-    destroy_chain();
-    if (acquired_) vkDestroyFence(device_->vulkan()->device, acquired_, nullptr);
-}
-
-Result<void> Swapchain::choose() {
-    VulkanDevice& gpu = *device_->vulkan();
-    VkBool32 shows = VK_FALSE;
-    const VkResult asked =
-        vkGetPhysicalDeviceSurfaceSupportKHR(gpu.physical, gpu.queue_family, surface_->handle(), &shows);
-    if (asked != VK_SUCCESS || !shows)
-        return Error{ErrorKind::gpu,
-                     gpu.facts.name + " cannot show pictures in this window; another GPU may",
-                     {{Setting::gpu, "NAME"}}};
-    const auto formats = all_of<VkSurfaceFormatKHR>([&](std::uint32_t* count, VkSurfaceFormatKHR* to) {
-        return vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physical, surface_->handle(), count, to);
-    });
-    // The canvas holds what is to be seen already: a format that would make it brighter is the last resort.
-    const auto plain = std::find_if(formats.begin(), formats.end(), [](const VkSurfaceFormatKHR& format) {
-        return format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
-    });
-    if (formats.empty()) return Error{ErrorKind::gpu, gpu.facts.name + " has no format for this window"};
-    format_ = plain == formats.end() ? formats.front() : *plain;
-    const auto modes = all_of<VkPresentModeKHR>([&](std::uint32_t* count, VkPresentModeKHR* to) {
-        return vkGetPhysicalDeviceSurfacePresentModesKHR(gpu.physical, surface_->handle(), count, to);
-    });
-    // The player paces itself: a wait for the screen here would only make it late.
-    if (std::find(modes.begin(), modes.end(), VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
-        mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
-    VkFenceCreateInfo fence{};
-    fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-    const VkResult result = vkCreateFence(gpu.device, &fence, nullptr, &acquired_);
-    if (result != VK_SUCCESS) return gpu.failed("vkCreateFence", result);
-    return {};
-}
-
-void Swapchain::destroy_chain() {
-    if (!chain_) return;
-    VulkanDevice& gpu = *device_->vulkan();
-    if (!device_->lost()) {
-        // What was drawn is done; what was presented may not be.
-        const std::lock_guard lock(gpu.queue_mutex);
-        vkQueueWaitIdle(gpu.queue);
-    }
-    vkDestroySwapchainKHR(gpu.device, chain_, nullptr);
-    chain_ = VK_NULL_HANDLE;
-    images_.clear();
-}
-
-Error Swapchain::failed(const char* call, VkResult result) {
-    if (result == VK_ERROR_SURFACE_LOST_KHR) device_->lose();
-    return device_->vulkan()->failed(call, result);
-}
-
-/// False where the window has no pixels. Nothing that was drawn before is still at work.
-Result<bool> Swapchain::make(VkExtent2D wanted) {
-    VulkanDevice& gpu = *device_->vulkan();
-    destroy_chain();
-    VkSurfaceCapabilitiesKHR can{};
-    VkResult result = vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu.physical, surface_->handle(), &can);
-    if (result != VK_SUCCESS) return failed("vkGetPhysicalDeviceSurfaceCapabilitiesKHR", result);
-    extent_ = can.currentExtent;
-    if (extent_.width == UINT32_MAX)
-        extent_ = {std::clamp(wanted.width, can.minImageExtent.width, can.maxImageExtent.width),
-                   std::clamp(wanted.height, can.minImageExtent.height, can.maxImageExtent.height)};
-    if (extent_.width == 0 || extent_.height == 0) return false;
-    VkSwapchainCreateInfoKHR info{};
-    info.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR;
-    info.surface = surface_->handle();
-    info.minImageCount = std::max(can.minImageCount, 3U);
-    if (can.maxImageCount > 0) info.minImageCount = std::min(info.minImageCount, can.maxImageCount);
-    info.imageFormat = format_.format;
-    info.imageColorSpace = format_.colorSpace;
-    info.imageExtent = extent_;
-    info.imageArrayLayers = 1;
-    info.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-    info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
-    info.preTransform = can.currentTransform;
-    info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
-    info.presentMode = mode_;
-    info.clipped = VK_TRUE;
-    result = vkCreateSwapchainKHR(gpu.device, &info, nullptr, &chain_);
-    if (result != VK_SUCCESS) return failed("vkCreateSwapchainKHR", result);
-    images_ = all_of<VkImage>([&](std::uint32_t* count, VkImage* to) {
-        return vkGetSwapchainImagesKHR(gpu.device, chain_, count, to);
-    });
-    if (images_.empty()) return Error{ErrorKind::gpu, gpu.facts.name + " has no pictures for this window"};
-    outdated_ = false;
-    return true;
-}
-
-/// False where the chain has to be made anew first.
-Result<bool> Swapchain::acquire(std::uint32_t& index) {
-    VulkanDevice& gpu = *device_->vulkan();
-    constexpr std::uint64_t patience_ns = 100'000'000;
-    VkResult result =
-        vkAcquireNextImageKHR(gpu.device, chain_, patience_ns, VK_NULL_HANDLE, acquired_, &index);
-    // A window that is covered may have no picture free: this one is not shown then.
-    if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY) return false;
-    if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
-    if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR) return failed("vkAcquireNextImageKHR", result);
-    acquiring_ = true;
-    const std::chrono::nanoseconds patience =
-        std::min<std::chrono::nanoseconds>(device_->patience(), GpuDevice::longest_picture);
-    result =
-        vkWaitForFences(gpu.device, 1, &acquired_, VK_TRUE, static_cast<std::uint64_t>(patience.count()));
-    if (result == VK_TIMEOUT) device_->lose();
-    if (result != VK_SUCCESS) return failed("vkWaitForFences", result);
-    acquiring_ = false;
-    vkResetFences(gpu.device, 1, &acquired_);
-    return true;
-}
-
-void Swapchain::record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const {
-    const VkCommandBuffer buffer = commands.handle();
-    record_change(buffer, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    const auto corner = [](VkExtent2D extent) {
-        return VkOffset3D{static_cast<std::int32_t>(extent.width), static_cast<std::int32_t>(extent.height),
-                          1};
-    };
-    VkImageBlit2 region{};
-    region.sType = VK_STRUCTURE_TYPE_IMAGE_BLIT_2;
-    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    region.srcOffsets[1] = corner(canvas.extent());
-    region.dstOffsets[1] = corner(extent_);
-    VkBlitImageInfo2 blit{};
-    blit.sType = VK_STRUCTURE_TYPE_BLIT_IMAGE_INFO_2;
-    blit.srcImage = canvas.handle();
-    blit.srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-    blit.dstImage = to;
-    blit.dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-    blit.regionCount = 1;
-    blit.pRegions = &region;
-    const bool same_size = canvas.extent().width == extent_.width && canvas.extent().height == extent_.height;
-    blit.filter = same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
-    vkCmdBlitImage2(buffer, &blit);
-    record_change(buffer, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
-}
-
-Result<void> Swapchain::present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted) {
-    std::uint32_t index = 0;
-    bool shown = false;
-    if (chain_ && !outdated_) {
-        TRY_ASSIGN(shown, acquire(index));
-    }
-    if (!shown) {
-        TRY_ASSIGN(shown, make(wanted));
-        if (shown) {
-            TRY_ASSIGN(shown, acquire(index));
-        }
-    }
-    if (shown) record_copy(commands, canvas, images_[index]);
-    TRY(std::move(commands).run());
-    if (!shown) return {};
-    VulkanDevice& gpu = *device_->vulkan();
-    VkPresentInfoKHR info{};
-    info.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
-    info.swapchainCount = 1;
-    info.pSwapchains = &chain_;
-    info.pImageIndices = &index;
-    VkResult result;
-    {
-        const std::lock_guard lock(gpu.queue_mutex);
-        result = vkQueuePresentKHR(gpu.queue, &info);
-    }
-    outdated_ = outdated_ || result == VK_SUBOPTIMAL_KHR || result == VK_ERROR_OUT_OF_DATE_KHR;
-    if (result != VK_SUCCESS && !outdated_) return failed("vkQueuePresentKHR", result);
-    return {};
-}
-
-/// GLFW's connection to an X server. Left alone, Xlib ends the program where the server goes away, or another
-/// program destroys the window; with this, its calls do nothing from then on. Nothing of it does anything
-/// where GLFW speaks to something else.
-class XConnection {
-public:
-    /// After glfwInit.
-    void open();
-    bool is_open() const { return socket_ >= 0; }
-    /// The server has gone away. Xlib, and so GLFW, then knows nothing of use any more.
-    bool is_lost() const;
-    /// Another program has destroyed the window: an X server has refused something for that reason.
-    bool has_lost_window() const;
-    /// Until there is something to be read, there or from those other two, but no longer than that.
-    void wait(std::chrono::milliseconds longest, int other, int another) const;
-    /// Of the display, as long as the connection is there.
-    void keep_awake() const {
-        if (is_open()) keep_screen_awake(display_);
-    }
-
-private:
-    void* display_ = nullptr;
-    int socket_ = -1;
 };
 
 std::atomic<bool> met_fault{false};  // of the connection, in the middle of a call
@@ -340,45 +296,59 @@ Function* function(const char* name) {
     return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
 }
 
-void XConnection::open() {
-    using OnFault = int(void* display);
-    using OnExit = void(void* display, void* data);
-    using OnRefusal = int(void* display, XRefusal*);
-    auto* const display_of_glfw = function<void*()>("glfwGetX11Display");
-    auto* const socket_of = function<int(void*)>("XConnectionNumber");
-    auto* const set_on_fault = function<OnFault*(OnFault*)>("XSetIOErrorHandler");
-    auto* const set_on_exit = function<void(void*, OnExit*, void*)>("XSetIOErrorExitHandler");
-    auto* const set_on_refusal = function<OnRefusal*(OnRefusal*)>("XSetErrorHandler");
-    if (!display_of_glfw || !socket_of || !set_on_fault || !set_on_exit || !set_on_refusal) return;
-    void* const display = display_of_glfw();
-    if (!display) return;
-    display_ = display;
-    set_on_refusal(note_refusal);
-    set_on_fault([](void*) {
-        met_fault = true;
-        return 0;
-    });
-    set_on_exit(
-        display, [](void*, void*) {}, nullptr);
-    socket_ = socket_of(display);
-}
+/// GLFW's connection to an X server. Left alone, Xlib ends the program where the server goes away, or another
+/// program destroys the window; with this, its calls do nothing from then on. Nothing of it does anything
+/// where GLFW speaks to something else.
+class XConnection {
+public:
+    /// After glfwInit.
+    void open() {
+        using OnFault = int(void* display);
+        using OnExit = void(void* display, void* data);
+        using OnRefusal = int(void* display, XRefusal*);
+        auto* const display_of_glfw = function<void*()>("glfwGetX11Display");
+        auto* const socket_of = function<int(void*)>("XConnectionNumber");
+        auto* const set_on_fault = function<OnFault*(OnFault*)>("XSetIOErrorHandler");
+        auto* const set_on_exit = function<void(void*, OnExit*, void*)>("XSetIOErrorExitHandler");
+        auto* const set_on_refusal = function<OnRefusal*(OnRefusal*)>("XSetErrorHandler");
+        if (!display_of_glfw || !socket_of || !set_on_fault || !set_on_exit || !set_on_refusal) return;
+        void* const display = display_of_glfw();
+        if (!display) return;
+        display_ = display;
+        set_on_refusal(note_refusal);
+        set_on_fault([](void*) {
+            met_fault = true;
+            return 0;
+        });
+        set_on_exit(
+            display, [](void*, void*) {}, nullptr);
+        socket_ = socket_of(display);
+    }
+    bool is_open() const { return socket_ >= 0; }
+    /// The server has gone away. Xlib, and so GLFW, then knows nothing of use any more.
+    bool is_lost() const {
+        if (!is_open()) return false;
+        if (met_fault) return true;
+        pollfd look{socket_, POLLRDHUP, 0};
+        return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
+    }
+    /// Another program has destroyed the window: an X server has refused something for that reason.
+    bool has_lost_window() const { return is_open() && met_no_window; }
+    /// Until there is something to be read, there or from those other two, but no longer than that.
+    void wait(std::chrono::milliseconds longest, int other, int another) const {
+        std::array<pollfd, 3> look{
+            {{is_lost() ? -1 : socket_, POLLIN, 0}, {other, POLLIN, 0}, {another, POLLIN, 0}}};
+        poll(look.data(), look.size(), static_cast<int>(longest.count()));
+    }
+    /// Of the display, as long as the connection is there.
+    void keep_awake() const {
+        if (is_open()) keep_screen_awake(display_);
+    }
 
-bool XConnection::is_lost() const {
-    if (!is_open()) return false;
-    if (met_fault) return true;
-    pollfd look{socket_, POLLRDHUP, 0};
-    return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
-}
-
-bool XConnection::has_lost_window() const {
-    return is_open() && met_no_window;
-}
-
-void XConnection::wait(std::chrono::milliseconds longest, int other, int another) const {
-    std::array<pollfd, 3> look{
-        {{is_lost() ? -1 : socket_, POLLIN, 0}, {other, POLLIN, 0}, {another, POLLIN, 0}}};
-    poll(look.data(), look.size(), static_cast<int>(longest.count()));
-}
+private:
+    void* display_ = nullptr;
+    int socket_ = -1;
+};
 
 Error no_display() {
     const char* why = nullptr;
@@ -440,10 +410,9 @@ public:
     }
 
     Result<void> health() const override {
-        if (connection_.has_lost_window())
-            return Error{ErrorKind::gpu, "another program has destroyed the window"};
+        if (connection_.has_lost_window()) return gpu_error("another program has destroyed the window");
         if (!connection_.is_lost()) return {};
-        return Error{ErrorKind::gpu, "the display that the window was on has gone away"};
+        return gpu_error("the display that the window was on has gone away");
     }
 
     ScreenSize size() const override {

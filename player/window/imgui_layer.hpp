@@ -41,14 +41,12 @@ FontFallback find_fonts(const std::string& words, const std::string& language = 
 std::string right_to_left_letters(const std::string& words);
 
 /// Dear ImGui: its input, and what it lays out, whoever draws it then (ImGuiVulkan). One at a time.
-class ImGuiLayer {
+class ImGuiLayer : NonCopyable {
 public:
     /// `scale` as in ScreenSize. `words`: whose letters are there in both sizes, beside what the window says;
     /// `language` is theirs (find_fonts).
     explicit ImGuiLayer(double scale, const std::string& words = "", const std::string& language = "");
     ~ImGuiLayer();
-    ImGuiLayer(const ImGuiLayer&) = delete;
-    ImGuiLayer& operator=(const ImGuiLayer&) = delete;
 
     /// Which of `words` no typeface of this machine writes: UTF-8, each letter once.
     const std::string& unwritten() const { return fonts_.unwritten; }

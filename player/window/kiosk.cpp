@@ -12,7 +12,6 @@
 #include <numbers>
 
 #include "engine/base/try.hpp"
-#include "engine/base/words.hpp"
 #include "player/window/command_table.hpp"
 #include "player/window/window_command.hpp"
 
@@ -166,24 +165,10 @@ std::optional<std::string> why_no_log(int out) {
 
 }  // namespace
 
-std::optional<double> KioskWatch::invites(double now_s) const {
-    const double since = now_s - last_s_ - times_.invite_s;
-    return since >= 0 ? std::optional(since) : std::nullopt;
-}
-
 bool KioskWatch::begins_anew(double now_s) {
     if (!was_visited_ || now_s - last_s_ < times_.reset_s) return false;
     was_visited_ = false;
     return true;
-}
-
-std::optional<KioskWatch::Visit> KioskWatch::ended(double now_s) {
-    return now_s - last_s_ < times_.invite_s ? std::nullopt : end();
-}
-
-std::optional<KioskWatch::Visit> KioskWatch::end() {
-    if (!std::exchange(is_there_, false)) return std::nullopt;
-    return Visit{began_s_, last_s_ - began_s_};
 }
 
 bool is_for_visitors(const InputEvent& event) {
@@ -211,15 +196,6 @@ std::string KioskTexts::all() const {
     std::string words;
     for (const auto& one : kiosk_texts) words += this->*one.text;
     return words;
-}
-
-const std::string& KioskTexts::how(TouchedBy by) const {
-    if (by == TouchedBy::device) return how_by_device;
-    return by == TouchedBy::mouse ? how_by_mouse : how_by_touch_screen;
-}
-
-const std::string& KioskTexts::again(TouchedBy by) const {
-    return by == TouchedBy::touch_screen ? again_by_touch_screen : again_by_mouse;
 }
 
 const std::string& KioskTexts::of_device(HandState::What what) const {
@@ -381,20 +357,16 @@ Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, 
         file, [out, closing, write = std::move(write)](std::string_view row) { return write(out, row); }));
 }
 
+void UseLog::fault(Time now, const std::string& words) {
+    add(now, "fault,,," + quoted_field(words));
+}
+
 Result<void> UseLog::finish(std::chrono::milliseconds longest) {
     if (!writer_.finish(longest, BackgroundWriter::Late::done))
         return input_error(file_.string() +
                            ": its disk does not answer; the last rows of the log of use may be lost");
     const auto lost = missing();
     return lost ? Result<void>(*lost) : Result<void>();
-}
-
-void UseLog::visit(Time came, double seconds) {
-    add(came, formatted("visit,%lld,%.1f,", static_cast<long long>(++visitors_), seconds));
-}
-
-void UseLog::fault(Time now, const std::string& words) {
-    add(now, "fault,,," + quoted_field(words));
 }
 
 std::optional<Error> UseLog::missing() {

@@ -19,6 +19,7 @@
 #include <string_view>
 
 #include "engine/base/result.hpp"
+#include "engine/base/words.hpp"
 #include "engine/scene/checked_json.hpp"
 #include "player/window/background_writer.hpp"
 #include "player/window/input_event.hpp"
@@ -56,11 +57,19 @@ public:
         double came_s = 0, seconds = 0;  ///< from the first input to the last
     };
     /// The visit that has ended, once: there was no input for as long as until the kiosk invites.
-    std::optional<Visit> ended(double now_s);
+    std::optional<Visit> ended(double now_s) {
+        return now_s - last_s_ < times_.invite_s ? std::nullopt : end();
+    }
     /// Ends the visit that goes on, as the window closes.
-    std::optional<Visit> end();
+    std::optional<Visit> end() {
+        if (!std::exchange(is_there_, false)) return std::nullopt;
+        return Visit{began_s_, last_s_ - began_s_};
+    }
     /// For how many seconds the window has been inviting; nothing: a visitor is there.
-    std::optional<double> invites(double now_s) const;
+    std::optional<double> invites(double now_s) const {
+        const double since = now_s - last_s_ - times_.invite_s;
+        return since >= 0 ? std::optional(since) : std::nullopt;
+    }
     /// Whether to begin anew now: once after each visit.
     bool begins_anew(double now_s);
 
@@ -125,8 +134,13 @@ struct KioskTexts {
 
     /// All texts, one after the other, to find the letters that they need.
     std::string all() const;
-    const std::string& how(TouchedBy by) const;
-    const std::string& again(TouchedBy by) const;
+    const std::string& how(TouchedBy by) const {
+        if (by == TouchedBy::device) return how_by_device;
+        return by == TouchedBy::mouse ? how_by_mouse : how_by_touch_screen;
+    }
+    const std::string& again(TouchedBy by) const {
+        return by == TouchedBy::touch_screen ? again_by_touch_screen : again_by_mouse;
+    }
     /// The state of a device, in place of HandState's words, which are for the person who set it up.
     const std::string& of_device(HandState::What what) const;
 };
@@ -241,7 +255,7 @@ private:
 /// happens. It has nothing of persons. Rows are written on a thread of their own, each safe on the disk
 /// before the next: a disk that hangs or is full, or a program that is killed, costs the rows of that time
 /// and no more. No call waits for the disk but `finish`, for a while.
-class UseLog {
+class UseLog : NonCopyable {
 public:
     using Time = std::chrono::system_clock::time_point;
     using WriteRow = std::function<int(int out, std::string_view row)>;  ///< as append_durably
@@ -253,12 +267,12 @@ public:
                                                 WriteRow write = append_durably);
     /// Once, the last call: writes what waits, for that long at most. Fails if rows are missing.
     Result<void> finish(std::chrono::milliseconds longest = std::chrono::seconds(2));
-    UseLog(const UseLog&) = delete;
-    UseLog& operator=(const UseLog&) = delete;
 
     void start(Time now) { add(now, "start,,,"); }
     /// A visitor came then, and was there for so long. Visitors are numbered from 1, since `open`.
-    void visit(Time came, double seconds);
+    void visit(Time came, double seconds) {
+        add(came, formatted("visit,%lld,%.1f,", static_cast<long long>(++visitors_), seconds));
+    }
     void fault(Time now, const std::string& words);
     void end(Time now) { add(now, "end,,,"); }
     std::int64_t visitors() const { return visitors_; }

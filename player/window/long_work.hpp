@@ -12,7 +12,7 @@ namespace touchable {
 /// What takes long to make for the window, on a thread of its own: a clip, other settings of one, segments.
 /// One at a time, and of those that are asked for meanwhile the newest. All calls are the window's.
 template <class Made>
-class LongWork {
+class LongWork : NonCopyable {
 public:
     /// Asks stop_requested between its steps, and gives up once that is true.
     using Make = std::function<Result<Made>()>;
@@ -23,8 +23,6 @@ public:
         static_assert(bytes <= sizeof(ThreadName));
         std::copy(std::begin(name), std::end(name), std::begin(name_));
     }
-    LongWork(const LongWork&) = delete;
-    LongWork& operator=(const LongWork&) = delete;
     ~LongWork() { give_up(); }
 
     /// `words`: what is being done, for a person. What was asked for before is given up.
@@ -111,7 +109,7 @@ private:
         } catch (const std::bad_alloc&) {
             return input_error(work.words + ": memory does not suffice");
         } catch (const std::exception& fault) {
-            return Error{ErrorKind::internal, work.words + ": " + fault.what()};
+            return internal_error(work.words + ": " + fault.what());
         }
     }
 

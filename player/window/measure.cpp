@@ -121,10 +121,6 @@ void MeasureTool::tell(const Seen& seen) {
                      words_of(ends_[1]) + ", frame " + std::to_string(seen.frame)});
 }
 
-double MeasureTool::length() const {
-    return glm::distance(*ends_[0].point, *ends_[1].point);
-}
-
 MeasureFacts MeasureTool::facts(const ViewCamera& camera, const Scene& scene) const {
     MeasureFacts facts;
     facts.is_held = is_held_;

@@ -89,7 +89,7 @@ private:
     void take_click(const Click& click, const Seen& seen);
     static void follow(End& end, const Seen& seen);
     void tell(const Seen& seen);
-    double length() const;
+    double length() const { return glm::distance(*ends_[0].point, *ends_[1].point); }
 
     bool is_held_ = false, is_told_ = false;
     std::optional<glm::dvec2> pressed_at_;

@@ -61,9 +61,4 @@ void MeasureMode::draw(PanelFacts& facts, const Seen& seen) {
     facts.measure = tool_.facts(seen.camera, core_.clip()->scene());
 }
 
-Result<void> MeasureMode::finish() {
-    for (const std::string& line : lines_) std::printf("%-24s%s\n", "measured", line.c_str());
-    return {};
-}
-
 }  // namespace touchable

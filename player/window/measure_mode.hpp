@@ -23,7 +23,10 @@ public:
     void begin_clip(bool) override { let_go(); }
     void begin_anew() override { let_go(); }
     /// Prints all lines.
-    Result<void> finish() override;
+    Result<void> finish() override {
+        for (const std::string& line : lines_) std::printf("%-24s%s\n", "measured", line.c_str());
+        return {};
+    }
     LeftButton left_button() const override {
         return tool_.is_held() ? LeftButton::is_a_tool : LeftButton::touches;
     }

@@ -225,15 +225,6 @@ Result<void> OpenedClip::begin() {
     return start_session(std::move(ready_));
 }
 
-void OpenedClip::begin_sound() {
-    if (!clip_.is_camera()) sound_.open_clip(sound_file_of(session_->setup().feed->reader()));
-    begin_listening();
-}
-
-void OpenedClip::begin_listening() {
-    listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
-}
-
 std::vector<double> OpenedClip::cuts() const {
     std::set<std::int64_t> frames = session_->cuts();
     frames.insert(cuts_.begin(), cuts_.end());
@@ -241,10 +232,6 @@ std::vector<double> OpenedClip::cuts() const {
     for (const std::int64_t frame : frames)
         moments.push_back(static_cast<double>(scene_->rate.time_ns(frame)) * 1e-9);
     return moments;
-}
-
-bool OpenedClip::is_nearly_full() const {
-    return session_->commands() > WatchedSession::most_commands * 15 / 16;
 }
 
 Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
@@ -301,22 +288,17 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
     return change;
 }
 
-void OpenedClip::end_session() {
-    session_->stop();
-    if (!failure_) failure_ = session_->failure();
-}
-
 /// The clip has played on beyond its begin by more than an eye would miss.
-bool OpenedClip::is_left_behind(const Change& change) const {
-    constexpr std::int64_t bearable_ns = 100'000'000;
-    const PlaybackState now = session_->playback();
-    return goes_on_to(change, now) && now.moment.time_ns > change.begin_ns + bearable_ns;
-}
-
 /// Whether no command has led the clip elsewhere meanwhile.
 bool OpenedClip::goes_on_to(const Change& change, const PlaybackState& now) const {
     return now.moment.epoch == change.state.moment.epoch && now.playing && change.state.playing &&
            now.rate == change.state.rate && has_loop_of(change.state, now);
+}
+
+bool OpenedClip::is_left_behind(const Change& change) const {
+    constexpr std::int64_t bearable_ns = 100'000'000;
+    const PlaybackState now = session_->playback();
+    return goes_on_to(change, now) && now.moment.time_ns > change.begin_ns + bearable_ns;
 }
 
 bool OpenedClip::has_come_to(const Change& change) const {
@@ -410,25 +392,12 @@ void PlaybackControl::seek_to(double seconds) {
     wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds * 1e9, 0.0, static_cast<double>(last_ns)));
 }
 
-void PlaybackControl::seek_by(double seconds) {
-    const std::int64_t from = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
-    seek_to(static_cast<double>(from) * 1e-9 + seconds);
-}
-
 Result<void> PlaybackControl::step(double frames) {
     if (frames > 0) return clip_->session().playback().at_end ? Result<void>{} : ask(PlaybackVerb::step);
     const FrameRate& rate = clip_->scene().rate;
     const std::int64_t now = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
     wanted_ns_ = rate.time_ns(std::max<std::int64_t>(0, rate.frame_at(now) - 1));
     return ask(PlaybackVerb::pause);
-}
-
-Result<void> PlaybackControl::set_speed(double times) {
-    return ask(PlaybackVerb::rate, std::lround(std::clamp(times, slowest, fastest) * 1000));
-}
-
-Result<void> PlaybackControl::change_speed(double factor) {
-    return set_speed(factor * static_cast<double>(clip_->session().playback().rate) / 1000);
 }
 
 Result<void> PlaybackControl::begin_anew(std::span<const PlaybackCommand> first, bool loops) {

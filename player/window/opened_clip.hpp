@@ -51,9 +51,12 @@ public:
     /// more.
     Result<void> begin();
     /// Whether the session will soon take no more commands: a change to the same settings begins another one.
-    bool is_nearly_full() const;
+    bool is_nearly_full() const { return session_->commands() > WatchedSession::most_commands * 15 / 16; }
     /// Once no other clip is heard any more.
-    void begin_sound();
+    void begin_sound() {
+        if (!clip_.is_camera()) sound_.open_clip(sound_file_of(session_->setup().feed->reader()));
+        begin_listening();
+    }
 
     /// The same clip by other settings, or with other materials, ready to be changed to.
     struct Change {
@@ -143,8 +146,13 @@ private:
     bool is_left_behind(const Change& change) const;
     void take_over(const TouchSetup& setup, const SessionSettings& settings);
     Result<void> start_session(std::unique_ptr<TouchSetup> setup);
-    void end_session();
-    void begin_listening();
+    void end_session() {
+        session_->stop();
+        if (!failure_) failure_ = session_->failure();
+    }
+    void begin_listening() {
+        listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
+    }
     void lead_from(const Change& change, const PlaybackState& to);
     nlohmann::ordered_json facts_of_part() const;
     Result<void> open_film(TouchSetup& setup);
@@ -202,12 +210,19 @@ public:
     Result<void> play_or_pause();
     Result<void> pause(bool on) { return ask(on ? PlaybackVerb::pause : PlaybackVerb::play); }
     void seek_to(double seconds);
-    void seek_by(double seconds);
+    void seek_by(double seconds) {
+        const std::int64_t from = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
+        seek_to(static_cast<double>(from) * 1e-9 + seconds);
+    }
     /// A frame on, or back where `frames` is below 0; and pause.
     Result<void> step(double frames);
     /// Kept within slowest and fastest.
-    Result<void> set_speed(double times);
-    Result<void> change_speed(double factor);
+    Result<void> set_speed(double times) {
+        return ask(PlaybackVerb::rate, std::lround(std::clamp(times, slowest, fastest) * 1000));
+    }
+    Result<void> change_speed(double factor) {
+        return set_speed(factor * static_cast<double>(clip_->session().playback().rate) / 1000);
+    }
     /// As the clip began: by the commands that it was given at first, and playing; `loops`: at least the
     /// whole of it, if it is long enough.
     Result<void> begin_anew(std::span<const PlaybackCommand> first, bool loops);

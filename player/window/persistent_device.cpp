@@ -36,10 +36,6 @@ Result<void> PersistentDevice::open() {
     return {};
 }
 
-void PersistentDevice::close() {
-    if (state() == State::open) device_->write_forces(zeros_);
-}
-
 bool PersistentDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (state() == State::closed) return false;
     if (state() == State::open && device_->read_positions(device_metres)) {
@@ -60,10 +56,6 @@ bool PersistentDevice::write_forces(std::span<const glm::dvec3> newtons) {
     if (state() == State::open && !device_->write_forces(is_unpowered ? zeros_ : newtons))
         state_.store(State::gone, std::memory_order_release);
     return true;
-}
-
-std::uint32_t PersistentDevice::buttons() {
-    return state() == State::open ? device_->buttons() : 0;
 }
 
 void PersistentDevice::look_again() {

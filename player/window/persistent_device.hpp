@@ -26,10 +26,12 @@ public:
     /// Opens the device the first time.
     Result<void> open() override;
     /// Leaves zero force, and the device open.
-    void close() override;
+    void close() override {
+        if (state() == State::open) device_->write_forces(zeros_);
+    }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
-    std::uint32_t buttons() override;
+    std::uint32_t buttons() override { return state() == State::open ? device_->buttons() : 0; }
     double age_s() const override { return age_s_.load(std::memory_order_relaxed); }  ///< by any thread
     std::string prompt() const override { return device_->prompt(); }
     std::string why_no_position() const override { return device_->why_no_position(); }

@@ -98,16 +98,6 @@ void WindowView::pan(double x, double y, int width, int height) {
     set_centre(moved);
 }
 
-void WindowView::near_by(double factor) {
-    own_ = false;
-    orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * factor, 0.1, 20.0);
-}
-
-void WindowView::look_at(const glm::dvec3& place) {
-    own_ = false;
-    set_centre(place);
-}
-
 /// The eye stays as far away as it was; zoom counts from the clip's camera.
 void WindowView::set_centre(const glm::dvec3& place) {
     if (!(place.z < 0)) return;
@@ -151,24 +141,11 @@ std::optional<std::size_t> PointerFingers::put_down(const glm::dvec2& at) {
     return static_cast<std::size_t>(free - fingers_.begin());
 }
 
-void PointerFingers::lift(std::size_t finger) {
-    fingers_[finger].touch.reset();
-    device_.withdraw(finger);
-}
-
 /// Up to the last that is down.
 int PointerFingers::touched() const {
     for (int k = most; k > 0; --k)
         if (fingers_[static_cast<std::size_t>(k - 1)].touch) return k;
     return 0;
-}
-
-void PointerFingers::deepen(double metres) {
-    rest_m_ = std::clamp(rest_m_ + metres, highest_m, deepest_m);
-}
-
-double PointerFingers::depth_m() const {
-    return held_ || is_touched() ? std::max(press_m, rest_m_) : rest_m_;
 }
 
 std::optional<ViewCamera::Pick> PointerFingers::ground_at(const HeightField& field, const ViewCamera& camera,
@@ -322,10 +299,6 @@ void PointerInput::leave(PointerFingers& fingers) {
     held_.clear();
 }
 
-std::optional<glm::dvec2> PointerInput::take_double_click() {
-    return std::exchange(double_click_, std::nullopt);
-}
-
 std::vector<InputEvent> TouchInput::take(const InputEvent& event, Ground ground, const Led& led, int width,
                                          int height) {
     using Kind = InputEvent::Kind;
@@ -428,11 +401,6 @@ std::vector<InputEvent> TouchInput::cancel(PointerFingers* fingers) {
     return events;
 }
 
-bool TouchInput::any_over_picture(const std::function<bool(const glm::dvec2&)>& is_there) const {
-    return std::any_of(touches_.begin(), touches_.end(),
-                       [&](const Touch& touch) { return over_picture(touch) && is_there(touch.at); });
-}
-
 TouchInput::Spread TouchInput::spread() const {
     Spread spread;
     for (const Touch& touch : touches_) {
@@ -446,11 +414,6 @@ TouchInput::Spread TouchInput::spread() const {
         if (touch.role == Role::view)
             spread.radius += glm::distance(touch.at, spread.middle) / spread.touches;
     return spread;
-}
-
-int TouchInput::count(Role role) const {
-    return static_cast<int>(std::count_if(touches_.begin(), touches_.end(),
-                                          [role](const Touch& touch) { return touch.role == role; }));
 }
 
 TouchInput::Touch* TouchInput::find(std::int64_t id) {

@@ -60,9 +60,15 @@ public:
     /// Moves the view so that the picture, of that size, follows the pointer by so many pixels.
     void pan(double x, double y, int width, int height);
     /// Brings the view nearer by this factor; below 1 farther away.
-    void near_by(double factor);
+    void near_by(double factor) {
+        own_ = false;
+        orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * factor, 0.1, 20.0);
+    }
     /// From now on the view turns round this place, which is seen then where the clip's camera has its axis.
-    void look_at(const glm::dvec3& place);
+    void look_at(const glm::dvec3& place) {
+        own_ = false;
+        set_centre(place);
+    }
     void go_home();
 
 private:
@@ -113,7 +119,10 @@ public:
     std::optional<std::size_t> put_down(const glm::dvec2& at);
     void move(std::size_t finger, const glm::dvec2& at) { fingers_[finger].touch = at; }
     /// It touches nothing any more, from now on.
-    void lift(std::size_t finger);
+    void lift(std::size_t finger) {
+        fingers_[finger].touch.reset();
+        device_.withdraw(finger);
+    }
 
     void press(bool held) {
         held_ = held;
@@ -121,11 +130,11 @@ public:
     }
     bool was_pressed() const { return was_pressed_; }  ///< ever
     /// Device metres, into the surface; stays when the button is let go.
-    void deepen(double metres);
+    void deepen(double metres) { rest_m_ = std::clamp(rest_m_ + metres, highest_m, deepest_m); }
     /// Takes the depth back to `hover_m`: fingers are above the surface again, until they are pressed.
     void lift() { rest_m_ = hover_m; }
     /// How deep fingers are meant to be in the surface; below 0 above it.
-    double depth_m() const;
+    double depth_m() const { return held_ || is_touched() ? std::max(press_m, rest_m_) : rest_m_; }
 
     /// Once a picture: gives the device the goals of the fingers over what `camera` shows of `field`. `felt`:
     /// what they touched last; a finger without it goes straight to its place, whatever is in its way.
@@ -174,7 +183,7 @@ public:
     /// Whether a button is held that was pressed over the picture.
     bool holds() const { return !held_.empty(); }
     /// The place of a double click with the middle button, once.
-    std::optional<glm::dvec2> take_double_click();
+    std::optional<glm::dvec2> take_double_click() { return std::exchange(double_click_, std::nullopt); }
 
 private:
     glm::dvec2 move_to(const glm::dvec2& place, PointerFingers& fingers);
@@ -217,7 +226,10 @@ public:
     /// Whether a finger is down.
     bool holds() const { return !touches_.empty(); }
     /// Whether one that is over the picture, and no pointer, is down where `is_there` says.
-    bool any_over_picture(const std::function<bool(const glm::dvec2&)>& is_there) const;
+    bool any_over_picture(const std::function<bool(const glm::dvec2&)>& is_there) const {
+        return std::any_of(touches_.begin(), touches_.end(),
+                           [&](const Touch& touch) { return over_picture(touch) && is_there(touch.at); });
+    }
     /// All are lifted; later events of them are ignored. Gives what the pointer does.
     std::vector<InputEvent> cancel(PointerFingers* fingers);
 
@@ -248,7 +260,10 @@ private:
     bool is_pair(const Touch& second, int height) const;
     void begin_gesture(PointerFingers* fingers);
     Spread spread() const;
-    int count(Role role) const;
+    int count(Role role) const {
+        return static_cast<int>(std::count_if(touches_.begin(), touches_.end(),
+                                              [role](const Touch& touch) { return touch.role == role; }));
+    }
     Touch* find(std::int64_t id);
 
     std::vector<Touch> touches_;

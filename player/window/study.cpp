@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 
 #include "engine/base/try.hpp"
-#include "engine/base/words.hpp"
 #include "player/window/kiosk.hpp"
 
 namespace touchable {
@@ -334,12 +333,10 @@ TouchMeasures TouchMeter::measures() const {
 
 /// The tables of participants, one after the other. All calls wait for the disk: they are made by jobs of the
 /// writer, and the result of the last one says whether all answers are kept.
-class StudyRun::Tables {
+class StudyRun::Tables : NonCopyable {
 public:
     explicit Tables(fs::path folder) : folder_(std::move(folder)) {}
     ~Tables() { close_table(); }
-    Tables(const Tables&) = delete;
-    Tables& operator=(const Tables&) = delete;
 
     const fs::path& folder() const { return folder_; }
     /// Of the participant. The window reads it once `begin` is done, until it asks for the next one.
@@ -348,7 +345,30 @@ public:
     /// Makes the table of the next participant. If that of the one before could not be finished, that comes
     /// first. The number is one more than the largest in the folder, whole or not. A number that another
     /// program takes at the same moment is left to that one.
-    Result<void> begin();
+    Result<void> begin() {
+        constexpr std::size_t most_tries = 100;
+        if (unended_) TRY(end(*unended_));
+        TRY_ASSIGN(const auto largest, largest_in(folder_));
+        const std::size_t last_number = std::min(largest + most_tries, largest_number);
+        for (number_ = largest + 1; number_ <= last_number; ++number_) {
+            const fs::path name = named(partial_ending);
+            out_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
+            if (out_ < 0 && errno == EEXIST) continue;
+            if (out_ < 0) return failed(errno);
+            std::error_code ignored;
+            const bool is_taken =
+                fs::exists(named(whole_ending), ignored) || fs::exists(named(left_ending), ignored);
+            waiting_ = table_header;
+            Result<void> begun = write();
+            if (begun && !is_taken) return begun;
+            close_table();
+            (void)unlink(name.c_str());
+            if (!begun) return begun;
+        }
+        return input_error(folder_.string() +
+                           ": there is no number for another participant; right would be an " +
+                           "empty folder");
+    }
     /// After `begin`: makes the name safe on the disk. Until then a machine that is switched off may lose the
     /// table.
     Result<void> secure() {
@@ -362,7 +382,18 @@ public:
     }
     /// Makes it safe on the disk, under its last name. If rows are missing, or the name is taken, it stays
     /// partial.
-    Result<void> end(bool is_whole);
+    Result<void> end(bool is_whole) {
+        unended_ = is_whole;
+        TRY(write());
+        const fs::path partial = named(partial_ending), whole = named(is_whole ? whole_ending : left_ending);
+        if (const int why = move_to_free_name(partial, whole); why != 0)
+            return input_error(partial.string() + ": stays partial: " + whole.filename().string() + ": " +
+                               std::strerror(why));
+        unended_.reset();
+        sync_folder(folder_);
+        close_table();
+        return {};
+    }
     /// Ends the table once more, if it could not be ended.
     Result<void> end_again() { return unended_ ? end(*unended_) : last; }
 
@@ -375,7 +406,12 @@ private:
     Error failed(int why) const {
         return input_error(named(partial_ending).string() + ": answers are not kept: " + std::strerror(why));
     }
-    Result<void> write();
+    /// Writes all that waits, or nothing of it.
+    Result<void> write() {
+        if (const int why = append_durably(out_, waiting_)) return failed(why);
+        waiting_.clear();
+        return {};
+    }
     void close_table() {
         if (out_ >= 0) close(std::exchange(out_, -1));
     }
@@ -386,50 +422,6 @@ private:
     std::string waiting_;          // whole rows
     std::optional<bool> unended_;  // the table could not be ended so
 };
-
-Result<void> StudyRun::Tables::begin() {
-    constexpr std::size_t most_tries = 100;
-    if (unended_) TRY(end(*unended_));
-    TRY_ASSIGN(const auto largest, largest_in(folder_));
-    const std::size_t last_number = std::min(largest + most_tries, largest_number);
-    for (number_ = largest + 1; number_ <= last_number; ++number_) {
-        const fs::path name = named(partial_ending);
-        out_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
-        if (out_ < 0 && errno == EEXIST) continue;
-        if (out_ < 0) return failed(errno);
-        std::error_code ignored;
-        const bool is_taken =
-            fs::exists(named(whole_ending), ignored) || fs::exists(named(left_ending), ignored);
-        waiting_ = table_header;
-        Result<void> begun = write();
-        if (begun && !is_taken) return begun;
-        close_table();
-        (void)unlink(name.c_str());
-        if (!begun) return begun;
-    }
-    return input_error(folder_.string() + ": there is no number for another participant; right would be an " +
-                       "empty folder");
-}
-
-/// Writes all that waits, or nothing of it.
-Result<void> StudyRun::Tables::write() {
-    if (const int why = append_durably(out_, waiting_)) return failed(why);
-    waiting_.clear();
-    return {};
-}
-
-Result<void> StudyRun::Tables::end(bool is_whole) {
-    unended_ = is_whole;
-    TRY(write());
-    const fs::path partial = named(partial_ending), whole = named(is_whole ? whole_ending : left_ending);
-    if (const int why = move_to_free_name(partial, whole); why != 0)
-        return input_error(partial.string() + ": stays partial: " + whole.filename().string() + ": " +
-                           std::strerror(why));
-    unended_.reset();
-    sync_folder(folder_);
-    close_table();
-    return {};
-}
 
 Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, fs::path folder, std::string language,
                                                  std::string hand, std::unique_ptr<BackgroundWriter> writer) {
@@ -460,11 +452,6 @@ void StudyRun::write(std::function<Result<void>(Tables& tables)> work, std::stri
     writer_->give({.file = tables_->folder(), .write = std::move(job), .tag = std::move(tag)});
 }
 
-double StudyRun::share_done() const {
-    if (screens_.empty()) return 0;
-    return static_cast<double>(at_) / static_cast<double>(screens_.size());
-}
-
 /// Before a participant has begun, the first clip of the study: it is open by the time it is wanted.
 std::size_t StudyRun::clip() const {
     const std::vector<StudyScreen> first =
@@ -477,14 +464,6 @@ std::size_t StudyRun::clip() const {
     return 0;
 }
 
-bool StudyRun::gives_force() const {
-    return screen() && screen()->is_touch() && screen()->force() == StudyForce::on;
-}
-
-void StudyRun::choose(std::size_t answer) {
-    if (screen() && screen()->question && answer < screen()->question->answers.size()) chosen_ = answer;
-}
-
 void StudyRun::choose_by(int by) {
     if (!screen() || !screen()->question) return;
     const auto count = static_cast<int>(screen()->question->answers.size());
@@ -492,16 +471,6 @@ void StudyRun::choose_by(int by) {
         choose(by > 0 ? 0 : static_cast<std::size_t>(count - 1));
     else
         choose(static_cast<std::size_t>((static_cast<int>(*chosen_) + by + count) % count));
-}
-
-double StudyRun::wait_s(double now_s) const {
-    const double all = screen() ? std::max(screen()->step->least_s, least_s) : least_s;
-    return std::max(began_s_ + all - now_s, 0.0);
-}
-
-bool StudyRun::may_go_on(double now_s) const {
-    if (wait_s(now_s) > 0) return false;
-    return screen() ? chosen_ || !screen()->question : !is_beginning_;
 }
 
 void StudyRun::go_on(double now_s, Time time) {
@@ -584,15 +553,6 @@ void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
     add(row(rest, time));
 }
 
-void StudyRun::add(const std::string& row) {
-    write([row](Tables& tables) { return tables.add(row); });
-}
-
-/// The last row of a participant.
-void StudyRun::add_end(double now_s, Time time, const char* how) {
-    add(row(formatted(",,end,,%s,%.2f,,,,", how, now_s - came_s_), time));
-}
-
 void StudyRun::leave(double now_s, Time time) {
     if (!screen()) return;
     const bool is_done = at_ + 1 == screens_.size() && screen()->step->kind == StudyStep::Kind::text;
@@ -602,6 +562,10 @@ void StudyRun::leave(double now_s, Time time) {
 }
 
 /// The start screen is next, even if the file cannot be finished.
+void StudyRun::add(const std::string& row) {
+    write([row](Tables& tables) { return tables.add(row); });
+}
+
 void StudyRun::finish(bool is_whole, double now_s) {
     write([is_whole](Tables& tables) { return tables.end(is_whole); });
     screens_.clear();
@@ -628,14 +592,6 @@ Result<void> StudyRun::end(double now_s, Time time, std::chrono::milliseconds lo
         return no_answer();
     take_written(now_s);
     return fault_ ? Result<void>(*fault_) : Result<void>();
-}
-
-bool StudyRun::wait_for_disk(std::chrono::milliseconds longest) const {
-    return writer_->wait(longest);
-}
-
-std::optional<Error> StudyRun::fault() const {
-    return passed_s_ > answered_s_ + patience_s ? std::optional(no_answer()) : fault_;
 }
 
 Error StudyRun::no_answer() const {

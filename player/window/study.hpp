@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "engine/base/result.hpp"
+#include "engine/base/words.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/window/background_writer.hpp"
 
@@ -165,22 +166,35 @@ public:
     /// Changes with each screen.
     std::size_t turn() const { return turn_; }
     /// The share of the participant's screens that are done, 0 to 1.
-    double share_done() const;
+    double share_done() const {
+        if (screens_.empty()) return 0;
+        return static_cast<double>(at_) / static_cast<double>(screens_.size());
+    }
     /// The chosen answer of a question, from 0.
     std::optional<std::size_t> chosen() const { return chosen_; }
     /// The clip of the touch that is on, or comes next, from 0.
     std::size_t clip() const;
     /// Whether the participant is to be given forces now.
-    bool gives_force() const;
+    bool gives_force() const {
+        return screen() && screen()->is_touch() && screen()->force() == StudyForce::on;
+    }
 
     /// Chooses an answer; does nothing if there is no such answer.
-    void choose(std::size_t answer);
+    void choose(std::size_t answer) {
+        if (screen() && screen()->question && answer < screen()->question->answers.size()) chosen_ = answer;
+    }
     /// Chooses the answer `by` further; the first, or last, if none was chosen.
     void choose_by(int by);
     /// How long the screen has to be seen still, seconds, before the participant may go on.
-    double wait_s(double now_s) const;
+    double wait_s(double now_s) const {
+        const double all = screen() ? std::max(screen()->step->least_s, least_s) : least_s;
+        return std::max(began_s_ + all - now_s, 0.0);
+    }
     /// Whether `go_on` would: time enough has passed, a question is answered.
-    bool may_go_on(double now_s) const;
+    bool may_go_on(double now_s) const {
+        if (wait_s(now_s) > 0) return false;
+        return screen() ? chosen_ || !screen()->question : !is_beginning_;
+    }
     /// The participant has done with the screen, or begins: `pass` has the first screen once there is a file.
     void go_on(double now_s, Time time);
     /// To be called all the time: goes on by itself when the screen's time has passed, or the disk has
@@ -196,9 +210,11 @@ public:
     /// Whether a participant has begun, and waits for a file of results.
     bool is_beginning() const { return is_beginning_; }
     /// Whether all that was done until now is kept, or refused, after that long at most.
-    bool wait_for_disk(std::chrono::milliseconds longest) const;
+    bool wait_for_disk(std::chrono::milliseconds longest) const { return writer_->wait(longest); }
     /// Why answers are not kept, now; nothing: they are.
-    std::optional<Error> fault() const;
+    std::optional<Error> fault() const {
+        return passed_s_ > answered_s_ + patience_s ? std::optional(no_answer()) : fault_;
+    }
 
 private:
     class Tables;
@@ -210,7 +226,10 @@ private:
     Error no_answer() const;
     void begin_screen(double now_s);
     void add_row(double now_s, Time time, const std::string& answer);
-    void add_end(double now_s, Time time, const char* how);
+    /// The last row of a participant.
+    void add_end(double now_s, Time time, const char* how) {
+        add(row(formatted(",,end,,%s,%.2f,,,,", how, now_s - came_s_), time));
+    }
     void finish(bool is_whole, double now_s);
     std::string row(const std::string& rest, Time time) const;
 

@@ -35,13 +35,6 @@ Result<std::unique_ptr<KioskMode>> StudyMode::open(WindowCore& core) {
     return std::unique_ptr<KioskMode>(new StudyMode(core, std::move(run)));
 }
 
-StudyMode::StudyMode(WindowCore& core, std::unique_ptr<StudyRun> run)
-    : KioskMode(core, {run->study().idle_s, run->study().idle_s}), run_(std::move(run)) {}
-
-std::string StudyMode::letters() const {
-    return KioskMode::letters() + run_->study().all_words(texts().language) + "(0123456789)";  // seconds
-}
-
 std::vector<Error> StudyMode::faults() const {
     std::vector<Error> all = KioskMode::faults();
     if (const auto fault = run_->fault()) all.push_back(*fault);
@@ -81,10 +74,6 @@ void StudyMode::go_to_next() {
 
 void StudyMode::end_visit(double now_s) {
     run_->leave(now_s, by_the_clock());
-}
-
-HandState::What StudyMode::state_of(HandState::What what) const {
-    return !run_->gives_force() && what == HandState::What::off ? HandState::What::has_no_force : what;
 }
 
 /// Whether something is before the participant that has all of the window.

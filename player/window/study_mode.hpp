@@ -25,16 +25,21 @@ public:
     bool keeps_session() const override { return run_->screen() && run_->screen()->is_touch(); }
     bool hides_forces() const override { return !run_->gives_force(); }
     double strip_below(const ScreenSize& size) const override;
-    std::string letters() const override;
+    std::string letters() const override {
+        return KioskMode::letters() + run_->study().all_words(texts().language) + "(0123456789)";  // seconds
+    }
     std::vector<Error> faults() const override;
 
 private:
-    StudyMode(WindowCore& core, std::unique_ptr<StudyRun> run);
+    StudyMode(WindowCore& core, std::unique_ptr<StudyRun> run)
+        : KioskMode(core, {run->study().idle_s, run->study().idle_s}), run_(std::move(run)) {}
     bool allows(const InputEvent& event) const override;
     void end_visit(double now_s) override;
     /// Its start screen invites.
     void invite(double) override {}
-    HandState::What state_of(HandState::What what) const override;
+    HandState::What state_of(HandState::What what) const override {
+        return !run_->gives_force() && what == HandState::What::off ? HandState::What::has_no_force : what;
+    }
 
     bool has_page() const;
     bool clip_is_there() const;

@@ -30,14 +30,53 @@ float letters_width(const std::string& words, float size) {
 class KioskBar {
 public:
     /// Where it is, or would be: it keeps its place, whatever its buttons say.
-    KioskBar(const PanelFacts& facts, float width, float height, float scale);
+    /// As wide as the longest words want; where that is too wide they are smaller, and where they would be
+    /// too small to read there are signs alone.
+    KioskBar(const PanelFacts& facts, float width, float height, float scale)
+        : buttons_(buttons_of(facts)),
+          bottom_(height - panel_margin * scale / 2),
+          high_(std::clamp(share_of_height * height, least_high * scale, most_high * scale)),
+          text_(0.25F * high_),
+          gap_(6 * scale) {
+        const auto count = static_cast<float>(buttons_.size());
+        float longest = 0;
+        for (const Button& button : buttons_)
+            longest = std::max(
+                {longest, letters_width(button.words, text_), letters_width(button.or_words, text_)});
+        const float room = (width - 2 * gap_ - (count + 1) * gap_) / count;
+        wide_ = std::min(std::max(1.4F * high_, longest + text_), room);
+        text_ *= std::min(1.0F, (wide_ - 0.4F * text_) / longest);
+        if (text_ < smallest_words * scale) text_ = 0;
+        const float all = count * wide_ + (count + 1) * gap_;
+        left_ = (width - all) / 2;
+        right_ = left_ + all;
+        top_ = bottom_ - high_ - 2 * gap_;
+    }
     float left() const { return left_; }
     float top() const { return top_; }
     float right() const { return right_; }
     float bottom() const { return bottom_; }
 
     /// Between ImGuiLayer's `begin` and `end`.
-    void draw(std::vector<WindowCommand>& asked) const;
+    void draw(std::vector<WindowCommand>& asked) const {
+        ImGui::SetNextWindowPos(ImVec2(left_, top_));
+        ImGui::SetNextWindowSize(ImVec2(right_ - left_, bottom_ - top_));
+        ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // beyond which nothing is drawn
+        ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
+        ImGui::Begin("kiosk", nullptr,
+                     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                         ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoBackground);
+        ImGui::PopStyleVar(2);
+        ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(left_, top_), ImVec2(right_, bottom_), bar_ground,
+                                                  2.2F * gap_);
+        float x = left_ + gap_;
+        for (const Button& button : buttons_) {
+            draw_button(button, ImVec2(x, top_ + gap_), asked);
+            x += wide_ + gap_;
+        }
+        ImGui::End();
+    }
 
 private:
     struct Button {
@@ -49,122 +88,76 @@ private:
         bool is_there = true;         ///< otherwise it does nothing now
         const std::string& or_words;  ///< that it has at other times
     };
-    static std::vector<Button> buttons_of(const PanelFacts& facts);
-    void draw_button(const Button& button, const ImVec2& at, std::vector<WindowCommand>& asked) const;
+    /// Whatever there is nothing to do by is left out: a still does not pause, and a held device turns
+    /// nothing.
+    static std::vector<Button> buttons_of(const PanelFacts& facts) {
+        const KioskTexts& texts = facts.kiosk->texts;
+        const bool turns = facts.is_turning,
+                   plays = facts.playing;  // also at the end: it begins anew, or the next comes
+        std::vector<Button> buttons;
+        if (!facts.hand)  // there dragging always turns
+            buttons.push_back({.id = "mode",
+                               .words = turns ? texts.touch : texts.turn,
+                               .sign = turns ? ButtonSign::touch : ButtonSign::turn,
+                               .command = {WindowVerb::turning},
+                               .is_lit = turns,
+                               .or_words = turns ? texts.turn : texts.touch});
+        if (!facts.kiosk->is_still)
+            buttons.push_back({.id = "pause",
+                               .words = plays ? texts.pause : texts.play,
+                               .sign = plays ? ButtonSign::pause : ButtonSign::play,
+                               .command = {WindowVerb::play_pause},
+                               .is_lit = !plays,
+                               .or_words = plays ? texts.play : texts.pause});
+        buttons.push_back({.id = "colours",
+                           .words = texts.colours,
+                           .sign = ButtonSign::colours,
+                           .command = {WindowVerb::overlay},
+                           .is_lit = facts.scale != nullptr,
+                           .or_words = texts.colours});
+        if (facts.clips > 1)
+            buttons.push_back({.id = "next",
+                               .words = texts.next,
+                               .sign = ButtonSign::next,
+                               .command = {WindowVerb::next},
+                               .or_words = texts.next});
+        buttons.push_back({.id = "straight",
+                           .words = texts.turn_back,
+                           .sign = ButtonSign::home,
+                           .command = {WindowVerb::home},
+                           .is_there = facts.kiosk->is_turned,
+                           .or_words = texts.turn_back});
+        return buttons;
+    }
+    void draw_button(const Button& button, const ImVec2& at, std::vector<WindowCommand>& asked) const {
+        ImGui::SetCursorScreenPos(at);
+        if (ImGui::InvisibleButton(button.id, ImVec2(wide_, high_)) && button.is_there)
+            asked.push_back(button.command);
+        const bool is_pressed = button.is_there && ImGui::IsItemActive(),
+                   is_under = button.is_there && ImGui::IsItemHovered();
+        const ImU32 ground = is_pressed ? button_pressed : (is_under ? button_under : button_ground);
+        const ImU32 ink = is_pressed         ? button_dark
+                          : !button.is_there ? button_dim
+                          : button.is_lit    ? button_lit
+                                             : button_ink;
+        ImDrawList& list = *ImGui::GetWindowDrawList();
+        const ImVec2 end(at.x + wide_, at.y + high_);
+        list.AddRectFilled(at, end, ground, 1.5F * gap_);
+        if (button.is_lit) list.AddRect(at, end, button_lit, 1.5F * gap_, 0, gap_ / 3);
+        const float sign = text_ > 0 ? 0.68F * high_ : std::min(high_, wide_);
+        const float top = text_ > 0 ? at.y + 0.02F * high_ : at.y + (high_ - sign) / 2;
+        draw_sign(button.sign, ImVec2(at.x + (wide_ - sign) / 2, top), sign, ink);
+        if (text_ == 0) return;
+        const float x = at.x + (wide_ - letters_width(button.words, text_)) / 2;
+        list.AddText(font_of_size(text_), text_, ImVec2(x, end.y - 0.1F * high_ - text_), ink,
+                     button.words.c_str());
+    }
 
     std::vector<Button> buttons_;
     float left_, top_, right_, bottom_;
     float wide_, high_, text_;  // of a button; of its words: 0: there is no room for any
     float gap_;
 };
-
-/// Whatever there is nothing to do by is left out: a still does not pause, and a held device turns nothing.
-std::vector<KioskBar::Button> KioskBar::buttons_of(const PanelFacts& facts) {
-    const KioskTexts& texts = facts.kiosk->texts;
-    const bool turns = facts.is_turning,
-               plays = facts.playing;  // also at the end: it begins anew, or the next comes
-    std::vector<Button> buttons;
-    if (!facts.hand)  // there dragging always turns
-        buttons.push_back({.id = "mode",
-                           .words = turns ? texts.touch : texts.turn,
-                           .sign = turns ? ButtonSign::touch : ButtonSign::turn,
-                           .command = {WindowVerb::turning},
-                           .is_lit = turns,
-                           .or_words = turns ? texts.turn : texts.touch});
-    if (!facts.kiosk->is_still)
-        buttons.push_back({.id = "pause",
-                           .words = plays ? texts.pause : texts.play,
-                           .sign = plays ? ButtonSign::pause : ButtonSign::play,
-                           .command = {WindowVerb::play_pause},
-                           .is_lit = !plays,
-                           .or_words = plays ? texts.play : texts.pause});
-    buttons.push_back({.id = "colours",
-                       .words = texts.colours,
-                       .sign = ButtonSign::colours,
-                       .command = {WindowVerb::overlay},
-                       .is_lit = facts.scale != nullptr,
-                       .or_words = texts.colours});
-    if (facts.clips > 1)
-        buttons.push_back({.id = "next",
-                           .words = texts.next,
-                           .sign = ButtonSign::next,
-                           .command = {WindowVerb::next},
-                           .or_words = texts.next});
-    buttons.push_back({.id = "straight",
-                       .words = texts.turn_back,
-                       .sign = ButtonSign::home,
-                       .command = {WindowVerb::home},
-                       .is_there = facts.kiosk->is_turned,
-                       .or_words = texts.turn_back});
-    return buttons;
-}
-
-/// As wide as the longest words want; where that is too wide they are smaller, and where they would be too
-/// small to read there are signs alone.
-KioskBar::KioskBar(const PanelFacts& facts, float width, float height, float scale)
-    : buttons_(buttons_of(facts)),
-      bottom_(height - panel_margin * scale / 2),
-      high_(std::clamp(share_of_height * height, least_high * scale, most_high * scale)),
-      text_(0.25F * high_),
-      gap_(6 * scale) {
-    const auto count = static_cast<float>(buttons_.size());
-    float longest = 0;
-    for (const Button& button : buttons_)
-        longest =
-            std::max({longest, letters_width(button.words, text_), letters_width(button.or_words, text_)});
-    const float room = (width - 2 * gap_ - (count + 1) * gap_) / count;
-    wide_ = std::min(std::max(1.4F * high_, longest + text_), room);
-    text_ *= std::min(1.0F, (wide_ - 0.4F * text_) / longest);
-    if (text_ < smallest_words * scale) text_ = 0;
-    const float all = count * wide_ + (count + 1) * gap_;
-    left_ = (width - all) / 2;
-    right_ = left_ + all;
-    top_ = bottom_ - high_ - 2 * gap_;
-}
-
-void KioskBar::draw_button(const Button& button, const ImVec2& at, std::vector<WindowCommand>& asked) const {
-    ImGui::SetCursorScreenPos(at);
-    if (ImGui::InvisibleButton(button.id, ImVec2(wide_, high_)) && button.is_there)
-        asked.push_back(button.command);
-    const bool is_pressed = button.is_there && ImGui::IsItemActive(),
-               is_under = button.is_there && ImGui::IsItemHovered();
-    const ImU32 ground = is_pressed ? button_pressed : (is_under ? button_under : button_ground);
-    const ImU32 ink = is_pressed         ? button_dark
-                      : !button.is_there ? button_dim
-                      : button.is_lit    ? button_lit
-                                         : button_ink;
-    ImDrawList& list = *ImGui::GetWindowDrawList();
-    const ImVec2 end(at.x + wide_, at.y + high_);
-    list.AddRectFilled(at, end, ground, 1.5F * gap_);
-    if (button.is_lit) list.AddRect(at, end, button_lit, 1.5F * gap_, 0, gap_ / 3);
-    const float sign = text_ > 0 ? 0.68F * high_ : std::min(high_, wide_);
-    const float top = text_ > 0 ? at.y + 0.02F * high_ : at.y + (high_ - sign) / 2;
-    draw_sign(button.sign, ImVec2(at.x + (wide_ - sign) / 2, top), sign, ink);
-    if (text_ == 0) return;
-    const float x = at.x + (wide_ - letters_width(button.words, text_)) / 2;
-    list.AddText(font_of_size(text_), text_, ImVec2(x, end.y - 0.1F * high_ - text_), ink,
-                 button.words.c_str());
-}
-
-void KioskBar::draw(std::vector<WindowCommand>& asked) const {
-    ImGui::SetNextWindowPos(ImVec2(left_, top_));
-    ImGui::SetNextWindowSize(ImVec2(right_ - left_, bottom_ - top_));
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // beyond which nothing is drawn
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
-    ImGui::Begin("kiosk", nullptr,
-                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing |
-                     ImGuiWindowFlags_NoBackground);
-    ImGui::PopStyleVar(2);
-    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(left_, top_), ImVec2(right_, bottom_), bar_ground,
-                                              2.2F * gap_);
-    float x = left_ + gap_;
-    for (const Button& button : buttons_) {
-        draw_button(button, ImVec2(x, top_ + gap_), asked);
-        x += wide_ + gap_;
-    }
-    ImGui::End();
-}
 
 ImFont& large_font() {
     return *ImGui::GetIO().Fonts->Fonts.back();

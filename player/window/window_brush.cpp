@@ -26,7 +26,7 @@ Result<std::string> done_by(MaterialBrush& brush, const WindowCommand& command) 
         case WindowVerb::redo:
             return brush.redo();
         default:
-            return Error{ErrorKind::internal, "the brush was asked for what it does not do"};
+            return internal_error("the brush was asked for what it does not do");
     }
 }
 
@@ -59,11 +59,6 @@ std::string WindowBrush::why_none() const {
     return "";
 }
 
-/// With which the window was opened, and for which a file of segments may be given.
-bool WindowBrush::is_first_clip() const {
-    return clip_->choice().file == options_.session.clip.file;
-}
-
 void WindowBrush::take(WindowCommand command) {
     const bool puts_away =
         command.verb == WindowVerb::tool &&
@@ -79,11 +74,6 @@ void WindowBrush::take(WindowCommand command) {
     for (PixelOfFrame& place : command.places)
         if (place.frame < 0) place.frame = std::clamp<std::int64_t>(now, 0, last);
     asked_.push_back(std::move(command));
-}
-
-void WindowBrush::refuse(const WindowCommand& command, const std::string& why) {
-    if (command.verb == WindowVerb::save_materials) save_fault_ = usage_error(why);
-    say(why, Tone::refusal);
 }
 
 void WindowBrush::take_tool(const WindowCommand& command) {
@@ -272,11 +262,6 @@ void WindowBrush::hold_still(bool still) {
     holds_clip_ = still;
     if (auto asked = clip_->session().ask(still ? PlaybackVerb::pause : PlaybackVerb::play); !asked)
         say(asked.error().message, Tone::refusal);
-}
-
-void WindowBrush::keep_history(std::string history) {
-    if (const auto file = brush_->history_file(); !file.empty())
-        files_.give(text_file(file, std::move(history)));
 }
 
 void WindowBrush::save(const std::filesystem::path& file) {

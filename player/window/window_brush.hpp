@@ -81,7 +81,8 @@ public:
 
 private:
     std::string why_none() const;
-    bool is_first_clip() const;
+    /// With which the window was opened, and for which a file of segments may be given.
+    bool is_first_clip() const { return clip_->choice().file == options_.session.clip.file; }
     void take_tool(const WindowCommand& command);
     void begin();
     void do_next();
@@ -92,11 +93,17 @@ private:
     void hold_still(bool still);
     void note_state();
     void note_files();
-    void keep_history(std::string history);
+    void keep_history(std::string history) {
+        if (const auto file = brush_->history_file(); !file.empty())
+            files_.give(text_file(file, std::move(history)));
+    }
     void save(const std::filesystem::path& file);
     void refuse_all(const Error& why);
     bool drop_asked(const Error& why);
-    void refuse(const WindowCommand& command, const std::string& why);
+    void refuse(const WindowCommand& command, const std::string& why) {
+        if (command.verb == WindowVerb::save_materials) save_fault_ = usage_error(why);
+        say(why, Tone::refusal);
+    }
     void say(std::string words, Tone tone = Tone::remark) {
         news_.remarks.push_back({std::move(words), tone});
     }

@@ -211,12 +211,6 @@ void WindowClips::ask_for_change(const WindowSettings& wanted) {
     });
 }
 
-/// No clip is asked for any more.
-void WindowClips::forget_wish() {
-    wanted_list_.reset();
-    next_is_paused_.reset();
-}
-
 Result<void> WindowClips::go_on() {
     if (auto made = opening_.take()) TRY(take_made(std::move(*made)));
     // What the brush is asked for is done before its clip goes.
@@ -382,10 +376,6 @@ void WindowClips::open_instead(Playlist list, int by) {
 void WindowClips::open_again() {
     const Playlist& list = core_.playlist().list();
     ask_for_clip(list, 0, list.now());
-}
-
-void WindowClips::play_next() {
-    if (next_is_paused_) next_is_paused_ = false;
 }
 
 void WindowClips::play_or_pause() {

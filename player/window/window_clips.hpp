@@ -62,7 +62,9 @@ public:
     /// the press was heard.
     void play_or_pause();
     /// The clip that is on its way begins by playing.
-    void play_next();
+    void play_next() {
+        if (next_is_paused_) next_is_paused_ = false;
+    }
 
     // What there is.
     /// No clip was named yet.
@@ -112,7 +114,11 @@ private:
     void ask_for_clip(const Playlist& list, int by, const ClipChoice& choice);
     void ask_for_named(std::vector<std::string> named);
     void ask_for_change(const WindowSettings& wanted);
-    void forget_wish();
+    /// No clip is asked for any more.
+    void forget_wish() {
+        wanted_list_.reset();
+        next_is_paused_.reset();
+    }
     Result<void> take_made(Result<Ready> made);
     Result<void> go_on_without_clip(const Error& why);
     void go_on_changing();

@@ -70,43 +70,11 @@ void WindowCore::set_clip(std::unique_ptr<OpenedClip> clip) {
     hand_.lead();
 }
 
-bool WindowCore::any(bool (WindowMode::*question)() const) const {
-    return std::ranges::any_of(modes_, [question](const WindowMode* mode) { return (mode->*question)(); });
-}
-
-bool WindowCore::any_button(LeftButton use) const {
-    return std::ranges::any_of(modes_, [use](const WindowMode* mode) { return mode->left_button() == use; });
-}
-
-void WindowCore::take_button(const WindowMode& mode) {
-    for (WindowMode* const other : modes_)
-        if (other != &mode) other->put_away();
-}
-
-void WindowCore::say(const Result<void>& done) {
-    if (!done) say(done.error());
-}
-
-void WindowCore::say(const Error& error) {
-    say(error.message, error.kind == ErrorKind::usage ? Tone::refusal : Tone::fault);
-}
-
-void WindowCore::say(std::string words, Tone tone, About about) {
-    if (tone == Tone::fault) note_fault(words);
-    if (tone != Tone::remark) tell(words);
-    notices.say(std::move(words), tone, time.script_s, about);
-    time.note_event();
-}
-
 void WindowCore::tell(const std::string& fault) {
     constexpr std::size_t most_told = 100;
     const bool for_visitors = is_unattended();
     const bool is_known = for_visitors && (told_.size() == most_told || !told_.insert(fault).second);
     if ((options.headless || for_visitors) && !is_known) warn_on_terminal(fault);
-}
-
-void WindowCore::note_fault(const std::string& fault) {
-    for (WindowMode* const mode : modes_) mode->note_fault(fault);
 }
 
 void WindowCore::take(const InputEvent& event) {

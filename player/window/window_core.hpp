@@ -33,13 +33,11 @@
 
 namespace touchable {
 
-class WindowCore {
+class WindowCore : NonCopyable {
 public:
     explicit WindowCore(PlayOptions wanted) : options(std::move(wanted)) {}
     /// On every exit path the hand is unpowered before anything is waited for.
     ~WindowCore() { hand_.power_off(); }
-    WindowCore(const WindowCore&) = delete;
-    WindowCore& operator=(const WindowCore&) = delete;
 
     /// Opens all parts, once, and asks for the first clip. The rest may be called only afterwards.
     Result<void> open();
@@ -73,23 +71,43 @@ public:
     PlaylistMode& playlist() { return playlist_; }
     ViewMode& view() { return view_; }
     /// Whether the answer of any mode to a question is yes.
-    bool any(bool (WindowMode::*question)() const) const;
-    bool any_button(LeftButton use) const;
+    bool any(bool (WindowMode::*question)() const) const {
+        return std::ranges::any_of(modes_,
+                                   [question](const WindowMode* mode) { return (mode->*question)(); });
+    }
+    bool any_button(LeftButton use) const {
+        return std::ranges::any_of(modes_,
+                                   [use](const WindowMode* mode) { return mode->left_button() == use; });
+    }
     bool is_unattended() const { return any(&WindowMode::is_unattended); }
     /// The left button is that mode's: the others put away what they have.
-    void take_button(const WindowMode& mode);
+    void take_button(const WindowMode& mode) {
+        for (WindowMode* const other : modes_)
+            if (other != &mode) other->put_away();
+    }
 
     // What is said: in the window, and where no person sees that, on the terminal.
-    void say(std::string words, Tone tone = Tone::remark, About about = About::window);
+    void say(std::string words, Tone tone = Tone::remark, About about = About::window) {
+        if (tone == Tone::fault) note_fault(words);
+        if (tone != Tone::remark) tell(words);
+        notices.say(std::move(words), tone, time.script_s, about);
+        time.note_event();
+    }
     /// What was refused, or went wrong.
-    void say(const Error& error);
-    void say(const Result<void>& done);
+    void say(const Error& error) {
+        say(error.message, error.kind == ErrorKind::usage ? Tone::refusal : Tone::fault);
+    }
+    void say(const Result<void>& done) {
+        if (!done) say(done.error());
+    }
     /// On the terminal: where no window is seen, and where visitors cannot mend it; there each message once.
     void tell(const std::string& fault);
     /// Whether it was said there, of a window that is unattended.
     bool is_told(const std::string& fault) const { return told_.contains(fault); }
     /// To the modes, which may keep it.
-    void note_fault(const std::string& fault);
+    void note_fault(const std::string& fault) {
+        for (WindowMode* const mode : modes_) mode->note_fault(fault);
+    }
     /// Whether this fault of a file was not yet met.
     bool is_new_fault(const Error& fault) { return file_faults_.insert(fault.message).second; }
 

@@ -54,10 +54,6 @@ Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::pa
     return made;
 }
 
-WindowFilm::~WindowFilm() {
-    stop();
-}
-
 void WindowFilm::stop() {
     {
         const std::lock_guard lock(mutex_);
@@ -95,15 +91,6 @@ void WindowFilm::add_sound(std::int64_t sample, std::span<const StereoSample> sa
     sounds_.back().samples.insert(sounds_.back().samples.end(), samples.begin(), samples.end());
     sound_waits_ += samples.size();
     if (sound_waits_ > much_sound) changed_.notify_all();
-}
-
-std::optional<Error> WindowFilm::fault() {
-    const std::lock_guard lock(mutex_);
-    return encoded_ ? std::nullopt : std::optional(encoded_.error());
-}
-
-bool WindowFilm::has_work() const {
-    return !waiting_.empty() || sound_waits_ > much_sound || (stopping_ && sound_waits_ > 0);
 }
 
 Result<void> WindowFilm::encode(const std::optional<Picture>& picture, const std::vector<Sound>& sounds) {

@@ -32,12 +32,10 @@ BackgroundWriter::Job text_file(std::filesystem::path file, std::string text, st
 
 /// A film of what the window shows, and of what is heard. Both are encoded on a thread of their own; pictures
 /// and sound that come too fast for it are left out, so that the window does not wait.
-class WindowFilm {
+class WindowFilm : NonCopyable {
 public:
     static Result<std::unique_ptr<WindowFilm>> create(const std::filesystem::path& file, Existing existing);
-    ~WindowFilm();
-    WindowFilm(const WindowFilm&) = delete;
-    WindowFilm& operator=(const WindowFilm&) = delete;
+    ~WindowFilm() { stop(); }
 
     // The window's.
     /// Whether the film has a place for a picture of this moment, and room for it; times do not go backward.
@@ -47,7 +45,10 @@ public:
     /// FilmWriter's. After the first picture; any thread.
     void add_sound(std::int64_t sample, std::span<const StereoSample> samples);
     /// Why it gets no more; nothing where it does.
-    std::optional<Error> fault();
+    std::optional<Error> fault() {
+        const std::lock_guard lock(mutex_);
+        return encoded_ ? std::nullopt : std::optional(encoded_.error());
+    }
     /// Pictures that found no room.
     std::int64_t left_out() const { return left_out_; }
     /// In the film, once it is finished.
@@ -66,7 +67,9 @@ private:
         std::vector<StereoSample> samples;
     };
     explicit WindowFilm(std::unique_ptr<FilmWriter> film) : film_(std::move(film)) {}
-    bool has_work() const;
+    bool has_work() const {
+        return !waiting_.empty() || sound_waits_ > much_sound || (stopping_ && sound_waits_ > 0);
+    }
     void encode();
     Result<void> encode(const std::optional<Picture>& picture, const std::vector<Sound>& sounds);
     void stop();

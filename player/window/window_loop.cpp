@@ -28,25 +28,235 @@ class WindowLoop {
 public:
     explicit WindowLoop(PlayOptions options) : core_(std::move(options)), options_(core_.options) {}
 
-    Result<PlayFigures> run();
+    Result<PlayFigures> run() {
+        Result<void> ended = core_.open();
+        while (ended && !stop_requested() && (!core_.quits() || has_to_stay())) ended = turn();
+        return end(std::move(ended));
+    }
 
 private:
-    Result<void> turn();
-    void take_input();
-    void take_script();
-    void go_on_with_clip();
+    /// Draws where something is to be seen, takes what has come, and does it.
+    Result<void> turn() {
+        OpenedClip* const clip = core_.clip();
+        const WatchedMoment* const moment = clip ? clip->session().look() : nullptr;
+        if (clip) core_.say(core_.playback().go_on(moment));
+        if (clip && options_.hand) core_.hand().look_after();
+        if (moment)
+            for (WindowMode* const mode : core_.modes()) mode->look(*moment);
+        TRY(core_.picture().draw_if_due(moment));
+        TRY(core_.screen().health());
+        take_input();
+        if (clip) go_on_with_clip();
+        TRY(core_.clips().go_on());
+        note_files();
+        if (options_.seconds && core_.time.script_s >= *options_.seconds) core_.quit();
+        return {};
+    }
+    /// Waits for input, and takes it; then what a script has until now, and what the panel was asked for.
+    void take_input() {
+        WindowTime& time = core_.time;
+        const OpenedClip* const clip = core_.clip();
+        // Until another frame is seen, or the first clip is open.
+        const int longest_ms =
+            (clip ? clip->session().playback().playing : core_.clips().is_opening()) ? 2 : 8;
+        const auto wait =
+            std::chrono::milliseconds(std::clamp(static_cast<int>(core_.picture().left_ms()), 1, longest_ms));
+        const std::vector<InputEvent> events = core_.screen().poll(wait);
+        time.script_s = script_clock_.at(time.now_s(), is_at_work());
+        core_.input().lift_after_sleep();
+        for (const InputEvent& event : events) core_.take(event);
+        if (time.begun && !core_.quits()) take_script();
+        // Until the clip that was asked for first is open, or cannot be, what is dropped waits.
+        if (core_.input().has_dropped() && (clip || core_.clips().waits_for_wish()))
+            core_.clips().open_others(core_.input().take_dropped());
+        if (clip && time.begun)
+            for (WindowMode* const mode : core_.modes()) mode->tick(time.now_s());
+        for (const WindowCommand& command : core_.picture().take_asked()) core_.take(command);
+    }
+    void take_script() {
+        // A first clip is opened before.
+        WindowTime& time = core_.time;
+        const double until_s = time.script_s;
+        const std::vector<ScriptedInput>& script = options_.script;
+        const auto is_next = [&](double by_s) {
+            return scripted_ < script.size() && script[scripted_].seconds <= by_s;
+        };
+        while (is_next(until_s) && !is_at_work() && (core_.clip() || !core_.clips().is_opening())) {
+            const auto& [at_s, what] = script[scripted_++];
+            time.script_s = at_s;
+            std::visit([this](const auto& input) { core_.take(input); }, what);
+            // What is dropped at one moment is one drop.
+            if (core_.input().has_dropped() && !(is_next(at_s) && drops(script[scripted_])))
+                core_.clips().open_others(core_.input().take_dropped());
+        }
+        time.script_s = until_s;
+    }
+    void go_on_with_clip() {
+        for (WindowMode* const mode : core_.modes()) mode->go_on(core_.time.now_s());
+        core_.input().go_on();
+        note_sound();
+        core_.clips().note_slow_reading();
+        if (!core_.clip()->session().running() && !core_.time.begun)
+            core_.quit();  // there will be no picture
+    }
     bool is_at_work() const { return core_.any(&WindowMode::is_at_work); }
-    bool has_to_stay();
-    void note_sound();
-    void note_files();
+    /// Whether the brush is still at what it was asked for before the window was closed. Who closes it again
+    /// does not wait. A hand has no forces by then.
+    bool has_to_stay() {
+        if (core_.leaves_at_once() || !core_.brush().brush().is_changing()) return false;
+        if (!std::exchange(is_leaving_, true)) {
+            core_.hand().power_off();
+            core_.say(
+                "the window closes once the brush has done what it was asked for; close it again to leave "
+                "now");
+        }
+        return true;
+    }
+    /// Once for each clip.
+    void note_sound() {
+        const std::string fault = core_.sound().clip_fault();
+        if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
+        if (core_.figures.sound_fault.empty()) core_.figures.sound_fault = fault;
+        core_.say(fault, Tone::fault, About::clip);
+    }
+    /// What is to be kept and no longer can be: once, as it happens. And screenshots that were written.
+    void note_files() {
+        const auto& film = core_.picture().film();
+        std::vector<Error> faults;
+        for (const auto& fault : {core_.clip() ? core_.clip()->record_fault() : std::nullopt,
+                                  core_.sound().file_fault(), film ? film->fault() : std::nullopt})
+            if (fault) faults.push_back(*fault);
+        for (const WindowMode* const mode : core_.modes())
+            for (const Error& fault : mode->faults()) faults.push_back(fault);
+        for (const Error& fault : faults)
+            if (core_.is_new_fault(fault)) core_.say(fault.message, Tone::fault);
+        for (const auto& written : core_.screenshots().take())
+            written.result ? core_.say("kept as " + std::filesystem::absolute(written.file).string())
+                           : core_.say(written.result.error().message, Tone::fault);
+    }
 
-    Result<PlayFigures> end(Result<void> ended);
-    Result<PlayFigures> end_without_clip(Result<void> ended);
-    Result<void> write_settings();
-    KeptSettings to_keep();
-    Result<void> finish_screenshots(bool is_kept, Result<void> kept);
-    Error interruption();
-    void sum_up();
+    /// Whatever ended it: what was touched, heard, filmed and answered until then is kept. The exit code is
+    /// that of `ended`; an earlier fault, which the window outlived, decides only where nothing failed in the
+    /// end. An unattended window that was interrupted was ended by that, not by a fault.
+    Result<PlayFigures> end(Result<void> ended) {
+        core_.hand().power_off();
+        for (WindowMode* const mode : core_.modes()) mode->close(ended);
+        if (!core_.clip()) return end_without_clip(std::move(ended));
+        WindowPicture& picture = core_.picture();
+        Result<void> kept;
+        const bool is_kept = ended && options_.screenshot && !stop_requested();
+        if (is_kept) {
+            ended = picture.draw_newest();
+            if (ended) kept = picture.keep(*options_.screenshot);
+        }
+        core_.clips().give_up();
+        if (auto written = write_settings(); !written)
+            warn_on_terminal("settings are not kept: " + written.error().message);
+        const Result<void> recorded = core_.clip()->finish(), heard = core_.sound().finish();
+        Result<void> results;
+        for (WindowMode* const mode : core_.modes())
+            if (auto finished = mode->finish(); !finished) results = std::move(finished);
+        sum_up();
+        PlayFigures& figures = core_.figures;
+        const auto& film = picture.film();
+        const bool is_filmed = film && (core_.time.begun || !stop_requested());
+        const Result<void> filmed = is_filmed ? film->finish(core_.time.now_s()) : Result<void>();
+        if (film) figures.film_pictures = film->pictures();
+        if (film) figures.film_left_out = film->left_out();
+        const Result<void> saved = core_.brush().save();
+        figures.materials = core_.brush().brush().unsaved_words();
+        kept = finish_screenshots(is_kept, std::move(kept));
+        const auto& failure = core_.clips().failure();
+        const bool has_failed = failure && failure->kind != ErrorKind::interrupted &&
+                                !(core_.is_unattended() && stop_requested());
+        const Result<void> failed = has_failed ? Result<void>(*failure) : Result<void>();
+        TRY(all_ok({ended, failed, recorded, heard, filmed, kept, saved, results}));
+        if (stop_requested()) return interruption();
+        return std::move(figures);
+    }
+    /// Closed while the first clip was opened, or waited for; or it cannot be opened.
+    Result<PlayFigures> end_without_clip(Result<void> ended) {
+        core_.clips().let_go();
+        const bool is_kept = ended && core_.time.begun && options_.screenshot && !stop_requested();
+        if (is_kept) {
+            ended = core_.picture().draw_opening();
+            if (ended) ended = core_.picture().keep(*options_.screenshot);
+        }
+        if (ended = finish_screenshots(is_kept, std::move(ended)); !ended) return ended.error();
+        if (stop_requested()) return interruption();
+        if (core_.clips().failure()) return *core_.clips().failure();
+        core_.figures.seconds = core_.time.now_s();
+        return std::move(core_.figures);
+    }
+    /// Waits for their disk, but not for ever.
+    Result<void> write_settings() {
+        if (!options_.settings_file) return {};
+        BackgroundWriter writer("settings", "settings");
+        writer.give({.file = *options_.settings_file,
+                     .write = [file = core_.settings_file(), kept = to_keep()](const auto&) {
+                         return file.write(kept);
+                     }});
+        writer.finish();
+        return writer.take().front().result;
+    }
+    KeptSettings to_keep() {
+        KeptSettings kept = core_.settings_file().read();
+        kept.panel = core_.picture().panel().shown;
+        if (!options_.dent) kept.dent = core_.picture().is_dented();
+        kept.fingers = core_.clip()->fingers().count();
+        kept.volume = core_.sound().volume();
+        if (!options_.filters_are_stated) {
+            const TwoSettings settings = core_.clips().wanted_settings().kept;
+            kept.a = settings.a;
+            kept.b = settings.b;
+        }
+        const ScreenSize size = core_.screen().size();
+        if (options_.size_is_stated || core_.input().fullscreen() || size.width < 1) return kept;
+        kept.width =
+            std::max(static_cast<int>(std::lround(size.width / size.scale)), SettingsFile::least_width);
+        kept.height =
+            std::max(static_cast<int>(std::lround(size.height / size.scale)), SettingsFile::least_height);
+        return kept;
+    }
+    /// `is_kept`: the one that was asked for by an option is among them, `kept` what became of it until then.
+    Result<void> finish_screenshots(bool is_kept, Result<void> kept) {
+        core_.screenshots().finish();
+        for (const auto& written : core_.screenshots().take()) {
+            if (written.result) continue;
+            if (is_kept && kept)
+                kept = written.result.error();
+            else
+                warn_on_terminal(written.result.error().message);
+        }
+        return kept;
+    }
+    /// Ended by a person's signal: what is kept of what was asked for.
+    Error interruption() {
+        std::string written, missing;
+        const auto add = [&](const std::string& name, bool is_asked_for, bool is_written) {
+            std::string& to = is_written ? written : missing;
+            if (is_asked_for) to += (to.empty() ? "" : ", ") + name;
+        };
+        const bool has_clip = core_.clip() != nullptr, has_begun = core_.time.begun.has_value();
+        add(options_.names.record, options_.record.has_value(), has_clip);
+        add(options_.names.sound, options_.sound.has_value(), has_clip);
+        add(options_.names.video, options_.video.has_value(), has_begun);
+        add(options_.names.screenshot, options_.screenshot.has_value(), false);
+        std::string words = "interrupted";
+        if (!has_begun) words += " before the first picture";
+        if (!written.empty()) words += "; written up to there: " + written;
+        if (!missing.empty()) words += "; not written: " + missing;
+        return {ErrorKind::interrupted, std::move(words)};
+    }
+    void sum_up() {
+        PlayFigures& figures = core_.figures;
+        figures.seconds = core_.time.now_s();
+        figures.window_cpu_ms = core_.time.cpu_ms();
+        figures.frames_due = core_.picture().frames_shown().due();
+        figures.frames_in_time = core_.picture().frames_shown().in_time();
+        figures.relief = relief_words(core_);
+        core_.clips().note_end();
+    }
 
     WindowCore core_;
     PlayOptions& options_;
@@ -55,242 +265,6 @@ private:
     std::string sound_fault_;
     bool is_leaving_ = false;  // while the brush is at work
 };
-
-Result<PlayFigures> WindowLoop::run() {
-    Result<void> ended = core_.open();
-    while (ended && !stop_requested() && (!core_.quits() || has_to_stay())) ended = turn();
-    return end(std::move(ended));
-}
-
-/// Draws where something is to be seen, takes what has come, and does it.
-Result<void> WindowLoop::turn() {
-    OpenedClip* const clip = core_.clip();
-    const WatchedMoment* const moment = clip ? clip->session().look() : nullptr;
-    if (clip) core_.say(core_.playback().go_on(moment));
-    if (clip && options_.hand) core_.hand().look_after();
-    if (moment)
-        for (WindowMode* const mode : core_.modes()) mode->look(*moment);
-    TRY(core_.picture().draw_if_due(moment));
-    TRY(core_.screen().health());
-    take_input();
-    if (clip) go_on_with_clip();
-    TRY(core_.clips().go_on());
-    note_files();
-    if (options_.seconds && core_.time.script_s >= *options_.seconds) core_.quit();
-    return {};
-}
-
-/// Waits for input, and takes it; then what a script has until now, and what the panel was asked for.
-void WindowLoop::take_input() {
-    WindowTime& time = core_.time;
-    const OpenedClip* const clip = core_.clip();
-    // Until another frame is seen, or the first clip is open.
-    const int longest_ms = (clip ? clip->session().playback().playing : core_.clips().is_opening()) ? 2 : 8;
-    const auto wait =
-        std::chrono::milliseconds(std::clamp(static_cast<int>(core_.picture().left_ms()), 1, longest_ms));
-    const std::vector<InputEvent> events = core_.screen().poll(wait);
-    time.script_s = script_clock_.at(time.now_s(), is_at_work());
-    core_.input().lift_after_sleep();
-    for (const InputEvent& event : events) core_.take(event);
-    if (time.begun && !core_.quits()) take_script();
-    // Until the clip that was asked for first is open, or cannot be, what is dropped waits.
-    if (core_.input().has_dropped() && (clip || core_.clips().waits_for_wish()))
-        core_.clips().open_others(core_.input().take_dropped());
-    if (clip && time.begun)
-        for (WindowMode* const mode : core_.modes()) mode->tick(time.now_s());
-    for (const WindowCommand& command : core_.picture().take_asked()) core_.take(command);
-}
-
-void WindowLoop::take_script() {
-    // A first clip is opened before.
-    WindowTime& time = core_.time;
-    const double until_s = time.script_s;
-    const std::vector<ScriptedInput>& script = options_.script;
-    const auto is_next = [&](double by_s) {
-        return scripted_ < script.size() && script[scripted_].seconds <= by_s;
-    };
-    while (is_next(until_s) && !is_at_work() && (core_.clip() || !core_.clips().is_opening())) {
-        const auto& [at_s, what] = script[scripted_++];
-        time.script_s = at_s;
-        std::visit([this](const auto& input) { core_.take(input); }, what);
-        // What is dropped at one moment is one drop.
-        if (core_.input().has_dropped() && !(is_next(at_s) && drops(script[scripted_])))
-            core_.clips().open_others(core_.input().take_dropped());
-    }
-    time.script_s = until_s;
-}
-
-void WindowLoop::go_on_with_clip() {
-    for (WindowMode* const mode : core_.modes()) mode->go_on(core_.time.now_s());
-    core_.input().go_on();
-    note_sound();
-    core_.clips().note_slow_reading();
-    if (!core_.clip()->session().running() && !core_.time.begun) core_.quit();  // there will be no picture
-}
-
-/// Whether the brush is still at what it was asked for before the window was closed. Who closes it again does
-/// not wait. A hand has no forces by then.
-bool WindowLoop::has_to_stay() {
-    if (core_.leaves_at_once() || !core_.brush().brush().is_changing()) return false;
-    if (!std::exchange(is_leaving_, true)) {
-        core_.hand().power_off();
-        core_.say(
-            "the window closes once the brush has done what it was asked for; close it again to leave now");
-    }
-    return true;
-}
-
-/// Once for each clip.
-void WindowLoop::note_sound() {
-    const std::string fault = core_.sound().clip_fault();
-    if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
-    if (core_.figures.sound_fault.empty()) core_.figures.sound_fault = fault;
-    core_.say(fault, Tone::fault, About::clip);
-}
-
-/// What is to be kept and no longer can be: once, as it happens. And screenshots that were written.
-void WindowLoop::note_files() {
-    const auto& film = core_.picture().film();
-    std::vector<Error> faults;
-    for (const auto& fault : {core_.clip() ? core_.clip()->record_fault() : std::nullopt,
-                              core_.sound().file_fault(), film ? film->fault() : std::nullopt})
-        if (fault) faults.push_back(*fault);
-    for (const WindowMode* const mode : core_.modes())
-        for (const Error& fault : mode->faults()) faults.push_back(fault);
-    for (const Error& fault : faults)
-        if (core_.is_new_fault(fault)) core_.say(fault.message, Tone::fault);
-    for (const auto& written : core_.screenshots().take())
-        written.result ? core_.say("kept as " + std::filesystem::absolute(written.file).string())
-                       : core_.say(written.result.error().message, Tone::fault);
-}
-
-/// Whatever ended it: what was touched, heard, filmed and answered until then is kept. The exit code is that
-/// of `ended`; an earlier fault, which the window outlived, decides only where nothing failed in the end. An
-/// unattended window that was interrupted was ended by that, not by a fault.
-Result<PlayFigures> WindowLoop::end(Result<void> ended) {
-    core_.hand().power_off();
-    for (WindowMode* const mode : core_.modes()) mode->close(ended);
-    if (!core_.clip()) return end_without_clip(std::move(ended));
-    WindowPicture& picture = core_.picture();
-    Result<void> kept;
-    const bool is_kept = ended && options_.screenshot && !stop_requested();
-    if (is_kept) {
-        ended = picture.draw_newest();
-        if (ended) kept = picture.keep(*options_.screenshot);
-    }
-    core_.clips().give_up();
-    if (auto written = write_settings(); !written)
-        warn_on_terminal("settings are not kept: " + written.error().message);
-    const Result<void> recorded = core_.clip()->finish(), heard = core_.sound().finish();
-    Result<void> results;
-    for (WindowMode* const mode : core_.modes())
-        if (auto finished = mode->finish(); !finished) results = std::move(finished);
-    sum_up();
-    PlayFigures& figures = core_.figures;
-    const auto& film = picture.film();
-    const bool is_filmed = film && (core_.time.begun || !stop_requested());
-    const Result<void> filmed = is_filmed ? film->finish(core_.time.now_s()) : Result<void>();
-    if (film) figures.film_pictures = film->pictures();
-    if (film) figures.film_left_out = film->left_out();
-    const Result<void> saved = core_.brush().save();
-    figures.materials = core_.brush().brush().unsaved_words();
-    kept = finish_screenshots(is_kept, std::move(kept));
-    const auto& failure = core_.clips().failure();
-    const bool has_failed =
-        failure && failure->kind != ErrorKind::interrupted && !(core_.is_unattended() && stop_requested());
-    const Result<void> failed = has_failed ? Result<void>(*failure) : Result<void>();
-    TRY(all_ok({ended, failed, recorded, heard, filmed, kept, saved, results}));
-    if (stop_requested()) return interruption();
-    return std::move(figures);
-}
-
-/// Closed while the first clip was opened, or waited for; or it cannot be opened.
-Result<PlayFigures> WindowLoop::end_without_clip(Result<void> ended) {
-    core_.clips().let_go();
-    const bool is_kept = ended && core_.time.begun && options_.screenshot && !stop_requested();
-    if (is_kept) {
-        ended = core_.picture().draw_opening();
-        if (ended) ended = core_.picture().keep(*options_.screenshot);
-    }
-    if (ended = finish_screenshots(is_kept, std::move(ended)); !ended) return ended.error();
-    if (stop_requested()) return interruption();
-    if (core_.clips().failure()) return *core_.clips().failure();
-    core_.figures.seconds = core_.time.now_s();
-    return std::move(core_.figures);
-}
-
-/// Waits for their disk, but not for ever.
-Result<void> WindowLoop::write_settings() {
-    if (!options_.settings_file) return {};
-    BackgroundWriter writer("settings", "settings");
-    writer.give({.file = *options_.settings_file,
-                 .write = [file = core_.settings_file(), kept = to_keep()](const auto&) {
-                     return file.write(kept);
-                 }});
-    writer.finish();
-    return writer.take().front().result;
-}
-
-KeptSettings WindowLoop::to_keep() {
-    KeptSettings kept = core_.settings_file().read();
-    kept.panel = core_.picture().panel().shown;
-    if (!options_.dent) kept.dent = core_.picture().is_dented();
-    kept.fingers = core_.clip()->fingers().count();
-    kept.volume = core_.sound().volume();
-    if (!options_.filters_are_stated) {
-        const TwoSettings settings = core_.clips().wanted_settings().kept;
-        kept.a = settings.a;
-        kept.b = settings.b;
-    }
-    const ScreenSize size = core_.screen().size();
-    if (options_.size_is_stated || core_.input().fullscreen() || size.width < 1) return kept;
-    kept.width = std::max(static_cast<int>(std::lround(size.width / size.scale)), SettingsFile::least_width);
-    kept.height =
-        std::max(static_cast<int>(std::lround(size.height / size.scale)), SettingsFile::least_height);
-    return kept;
-}
-
-/// `is_kept`: the one that was asked for by an option is among them, `kept` what became of it until then.
-Result<void> WindowLoop::finish_screenshots(bool is_kept, Result<void> kept) {
-    core_.screenshots().finish();
-    for (const auto& written : core_.screenshots().take()) {
-        if (written.result) continue;
-        if (is_kept && kept)
-            kept = written.result.error();
-        else
-            warn_on_terminal(written.result.error().message);
-    }
-    return kept;
-}
-
-/// Ended by a person's signal: what is kept of what was asked for.
-Error WindowLoop::interruption() {
-    std::string written, missing;
-    const auto add = [&](const std::string& name, bool is_asked_for, bool is_written) {
-        std::string& to = is_written ? written : missing;
-        if (is_asked_for) to += (to.empty() ? "" : ", ") + name;
-    };
-    const bool has_clip = core_.clip() != nullptr, has_begun = core_.time.begun.has_value();
-    add(options_.names.record, options_.record.has_value(), has_clip);
-    add(options_.names.sound, options_.sound.has_value(), has_clip);
-    add(options_.names.video, options_.video.has_value(), has_begun);
-    add(options_.names.screenshot, options_.screenshot.has_value(), false);
-    std::string words = "interrupted";
-    if (!has_begun) words += " before the first picture";
-    if (!written.empty()) words += "; written up to there: " + written;
-    if (!missing.empty()) words += "; not written: " + missing;
-    return {ErrorKind::interrupted, std::move(words)};
-}
-
-void WindowLoop::sum_up() {
-    PlayFigures& figures = core_.figures;
-    figures.seconds = core_.time.now_s();
-    figures.window_cpu_ms = core_.time.cpu_ms();
-    figures.frames_due = core_.picture().frames_shown().due();
-    figures.frames_in_time = core_.picture().frames_shown().in_time();
-    figures.relief = relief_words(core_);
-    core_.clips().note_end();
-}
 
 }  // namespace
 

@@ -39,11 +39,9 @@ enum class LeftButton {
     turns_view,  ///< as the middle button does
 };
 
-class WindowMode {
+class WindowMode : NonCopyable {
 public:
     explicit WindowMode(WindowCore& core) : core_(core) {}
-    WindowMode(const WindowMode&) = delete;
-    WindowMode& operator=(const WindowMode&) = delete;
     virtual ~WindowMode() = default;
 
     // What comes. Whether the mode takes it, and it goes no further.

@@ -206,18 +206,9 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
     ImGui::End();
 }
 
-bool WindowPanel::covers(double x, double y) const {
-    return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) { return box.has(x, y); });
-}
-
 WindowPanel::Box WindowPanel::note_box() {
     const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
     return boxes_.emplace_back(Box{at.x, at.y, at.x + size.x, at.y + size.y});
-}
-
-/// Beside what is set in the panel; and at the end, where it is what goes on.
-bool WindowPanel::wants_bar(const PanelFacts& facts) const {
-    return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {

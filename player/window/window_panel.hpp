@@ -95,7 +95,9 @@ public:
     /// The same without a clip: what is said, and what may be dropped.
     void draw_without_clip(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
     /// Whether something that can be pressed was there in the last picture.
-    bool covers(double x, double y) const;
+    bool covers(double x, double y) const {
+        return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) { return box.has(x, y); });
+    }
     /// Whether the bar is, or would be, there.
     bool is_bar(double x, double y) const { return bar_box_.has(x, y); }
     /// Once a picture, whether it is drawn or not.
@@ -127,7 +129,10 @@ private:
         }
     };
     Box note_box();
-    bool wants_bar(const PanelFacts& facts) const;
+    /// Beside what is set in the panel; and at the end, where it is what goes on.
+    bool wants_bar(const PanelFacts& facts) const {
+        return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
+    }
 
     float scale_;
     std::vector<Box> boxes_;  // of what can be pressed

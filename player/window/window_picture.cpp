@@ -251,21 +251,12 @@ void WindowPicture::begin_clip(bool goes_on) {
     forget_session();
 }
 
-void WindowPicture::forget_session() {
-    surface_.forget();
-    frames_shown_.forget();
-}
-
 Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto now = Clock::now();
     if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
     if (!is_due(moment, now)) return {};
     const auto drawn = draw_what_is_there(moment);
     return drawn ? drawn : open_graphics_anew(drawn.error());
-}
-
-double WindowPicture::left_ms() const {
-    return pause_ms() - 1000 * Clock::seconds_between(last_picture_, Clock::now());
 }
 
 /// Another frame of the clip is drawn at once. Of the one that is seen nothing is drawn again where nothing
@@ -288,11 +279,11 @@ bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) c
            seen_.differs(*moment, clip->shown(), clip->sizes().finger_radius / 50);
 }
 
+/// From one of the clip's frames to the next, as it is played.
 double WindowPicture::pause_ms() const {
     return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
 
-/// From one of the clip's frames to the next, as it is played.
 double WindowPicture::frame_ms() const {
     const OpenedClip& clip = *core_.clip();
     const auto rate = static_cast<double>(clip.session().playback().rate) / 1000;

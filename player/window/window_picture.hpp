@@ -40,7 +40,7 @@ public:
     Result<void> draw_newest();
     Result<void> draw_opening();
     /// For how long no picture is due where nothing comes, ms.
-    double left_ms() const;
+    double left_ms() const { return pause_ms() - 1000 * Clock::seconds_between(last_picture_, Clock::now()); }
     /// Keeps what was drawn last as a file.
     Result<void> keep(const std::filesystem::path& name);
     /// What a person asked the panel for.
@@ -62,7 +62,10 @@ public:
     /// `goes_on`: with the colours of the clip before.
     void begin_clip(bool goes_on);
     /// Another session of the clip comes.
-    void forget_session();
+    void forget_session() {
+        surface_.forget();
+        frames_shown_.forget();
+    }
     const FramesShown& frames_shown() const { return frames_shown_; }
 
 private:

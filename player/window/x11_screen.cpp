@@ -138,7 +138,7 @@ Result<std::unique_ptr<TouchScreen>> TouchScreen::open(unsigned long window) {
 }
 #else
 Result<std::unique_ptr<TouchScreen>> TouchScreen::open(unsigned long) {
-    return Error{ErrorKind::device, "built without it (XInput2: libxi-dev)"};
+    return device_error("built without it (XInput2: libxi-dev)");
 }
 #endif
 
