@@ -291,8 +291,7 @@ Result<void> run_check(const CheckOptions& options) {
 void add_check_command(CLI::App& app, Command& command) {
     auto* check = app.add_subcommand("check",
                                      "say what this machine is, whether it can (--size 1920x1080 --fingers 5 "
-                                     "--rate 30), or what a --device "
-                                     "does");
+                                     "--rate 30), or what a --device does");
     auto words = std::make_shared<CheckWords>();
     check->add_flag("--json", words->options.json, "the same as JSON");
     const std::vector<CLI::Option*> question{

@@ -135,8 +135,7 @@ private:
             add("times",
                 frames(times.jumps, "is", "are") +
                     " dated before the one before, at once with it, or within a quarter of the usual time "
-                    "after "
-                    "it: the surface jumps there",
+                    "after it: the surface jumps there",
                 "times that ascend evenly: those of a folder are in its list of times (docs/scene_file.md)");
         if (times.missing > 0)
             add("missing",
@@ -172,10 +171,9 @@ private:
             "the depth of whole pictures goes to and fro by " + per_cent(share) + " from frame to frame, " +
                 number(mm(share * facts_.measured->median)) + " mm at " +
                 number(mm(facts_.measured->median) / 1000) + " m: a finger at rest feels a pulse",
-            may_be_aligned
-                ? "touchable convert " + clip() + " OUT.mkv --align on"
-                : "frames that are of one place and one scale; depth of a network that is none in metres is "
-                  "aligned where it is opened with --preset relative-inverse");
+            may_be_aligned ? "touchable convert " + clip() + " OUT.mkv --align on"
+                           : "frames that are of one place and one scale; depth of a network that is none in "
+                             "metres is aligned where it is opened with --preset relative-inverse");
     }
     /// Filters that measurement would choose, and that are off.
     void look_at_filters() {
@@ -225,13 +223,12 @@ private:
         const char* colour_camera =
             "a scene file that says where the colour camera stands: colour_camera (docs/scene_file.md)";
         if (!fit.agrees())
-            return add(
-                "registration",
-                "colour's edges do not lie at depth's: only " + per_cent(fit.agreement) + " of " +
-                    std::to_string(fit.edges) +
-                    " agree on a place, so colour lies far beside depth, or is of something else: a finger "
-                    "touches something else than it seems to touch",
-                colour_camera, where);
+            return add("registration",
+                       "colour's edges do not lie at depth's: only " + per_cent(fit.agreement) + " of " +
+                           std::to_string(fit.edges) +
+                           " agree on a place, so colour lies far beside depth, or is of something else: a "
+                           "finger touches something else than it seems to touch",
+                       colour_camera, where);
         if (std::max(std::abs(right), std::abs(below)) >= 1.5)
             add("registration",
                 "colour is not where depth is: " + number(std::abs(right)) + " pixels to the " +
@@ -249,8 +246,7 @@ private:
                           " pixels before their colour does: their colour bleeds onto what is behind them",
                 "touchable relief " + clip() +
                     " OUT.mkv leaves two pixels at rims without relief; depth made at colour's size has less "
-                    "of "
-                    "it",
+                    "of it",
                 where);
     }
     void look_at_haptic() {

@@ -32,10 +32,9 @@ Result<std::optional<SourceDescription>> with_likely_pixels(SourceDescription kn
     message += "': fx is ";
     message += short_number(fx);
     message += " and fy " + short_number(fy);
-    return usage_error(
-        message +
-        ", one more than twice the other, as of no camera; right would be FX,FY or FX,FY,CX,CY "
-        "in pixels, with a decimal point, such as 525.5,525.5");
+    return usage_error(message +
+                       ", one more than twice the other, as of no camera; right would be FX,FY or "
+                       "FX,FY,CX,CY in pixels, with a decimal point, such as 525.5,525.5");
 }
 
 /// The name of a part of `--filters`.
@@ -121,10 +120,9 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
         !std::filesystem::exists(*typed.intrinsics, ignored))
         return input_error(printable(*typed.intrinsics) + ": does not exist: must be a file of the camera");
     if (!std::filesystem::exists(*typed.intrinsics, ignored))
-        return usage_error(
-            "--intrinsics '" + printable(*typed.intrinsics) +
-            "' is not allowed; must be FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a file "
-            "of the camera");
+        return usage_error("--intrinsics '" + printable(*typed.intrinsics) +
+                           "' is not allowed; must be FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a "
+                           "file of the camera");
     TRY_ASSIGN(known.intrinsics, read_intrinsics(*typed.intrinsics));
     known.file = *typed.intrinsics;
     return with_likely_pixels(std::move(known), *typed.intrinsics);
@@ -149,10 +147,9 @@ Result<FiltersChoice> read_filters(const std::string& typed) {
 }
 
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
-    auto* clip = add_file_option(
-        sub, "CLIP", typed.choice.file,
-        "a clip, a folder of images, a depth picture, a scene file, or the address of a stream "
-        "or a clip (tcp://, http://, srt://, udp://, -)");
+    auto* clip = add_file_option(sub, "CLIP", typed.choice.file,
+                                 "a clip, a folder of images, a depth picture, a scene file, or the address "
+                                 "of a stream or a clip (tcp://, http://, srt://, udp://, -)");
     add_file_option(sub, "--scene", typed.choice.scene_file,
                     "scene file that describes the clip instead of its own");
     add_file_option(sub, "--haptic", typed.choice.maps.haptic,
@@ -160,21 +157,18 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
                     "grey: stiffness), X3D or glTF");
     add_file_option(sub, "--height", typed.choice.maps.height,
                     "map of heights for all frames, instead of the clip's: a picture in grey");
-    add_word_option(
-        sub, "--align", typed.choice.alignment,
-        "depth without a scale, as networks guess it, to one scale for all frames: off, on, or auto "
-        "(of pictures and videos that came without one, where it pumps)",
-        {"auto", "on", "off"});
+    add_word_option(sub, "--align", typed.choice.alignment,
+                    "depth without a scale, as networks guess it, to one scale for all frames: off, on, or "
+                    "auto (of pictures and videos that came without one, where it pumps)",
+                    {"auto", "on", "off"});
     add_word_option(sub, "--fill-from-motion", typed.choice.fill_from_motion,
                     "of a clip whose camera stands still: fill holes of depth from frames that saw what is "
-                    "behind: off or "
-                    "on",
+                    "behind: off or on",
                     {"off", "on"});
-    add_number_option(
-        sub, "--least-confidence", typed.camera.least_confidence,
-        "of a .npz with an array conf beside depth: what is below it is no depth; otherwise half of the "
-        "median of frame 0",
-        -1e9, 1e9)
+    add_number_option(sub, "--least-confidence", typed.camera.least_confidence,
+                      "of a .npz with an array conf beside depth: what is below it is no depth; otherwise "
+                      "half of the median of frame 0",
+                      -1e9, 1e9)
         ->type_name("C");
     return clip;
 }
@@ -217,12 +211,10 @@ Result<ClipChoice> read_clip(const ClipTyped& typed) {
 }
 
 void add_live_camera_option(CLI::App& sub, SessionOptions& session) {
-    sub.add_option(
-        "--camera", session.camera,
-        "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; pipe:CMD or "
-        "tcp://HOST:PORT, a program that sends framesets; stream:ADDRESS, as CLIP may be; or "
-        "replay:PATH[,key=value,...], a recording that "
-        "behaves like one (docs/camera.md)");
+    sub.add_option("--camera", session.camera,
+                   "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; "
+                   "pipe:CMD or tcp://HOST:PORT, a program that sends framesets; stream:ADDRESS, as CLIP may "
+                   "be; or replay:PATH[,key=value,...], a recording that behaves like one (docs/camera.md)");
 }
 
 void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {

@@ -59,8 +59,7 @@ void print_noise(const ForceComparison& c) {
     if (c.noise_windows == 0) {
         std::cout << formatted(
             "  noise        not known: the runs never touch at once for %zu ms; a hand that stays in contact "
-            "helps "
-            "(press, or wander with glide=1000)\n",
+            "helps (press, or wander with glide=1000)\n",
             ForceComparison::noise_window);
         return;
     }

@@ -47,10 +47,9 @@ Result<ClipMoment> read_moment(const std::string& option, std::string_view text)
 /// "X,Y,WxH".
 Result<ClipPart::Crop> read_crop(const std::string& text) {
     const auto refused = [&] {
-        return usage_error(
-            "--crop '" + printable(text) +
-            "' is no part of a picture; right would be X,Y,WxH: the column and row that it begins "
-            "with, from 0, and its size, such as 100,50,320x240");
+        return usage_error("--crop '" + printable(text) +
+                           "' is no part of a picture; right would be X,Y,WxH: the column and row that it "
+                           "begins with, from 0, and its size, such as 100,50,320x240");
     };
     const std::string_view view = text;
     const std::size_t first = view.find(','), second = view.find(',', first + 1);
@@ -71,10 +70,9 @@ Result<ClipForm> read_form(const fs::path& out) {
     if (ending == ".gltf") return ClipForm::gltf;
     std::error_code ignored;
     if (ending.empty() || fs::is_directory(out, ignored)) return ClipForm::folder;
-    return usage_error(
-        "OUT '" + printable(out.string()) +
-        "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, NAME.bt, or the "
-        "name of a folder, which ends in / if it has a dot");
+    return usage_error("OUT '" + printable(out.string()) +
+                       "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, "
+                       "NAME.bt, or the name of a folder, which ends in / if it has a dot");
 }
 
 /// An option that would do nothing is refused.
@@ -222,12 +220,12 @@ void add_convert_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<ConvertTyped>();
     ConvertOptions& options = typed->options;
     add_clip_options(*sub, typed->clip)->required();
-    add_file_option(*sub, "OUT", options.out,
-                    "NAME.mkv: a clip; NAME.mp4: the same as MPEG-4 has it; NAME.gltf: a glTF scene beside "
-                    "its NAME.mp4, which any glTF viewer shows; a name without a dot, or that "
-                    "ends in /: a folder of pictures that opens as it "
-                    "is; NAME.png: a depth picture, with its scene file NAME.json; NAME.bt: one frame as the "
-                    "paper sends a static scene, a text beside its pictures")
+    add_file_option(
+        *sub, "OUT", options.out,
+        "NAME.mkv: a clip; NAME.mp4: the same as MPEG-4 has it; NAME.gltf: a glTF scene beside its NAME.mp4, "
+        "which any glTF viewer shows; a name without a dot, or that ends in /: a folder of pictures that "
+        "opens as it is; NAME.png: a depth picture, with its scene file NAME.json; NAME.bt: one frame as the "
+        "paper sends a static scene, a text beside its pictures")
         ->required();
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, options.existing);
@@ -236,8 +234,7 @@ void add_convert_command(CLI::App& app, Command& command) {
                                      {"fast", "small"});
     typed->exact_colour =
         sub->add_flag("--exact-colour", options.storage.exact_colour,
-                      "of a clip: colour keeps every value too; otherwise it is as good as the "
-                      "eye can tell");
+                      "of a clip: colour keeps every value too; otherwise it is as good as the eye can tell");
     typed->fragmented = add_fragmented_option(*sub, options.storage);
     sub->add_flag("--still", options.still,
                   "of NAME.mp4: one frame as the paper's static scene, whose pictures are PNG");
@@ -251,15 +248,13 @@ void add_convert_command(CLI::App& app, Command& command) {
             ->type_name("N");
     sub->add_option("--crop", typed->crop, "only these pixels: first column and row, and size")
         ->type_name("X,Y,WxH");
-    sub->add_option(
-           "--size", typed->size,
-           "pictures of this size, after --crop: of depth, haptic and height the nearest samples, of "
-           "colour the mean. Needs --allow-lossy")
+    sub->add_option("--size", typed->size,
+                    "pictures of this size, after --crop: of depth, haptic and height the nearest samples, "
+                    "of colour the mean. Needs --allow-lossy")
         ->type_name("WxH");
     sub->add_flag(
         "--allow-lossy", options.allow_lossy,
-        "values of what is touched may change; the report says by how much, and what that does to the "
-        "force");
+        "values of what is touched may change; the report says by how much, and what that does to the force");
     sub->callback([typed, &command] {
         command = [typed]() -> Result<void> {
             TRY_ASSIGN(const auto chosen, read_words(*typed));

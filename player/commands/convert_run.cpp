@@ -102,8 +102,8 @@ std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, b
 std::string forces_in_words(const ForceComparison& forces) {
     if (forces.both == 0) return "a standard stroke never touches both: what it feels cannot be compared";
     return formatted(
-        "on a standard stroke %.2g degrees off on average, 95 %% at most %.2g; %.2g N, at most %.2g "
-        "of %.2g N (mean)",
+        "on a standard stroke %.2g degrees off on average, 95 %% at most %.2g; %.2g N, at most %.2g of %.2g "
+        "N (mean)",
         forces.direction_degrees.mean, forces.direction_degrees.p95, forces.difference_n.mean,
         forces.difference_n.max, forces.mean_a_n);
 }
@@ -139,8 +139,7 @@ std::string files_of_scene(const ConvertOptions& options, const Converted& done)
 std::string beside_lerobot_video(const ConvertOptions& options) {
     return lerobot_info_file(options.out).string() +
            " says what its codes are, for the features of a data set's meta/info.json; colour, haptic, "
-           "height "
-           "and sound are not in it";
+           "height and sound are not in it";
 }
 
 namespace fs = std::filesystem;
@@ -372,8 +371,7 @@ private:
         if (drops_touch && !options_.allow_lossy)
             return usage_error(
                 "--lerobot leaves out haptic and height pictures, which LeRobot has no room for; say "
-                "--allow-lossy "
-                "as well");
+                "--allow-lossy as well");
         if (const double far = codes_ ? codes_->scene().depth.far * codes_->scene().metres_per_unit : 0;
             !(far < lerobot_horizon))
             return usage_error("--lerobot: depth may be " + short_number(far) +

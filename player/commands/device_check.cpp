@@ -266,11 +266,10 @@ Result<void> watch(const MeasuredDevice& measured, int seconds, DeviceReport& re
 /// Whether a person at the terminal presses Enter, and nothing else before it.
 bool says_yes() {
     tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before is no answer
-    std::cerr
-        << "Take your hand off the handle, and leave it where it stays by itself. Then Enter: springs of up "
-           "to 1.5 N look\nfor the largest stiffness (a minute or less; Ctrl-C ends it at once). n and Enter "
-           "leaves that out. "
-        << std::flush;
+    std::cerr << "Take your hand off the handle, and leave it where it stays by itself. Then Enter: springs "
+                 "of up to 1.5 N look\nfor the largest stiffness (a minute or less; Ctrl-C ends it at once). "
+                 "n and Enter leaves that out. "
+              << std::flush;
     char line[64];
     return wait_unless_stopped(STDIN_FILENO, POLLIN) && read(STDIN_FILENO, line, sizeof line) > 0 &&
            line[0] == '\n';

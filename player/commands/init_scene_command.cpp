@@ -68,10 +68,9 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
 }  // namespace
 
 void add_init_scene_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand(
-        "init-scene",
-        "write the scene file of pictures, a video or a recording without one, guesses marked; or "
-        "that of a packed clip, to change it");
+    auto* sub = app.add_subcommand("init-scene",
+                                   "write the scene file of pictures, a video or a recording without one, "
+                                   "guesses marked; or that of a packed clip, to change it");
     auto options = std::make_shared<InitSceneOptions>();
     add_file_option(*sub, "PICTURES", options->pictures,
                     "a folder of pictures, a picture or video of depth, a .bag, or a packed clip")

@@ -124,22 +124,19 @@ void add_globe_options(CLI::App& make, GlobeWords& words) {
     add_file_option(make, "--mask", maps.mask,
                     "globe of maps: land and ocean, black and white or white and black (default: ocean is "
                     "where elevation is least, or up to --sea-level)");
-    add_file_option(
-        make, "--haptic", maps.haptic,
-        "globe of maps: RGB, the codes of stiffness (0.1 to 2 N/mm), static and dynamic friction (0 "
-        "to 1), in place of land and ocean");
-    add_number_option(
-        make, "--sea-level", maps.sea_level,
-        "globe of maps: value of the elevation map up to which it is sea (default: where the mask "
-        "says so; without a mask the least value)");
+    add_file_option(make, "--haptic", maps.haptic,
+                    "globe of maps: RGB, the codes of stiffness (0.1 to 2 N/mm), static and dynamic friction "
+                    "(0 to 1), in place of land and ocean");
+    add_number_option(make, "--sea-level", maps.sea_level,
+                      "globe of maps: value of the elevation map up to which it is sea (default: where the "
+                      "mask says so; without a mask the least value)");
     add_number_option(make, "--relief", maps.relief_percent,
                       "globe of maps: how far the highest place rises, percent of the radius (default 3)",
                       0.01, 10);
-    add_number_option(
-        make, "--smoothing", maps.smoothing_degrees,
-        "globe of maps: mountains narrower than some degrees are in the height plane, wider ones in "
-        "the depth (default 1; 0: all in the depth)",
-        0, 10);
+    add_number_option(make, "--smoothing", maps.smoothing_degrees,
+                      "globe of maps: mountains narrower than some degrees are in the height plane, wider "
+                      "ones in the depth (default 1; 0: all in the depth)",
+                      0, 10);
     add_number_option(make, "--turn", words.seconds_per_turn, "globe: seconds for a turn (default 12)", 0.1,
                       1e9);
     add_number_option(make, "--axial-tilt", words.axial_tilt,
@@ -343,10 +340,9 @@ void add_make_command(CLI::App& app, Command& command) {
         ->capture_default_str();
     add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16", 8, 16)
         ->capture_default_str();
-    make->add_option(
-            "--archive", words->archive,
-            "fast: decodes quickest; small: fewest bytes. Both keep every value of depth, haptic and "
-            "height (docs/codecs.md)")
+    make->add_option("--archive", words->archive,
+                     "fast: decodes quickest; small: fewest bytes. Both keep every value of depth, haptic "
+                     "and height (docs/codecs.md)")
         ->capture_default_str();
     make->add_flag("--exact-colour", words->options.storage.exact_colour,
                    "colour keeps every value too; otherwise it is as good as the eye can tell");

@@ -168,8 +168,7 @@ private:
         std::cout << report_in_words(*report_, scene_, !options_.materials.names.cuts.empty());
         if (options_.materials.scale_relief && had_haptic_)
             std::cout << "  note: CLIP has haptic pictures already: where --scale-relief made them with its "
-                         "heights, "
-                         "these are scaled twice now\n";
+                         "heights, these are scaled twice now\n";
         return {};
     }
 
@@ -178,10 +177,9 @@ private:
         TRY_ASSIGN(auto clip, options_.clip.open());
         TRY(check_places(*clip));
         if (!options_.out.empty() && !options_.frame && clip->frame_count() != 1)
-            return usage_error(
-                "OUT " + options_.out.string() +
-                " is a map of one frame, but the clip has more: --frame says which one; NAME.mkv "
-                "holds them all");
+            return usage_error("OUT " + options_.out.string() +
+                               " is a map of one frame, but the clip has more: --frame says which one; "
+                               "NAME.mkv holds them all");
         scene_ = clip->scene();
         MaterialSettings settings = options_.materials;
         if (!options_.out.empty()) settings.ranges = scene_.haptic;
@@ -253,10 +251,9 @@ struct MaterialsTyped {
 Result<PixelOfFrame> read_place(const std::string& text) {
     auto place = read_pixel_of_frame(text);
     if (!place)
-        return usage_error(
-            "--at " + in_quotes(text) +
-            " is no pixel; right would be X,Y or X,Y,FRAME: its column, its row and its frame, "
-            "from 0, such as 120,80 or 120,80,45");
+        return usage_error("--at " + in_quotes(text) +
+                           " is no pixel; right would be X,Y or X,Y,FRAME: its column, its row and its "
+                           "frame, from 0, such as 120,80 or 120,80,45");
     place->frame = std::max<std::int64_t>(place->frame, 0);
     return *place;
 }
@@ -322,8 +319,7 @@ Result<void> check_words(const MaterialsTyped& typed, const MaterialsOptions& op
     if (typed.clip.choice.maps.haptic)
         return usage_error(
             "--haptic does nothing here: materials make haptic pictures of their own; touchable convert lays "
-            "a "
-            "map under a clip");
+            "a map under a clip");
     return {};
 }
 
@@ -342,13 +338,12 @@ Result<void> print_palette() {
                                material.static_friction, material.dynamic_friction, material.relief)
                   << "stiffness: " << material.stiffness_source << "; friction: " << material.friction_source
                   << '\n';
-    std::cout
-        << "As stiff as the device can: " << as_stiff_as_the_device
-        << " N/mm, and what a device renders less of is limited to what it does.\n"
-           "HaTT: medians of the kinetic friction of a tool's tip, Culbertson, Lopez Delgado and "
-           "Kuchenbecker, IEEE Haptics Symposium 2014. Zhang and Mak: In vivo friction properties of human "
-           "skin, Prosthetics and Orthotics International 23, 1999.\n"
-           "Static friction, four thirds of the dynamic one, and relief are estimates.\n";
+    std::cout << "As stiff as the device can: " << as_stiff_as_the_device
+              << " N/mm, and what a device renders less of is limited to what it does.\n"
+                 "HaTT: medians of the kinetic friction of a tool's tip, Culbertson, Lopez Delgado and "
+                 "Kuchenbecker, IEEE Haptics Symposium 2014. Zhang and Mak: In vivo friction properties of "
+                 "human skin, Prosthetics and Orthotics International 23, 1999.\n"
+                 "Static friction, four thirds of the dynamic one, and relief are estimates.\n";
     return {};
 }
 
@@ -383,8 +378,7 @@ Result<void> run_typed(const MaterialsTyped& typed) {
     if (typed.many.rest.empty()) return run_one(typed, first, {});
     if (typed.many.is_for_several() && !typed.options.save.empty())
         return usage_error(
-            "--save is one file, for one clip; FOLDER/ is for several: right would be CLIP "
-            "NAME.mkv");
+            "--save is one file, for one clip; FOLDER/ is for several: right would be CLIP NAME.mkv");
     return typed.many.for_each(first, typed.options.existing, [&typed](const auto& clip, const auto& out) {
         return run_one(typed, clip, out);
     });

@@ -14,9 +14,8 @@ namespace touchable {
 namespace {
 
 constexpr const char* right_frame =
-    "16 numbers, row by row, of a rotation and a translation in metres that take points from "
-    "the "
-    "camera (x right, y down, z forward) to the world, or a file with them";
+    "16 numbers, row by row, of a rotation and a translation in metres that take points from the camera (x "
+    "right, y down, z forward) to the world, or a file with them";
 
 /// Numbers of a text, with commas or spaces between; nothing where there is anything else.
 std::optional<std::vector<double>> numbers_of(std::string text) {
@@ -110,24 +109,21 @@ Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
 }
 
 void add_device_options(CLI::App& sub, HeldDeviceWords& words, SessionOptions& session, bool in_window) {
-    sub.add_option("--device", words.devices,
-                   in_window
-                       ? "what leads the fingers: mouse, or NAME[:key=value,...] of a device that you hold "
-                         "(docs/devices.md). Several are fingers of one hand. Forces begin when you ask "
-                         "for them"
-                       : "live: what is held, NAME[:key=value,...] (touchable devices; "
-                         "docs/devices.md). Several are fingers of one hand. simulated is held by "
-                         "--hand, others by you")
+    sub.add_option(
+           "--device", words.devices,
+           in_window
+               ? "what leads the fingers: mouse, or NAME[:key=value,...] of a device that you hold "
+                 "(docs/devices.md). Several are fingers of one hand. Forces begin when you ask for them"
+               : "live: what is held, NAME[:key=value,...] (touchable devices; docs/devices.md). Several are "
+                 "fingers of one hand. simulated is held by --hand, others by you")
         ->allow_extra_args(false);
     if (!in_window)
-        sub.add_flag(
-            "--force-on", words.force_on,
-            "a device that you hold exerts forces from the start; otherwise its button or Enter asks "
-            "for them");
-    sub.add_option(
-        "--world-from-camera", words.world_from_camera,
-        "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, row by "
-        "row, or a file with them");
+        sub.add_flag("--force-on", words.force_on,
+                     "a device that you hold exerts forces from the start; otherwise its button or Enter "
+                     "asks for them");
+    sub.add_option("--world-from-camera", words.world_from_camera,
+                   "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
+                   "row by row, or a file with them");
     const SessionSetting& scale = *session_setting("hand-scale");
     add_number_option(sub, "--" + scale.name, session.hand_scale, scale.what, scale.range.least,
                       scale.range.most)
@@ -148,11 +144,10 @@ Result<glm::dmat4> read_world_from_camera(const std::string& words) {
         for (int column = 0; column < 4; ++column)
             frame[column][row] = (*numbers)[static_cast<std::size_t>(4 * row + column)];
     if (!is_rigid(frame))
-        return usage_error(
-            named +
-            ": is no rotation and translation (its rows are not unit vectors at right angles, or "
-            "the last one is not 0 0 0 1, or it is a kilometre away); right would be " +
-            right_frame);
+        return usage_error(named +
+                           ": is no rotation and translation (its rows are not unit vectors at right angles, "
+                           "or the last one is not 0 0 0 1, or it is a kilometre away); right would be " +
+                           right_frame);
     return frame;
 }
 
@@ -270,10 +265,9 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
         TRY_ASSIGN(options.show, overlay_after(options.show, name));
         return {};
     };
-    add_read_option(
-        sub, "--show", read_overlay,
-        "coloured by: colour (the clip's), depth (equalised), depth-linear, stiffness, friction (static), "
-        "dynamic-friction, height, normals, tiles (which are drawn) or validity")
+    add_read_option(sub, "--show", read_overlay,
+                    "coloured by: colour (the clip's), depth (equalised), depth-linear, stiffness, friction "
+                    "(static), dynamic-friction, height, normals, tiles (which are drawn) or validity")
         ->type_name("WORD")
         ->needs(picture);
 }

@@ -78,10 +78,9 @@ void add_file_options(CLI::App& sub, TouchOptions& o) {
     add_file_option(sub, "--json", o.json, "write the figures as JSON; -: to standard output");
     add_file_option(sub, "--forces", o.forces,
                     "write goal, proxy and force of every tick and finger as CSV; -: to standard output");
-    add_file_option(
-        sub, "--device-log", o.device_log,
-        "of a device that you hold: places, buttons and forces of every tick as CSV, which replays as a "
-        "device; -: to standard output");
+    add_file_option(sub, "--device-log", o.device_log,
+                    "of a device that you hold: places, buttons and forces of every tick as CSV, which "
+                    "replays as a device; -: to standard output");
     auto* record = add_file_option(sub, "--record", o.record, "keep what it takes to repeat the run");
     auto* replay =
         add_file_option(sub, "--replay", o.replay, "repeat a recorded run and compare every force with it");
@@ -102,11 +101,10 @@ void add_hand_options(CLI::App& sub, TouchWords& words) {
     add_whole_option(sub, "--fingers", session.fingers, "copies of the hand's path, spread on a circle", 1,
                      256)
         ->capture_default_str();
-    add_number_option(
-        sub, "--seconds", words.seconds,
-        "length of the run; otherwise that of a recorded hand or device; with a device that you "
-        "hold until Ctrl-C; else the clip's and at least 3",
-        0.001, 1e6);
+    add_number_option(sub, "--seconds", words.seconds,
+                      "length of the run; otherwise that of a recorded hand or device; with a device that "
+                      "you hold until Ctrl-C; else the clip's and at least 3",
+                      0.001, 1e6);
 }
 
 /// A run's setting. Numbers may be any: the run refuses those that cannot be.

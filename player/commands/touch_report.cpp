@@ -34,10 +34,9 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
         warnings.push_back(
             formatted("%.1f %% of the ticks were skipped, because others came too late", skipped_pct));
     if (live.late_frames > 0)
-        warnings.push_back(
-            std::to_string(live.late_frames) + " of " + std::to_string(frames) +
-            " frames came too late: decoding and building are too slow; touchable convert writes "
-            "a clip that decodes faster");
+        warnings.push_back(std::to_string(live.late_frames) + " of " + std::to_string(frames) +
+                           " frames came too late: decoding and building are too slow; touchable convert "
+                           "writes a clip that decodes faster");
     for (std::string& remark : remarks) warnings.push_back(std::move(remark));
     if (dropped > 0 && !live.camera)  // which leaves out some itself
         warnings.push_back(std::to_string(dropped) +
@@ -236,8 +235,7 @@ std::string waiting_words(const Json& report) {
     if (report["waiting_ticks"] == 0) return "";
     return std::to_string(report["waiting_ticks"].get<std::int64_t>()) +
            " ticks without force, for a finger that had not been free of the surface; --start-buried pushes "
-           "it "
-           "out";
+           "it out";
 }
 
 /// Empty: it never was.

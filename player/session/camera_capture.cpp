@@ -114,8 +114,7 @@ Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {
     if (given->given("resume")) delivery.resume_ns = nanoseconds_of(given->number("resume"));
     if (delivery.resume_ns && !(delivery.stall_ns && *delivery.stall_ns < *delivery.resume_ns))
         return usage_error(
-            "camera 'replay': resume must be a moment after stall, which begins the time "
-            "without frames");
+            "camera 'replay': resume must be a moment after stall, which begins the time without frames");
     return camera;
 }
 
@@ -184,11 +183,10 @@ Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words) {
     if (words.starts_with(replay_kind)) return read_replay(words);
     if (words.starts_with(pipe_kind) || words.starts_with(tcp_kind)) return read_sender(words);
     if (words.starts_with(stream_kind)) return read_stream(words);
-    return usage_error(
-        "unknown camera '" + printable(words) +
-        "'; there are v4l2:/dev/videoN, one that is plugged in (touchable cameras lists "
-        "them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, "
-        "stream:ADDRESS, what touchable serve sends, and replay:PATH, a recording that behaves like one");
+    return usage_error("unknown camera '" + printable(words) +
+                       "'; there are v4l2:/dev/videoN, one that is plugged in (touchable cameras lists "
+                       "them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, stream:ADDRESS, "
+                       "what touchable serve sends, and replay:PATH, a recording that behaves like one");
 }
 
 CameraCapture::~CameraCapture() {

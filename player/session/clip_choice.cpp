@@ -265,10 +265,9 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
     if (fill_from_motion && is_camera())
-        return usage_error(
-            file.string() +
-            ": is touched as a camera, of which no later frame can tell what is behind a hole: "
-            "leave filling from motion off");
+        return usage_error(file.string() +
+                           ": is touched as a camera, of which no later frame can tell what is behind a "
+                           "hole: leave filling from motion off");
     const Colour read = fill_from_motion ? Colour::wanted : colour;  // which tells what is behind
     auto opened = !plugged        ? open_clip(file, scene_file, camera, read, alignment)
                   : shared_camera ? shared_camera->open(*plugged, camera, scene_file)

@@ -288,13 +288,13 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
     return change;
 }
 
-/// The clip has played on beyond its begin by more than an eye would miss.
 /// Whether no command has led the clip elsewhere meanwhile.
 bool OpenedClip::goes_on_to(const Change& change, const PlaybackState& now) const {
     return now.moment.epoch == change.state.moment.epoch && now.playing && change.state.playing &&
            now.rate == change.state.rate && has_loop_of(change.state, now);
 }
 
+/// The clip has played on beyond its begin by more than an eye would miss.
 bool OpenedClip::is_left_behind(const Change& change) const {
     constexpr std::int64_t bearable_ns = 100'000'000;
     const PlaybackState now = session_->playback();

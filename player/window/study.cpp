@@ -561,11 +561,11 @@ void StudyRun::leave(double now_s, Time time) {
     finish(is_done, now_s);
 }
 
-/// The start screen is next, even if the file cannot be finished.
 void StudyRun::add(const std::string& row) {
     write([row](Tables& tables) { return tables.add(row); });
 }
 
+/// The start screen is next, even if the file cannot be finished.
 void StudyRun::finish(bool is_whole, double now_s) {
     write([is_whole](Tables& tables) { return tables.end(is_whole); });
     screens_.clear();

@@ -279,11 +279,11 @@ bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) c
            seen_.differs(*moment, clip->shown(), clip->sizes().finger_radius / 50);
 }
 
-/// From one of the clip's frames to the next, as it is played.
 double WindowPicture::pause_ms() const {
     return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
 
+/// From one of the clip's frames to the next, as it is played.
 double WindowPicture::frame_ms() const {
     const OpenedClip& clip = *core_.clip();
     const auto rate = static_cast<double>(clip.session().playback().rate) / 1000;
