@@ -73,10 +73,6 @@ Overlay overlay_for_visitors(Overlay now) {
 
 }  // namespace
 
-const KioskTexts& KioskMode::texts() const {
-    return core_.options.kiosk->texts;
-}
-
 Result<void> KioskMode::open_log() {
     const auto& file = core_.options.kiosk->use_log;
     if (!file) return {};
@@ -104,24 +100,6 @@ void KioskMode::begin() {
     if (const std::string reversed = right_to_left_letters(letters()); !reversed.empty())
         core_.tell("the window writes from left to right, and so these letters of the kiosk's texts too: " +
                    reversed);
-}
-
-/// Whether labels go with the clip that they are of.
-Result<void> KioskMode::check(const OpenedClip& clip) const {
-    if (clip.choice().file != core_.options.session.clip.file) return {};
-    return core_.options.kiosk->labels.fits(clip.scene().width, clip.scene().height, clip.frames());
-}
-
-void KioskMode::begin_clip(bool) {
-    restored_s_ = core_.time.now_s();
-}
-
-bool KioskMode::repeats_clip() const {
-    return core_.playlist().list().size() < 2;
-}
-
-bool KioskMode::allows(const InputEvent& event) const {
-    return is_for_visitors(event);
 }
 
 bool KioskMode::handle(const InputEvent& event) {
@@ -313,11 +291,6 @@ void KioskMode::note_fault(const std::string& fault) {
     std::erase_if(logged_faults_, [&](const auto& known) { return now_s >= known.second + again_s; });
     if (logged_faults_.size() >= most_known || !logged_faults_.try_emplace(fault, now_s).second) return;
     log_->fault(std::chrono::system_clock::now(), fault);
-}
-
-std::vector<Error> KioskMode::faults() const {
-    const auto missing = log_ ? log_->missing() : std::nullopt;
-    return missing ? std::vector{*missing} : std::vector<Error>();
 }
 
 /// What ended the window is the last but one row of the log.

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "player/window/kiosk.hpp"
-#include "player/window/window_mode.hpp"
+#include "player/window/window_core.hpp"
 
 namespace touchable {
 
@@ -24,20 +24,27 @@ public:
     void prepare(const Seen& seen) override;
     void draw(PanelFacts& facts, const Seen& seen) override;
     void begin() override;
-    Result<void> check(const OpenedClip& clip) const override;
-    void begin_clip(bool goes_on) override;
+    /// Whether labels go with the clip that they are of.
+    Result<void> check(const OpenedClip& clip) const override {
+        if (clip.choice().file != core_.options.session.clip.file) return {};
+        return core_.options.kiosk->labels.fits(clip.scene().width, clip.scene().height, clip.frames());
+    }
+    void begin_clip(bool) override { restored_s_ = core_.time.now_s(); }
     void note_fault(const std::string& fault) override;
     void close(const Result<void>& ended) override;
     bool is_unattended() const override { return true; }
     bool moves_by_itself() const override { return is_inviting_; }
-    bool repeats_clip() const override;
+    bool repeats_clip() const override { return core_.playlist().list().size() < 2; }
     bool keeps_view() const override { return watch_.was_visited(); }
     std::string letters() const override;
-    std::vector<Error> faults() const override;
+    std::vector<Error> faults() const override {
+        const auto missing = log_ ? log_->missing() : std::nullopt;
+        return missing ? std::vector{*missing} : std::vector<Error>();
+    }
 
 protected:
     /// Whether a visitor may do this.
-    virtual bool allows(const InputEvent& event) const;
+    virtual bool allows(const InputEvent& event) const { return is_for_visitors(event); }
     /// The visitor has gone.
     virtual void end_visit(double now_s);
     /// Invites the next visitor, or not any more.
@@ -45,7 +52,7 @@ protected:
     /// What visitors see of a device that is held.
     virtual HandState::What state_of(HandState::What what) const { return what; }
 
-    const KioskTexts& texts() const;
+    const KioskTexts& texts() const { return core_.options.kiosk->texts; }
     /// A visitor did something.
     void came(double now_s) { watch_.came(now_s); }
     /// The clip, its view, its fingers and forces, and the sound are as at the start.
@@ -68,5 +75,8 @@ private:
     double shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
 };
+
+/// A kiosk of the study that the options have (study_mode.cpp). Refused where its results cannot be written.
+Result<std::unique_ptr<KioskMode>> open_study(WindowCore& core);
 
 }  // namespace touchable

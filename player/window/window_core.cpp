@@ -5,7 +5,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/window/command_table.hpp"
-#include "player/window/study_mode.hpp"
+#include "player/window/kiosk_mode.hpp"
 
 namespace touchable {
 
@@ -32,14 +32,18 @@ Result<void> WindowCore::open() {
 
 /// The mode that the window was opened for, which comes first.
 Result<void> WindowCore::open_mode() {
+    std::unique_ptr<KioskMode> kiosk;
     if (options.study) {
-        TRY_ASSIGN(kiosk_, StudyMode::open(*this));
+        TRY_ASSIGN(kiosk, open_study(*this));
     } else if (options.kiosk) {
-        kiosk_ = std::make_unique<KioskMode>(*this, options.kiosk->times);
+        kiosk = std::make_unique<KioskMode>(*this, options.kiosk->times);
+    } else {
+        return {};
     }
-    if (!kiosk_) return {};
-    modes_.insert(modes_.begin(), kiosk_.get());
-    return kiosk_->open_log();
+    modes_.insert(modes_.begin(), kiosk.get());
+    KioskMode& opened = *kiosk;
+    kiosk_ = std::move(kiosk);
+    return opened.open_log();
 }
 
 Result<void> WindowCore::open_screen(const KeptSettings& kept) {

@@ -18,7 +18,6 @@
 #include <set>
 
 #include "player/window/brush_mode.hpp"
-#include "player/window/kiosk_mode.hpp"
 #include "player/window/measure_mode.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
@@ -142,7 +141,7 @@ private:
     MeasureMode measure_{*this};
     ViewMode view_{*this};
     BrushMode brush_{*this};
-    std::unique_ptr<KioskMode> kiosk_;  // or a study; null: neither
+    std::unique_ptr<WindowMode> kiosk_;  // or a study; null: neither
     std::vector<WindowMode*> modes_{&playlist_, &measure_, &view_, &brush_};
     WindowClips clips_{*this};  // its thread ends before what it works on
 };

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "player/window/window_core.hpp"
+#include "player/window/kiosk_mode.hpp"
 
 namespace touchable::test {
 namespace {
