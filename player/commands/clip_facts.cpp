@@ -253,8 +253,7 @@ private:
         if (!quality_.haptic) return;
         const ClipQuality::HapticValues& values = *quality_.haptic;
         const auto& where = quality_.where.haptic;
-        const auto track = std::find_if(facts_.tracks.begin(), facts_.tracks.end(),
-                                        [](const TrackInfo& info) { return info.role == "haptic"; });
+        const auto track = std::ranges::find(facts_.tracks, "haptic", &TrackInfo::role);
         if (track != facts_.tracks.end() && !track->lossless && values.mixed > 0.02)
             add("mixed",
                 "stiffness and friction wander from pixel to pixel in " + per_cent(values.mixed) +
@@ -285,17 +284,16 @@ private:
 
 /// Whether it is anywhere in the first frame.
 bool is_marked(const Finding& finding) {
-    return finding.where != nullptr &&
-           std::find(finding.where->begin(), finding.where->end(), 1) != finding.where->end();
+    return finding.where != nullptr && std::ranges::find(*finding.where, 1) != finding.where->end();
 }
 
 /// Of findings that are marked, one after the other. Those that are at the same places share a colour.
 std::size_t colour_index(const std::vector<Finding>& findings, std::size_t k) {
     std::vector<const void*> places;
     for (const Finding& finding : findings)
-        if (is_marked(finding) && std::find(places.begin(), places.end(), finding.where) == places.end())
+        if (is_marked(finding) && std::ranges::find(places, finding.where) == places.end())
             places.push_back(finding.where);
-    const auto at = std::find(places.begin(), places.end(), findings[k].where) - places.begin();
+    const auto at = std::ranges::find(places, findings[k].where) - places.begin();
     return static_cast<std::size_t>(at) % mark_colours.size();
 }
 
@@ -411,7 +409,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         if (auto doubt = unit_doubt(facts.measured->median * facts.scene.metres_per_unit,
                                     "a scene file's metres_per_unit and depth say otherwise",
                                     {{Setting::scene_file, "FILE"}})) {
-            const auto there = std::find_if(remarks.begin(), remarks.end(), doubts_unit);
+            const auto there = std::ranges::find_if(remarks, doubts_unit);
             facts.unit_doubt = remark_with_options(there == remarks.end() ? *doubt : *there);
             if (there == remarks.end()) remarks.push_back(std::move(*doubt));
         }
@@ -428,10 +426,6 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     facts.mid = kappa_at(facts.scene, 0.5 * (near + coding.far));
     facts.far = kappa_at(facts.scene, coding.far);
     return facts;
-}
-
-std::vector<Finding> findings_of(const ClipFacts& facts, const ClipQuality& quality) {
-    return Findings(facts, quality).all();
 }
 
 std::string colour_of(const std::vector<Finding>& findings, std::size_t k) {
@@ -467,7 +461,7 @@ Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, c
     Progress progress("looking at frame", facts.frames.value_or(0));
     TRY_ASSIGN(const auto quality,
                measure_quality(*clip.reader, scene, [&](std::int64_t frames) { progress.at(frames); }));
-    const auto findings = findings_of(facts, quality);
+    const auto findings = Findings(facts, quality).all();
     if (file) TRY(draw(findings, quality, *file));
     Verified verified;
     for (std::size_t k = 0; k < findings.size(); ++k)
@@ -487,8 +481,8 @@ std::string verified_in_words(const Verified& verified) {
                  (finding.colour.empty() ? std::string() : " (" + finding.colour + " in the picture)") + '\n';
         words += "  mended by    " + finding.mend + '\n';
     }
-    const bool is_marked = std::any_of(verified.findings.begin(), verified.findings.end(),
-                                       [](const NamedFinding& finding) { return !finding.colour.empty(); });
+    const bool is_marked = std::ranges::any_of(
+        verified.findings, [](const NamedFinding& finding) { return !finding.colour.empty(); });
     if (verified.drawn && !is_marked)
         words += "  picture      has no marks: nothing of this has a place in the first frame\n";
     return words;

@@ -41,8 +41,7 @@ struct ClipFacts {
     Kappa near, mid, far;  ///< at the near plane (metric without one: at `nearest`), between, at far
 
     bool has_track(const std::string& role) const {
-        return std::any_of(tracks.begin(), tracks.end(),
-                           [&](const TrackInfo& track) { return track.role == role; });
+        return std::ranges::find(tracks, role, &TrackInfo::role) != tracks.end();
     }
 };
 

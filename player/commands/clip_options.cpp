@@ -77,9 +77,7 @@ Result<void> take_stream(SessionOptions& session) {
 }  // namespace
 
 void add_camera_options(CLI::App& sub, CameraTyped& typed) {
-    std::string names;
-    for (const SourceDescription::Preset& preset : all_presets())
-        names += (names.empty() ? "" : ", ") + std::string(preset.name);
+    const std::string names = listed(all_presets(), &SourceDescription::Preset::name);
     auto* intrinsics = sub.add_option("--intrinsics", typed.intrinsics,
                                       "of pictures without a scene file: focal lengths and principal point, "
                                       "pixels, or a file of the camera that has them (JSON, YAML, calib.txt)")

@@ -74,10 +74,6 @@ void add_depths(const PlaneView& before, const Scene& scene, const PlaneView& no
         }
 }
 
-std::string how_stored(const TrackInfo& track, bool is_still) {
-    return track.codec + (is_still ? ", one picture for all frames" : "");
-}
-
 /// `may_be_exact`: the command has an option for that.
 std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, bool may_be_exact) {
     if (loss.changed == 0 && !resized) return "every value kept";
@@ -596,7 +592,7 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
                                (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
         text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
                                                !options.content) +
-                                     " (" + how_stored(track, is_still) + ")");
+                                     " (" + track.codec + (is_still ? ", one picture for all frames)" : ")"));
     }
     if (!done.sound.empty()) text += line("sound", done.sound);
     if (done.forces) text += line("force", forces_in_words(*done.forces));

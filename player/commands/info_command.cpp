@@ -30,10 +30,6 @@ const char* kind_name(DepthCodingKind kind) {
     return names[static_cast<std::size_t>(kind)];
 }
 
-const char* semantics_name(DepthSemantics semantics) {
-    return semantics == DepthSemantics::range ? "range" : "planar";
-}
-
 /// What codes are even steps of, where it is not depth.
 std::string values_of(const DepthCoding& coding) {
     if (coding.kind == DepthCodingKind::inverse) return " (1/depth)";
@@ -131,7 +127,7 @@ Json camera_json(const ClipFacts& facts) {
 Json depth_json(const Scene& scene) {
     const DepthCoding& coding = scene.depth;
     Json depth{{"kind", kind_name(coding.kind)},
-               {"semantics", semantics_name(coding.semantics)},
+               {"semantics", coding.semantics == DepthSemantics::range ? "range" : "planar"},
                {"description", coding_words(coding)}};
     if (coding.kind == DepthCodingKind::metric)
         depth["scale"] = coding.scale;
@@ -329,6 +325,7 @@ struct InfoOptions {
     VerifyPicture picture;
 };
 
+/// Prints what a clip is, for a person or (the same facts) as one JSON object.
 Result<void> print_facts(const InfoOptions& options) {
     TRY_ASSIGN(const auto facts, clip_facts(options.clip));
     std::optional<Verified> verified;
@@ -349,11 +346,6 @@ Result<void> print_facts(const InfoOptions& options) {
         std::cout << "  verdict      " << verdict << '\n';
     }
     return {};
-}
-
-/// Prints what a clip is, for a person or (the same facts) as one JSON object.
-Result<void> run_info(const InfoOptions& options) {
-    return within_memory("the frames of " + options.clip.file.string(), [&] { return print_facts(options); });
 }
 
 }  // namespace
@@ -384,7 +376,8 @@ void add_info_command(CLI::App& app, Command& command) {
     info->callback([typed, &command] {
         command = [typed]() -> Result<void> {
             TRY_ASSIGN(typed->options.clip, read_clip(typed->clip));
-            return run_info(typed->options);
+            return within_memory("the frames of " + typed->options.clip.file.string(),
+                                 [&] { return print_facts(typed->options); });
         };
     });
 }

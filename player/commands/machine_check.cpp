@@ -415,6 +415,10 @@ Result<TrialFigures> try_touch(const TouchDemand& demand) {
     return figures;
 }
 
+double TrialFigures::cpu_ms_per_second(const TouchDemand& demand) const {
+    return demand.rate * frame_cpu_ms + ms_per_second * tick_cpu_us / us_per_ms;
+}
+
 TrialVerdict judge(const TouchDemand& demand, const TrialFigures& figures, int cores) {
     const double frame_ms = ms_per_second / demand.rate;
     const double usable_ms = usable_share * cores * ms_per_second;

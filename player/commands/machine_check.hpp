@@ -103,9 +103,7 @@ struct TrialFigures {
     double tick_cpu_us = 0;      ///< with the hand's own work
     int frames = 0, ticks = 0;   ///< that were measured
 
-    double cpu_ms_per_second(const TouchDemand& demand) const {
-        return demand.rate * frame_cpu_ms + ms_per_second * tick_cpu_us / us_per_ms;
-    }
+    double cpu_ms_per_second(const TouchDemand& demand) const;
     /// Whether frames waited for cores more than they used them: other programs had them.
     bool is_crowded() const { return decode_ms.mean + build_ms.mean > 2 * frame_cpu_ms; }
 };

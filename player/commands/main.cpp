@@ -133,7 +133,7 @@ int run(int argc, char** argv) {
         if (is_clip(app, argc, argv)) {
             std::vector<std::string> words(argv + 1, argv + argc);
             words.insert(words.begin(), "play");
-            std::reverse(words.begin(), words.end());  // as CLI11 takes them
+            std::ranges::reverse(words);  // as CLI11 takes them
             app.parse(std::move(words));
         } else if (argc > 1 && std::string_view(argv[1]) == "help") {
             auto asked = words_of_help(app, argc, argv);

@@ -128,6 +128,8 @@ void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
     }
 }
 
+/// Writes the clip with what its segments feel like, or one frame's haptic picture, or nothing; and tells of
+/// the segments, their materials and how steady they are.
 class MaterialsRun {
 public:
     explicit MaterialsRun(const MaterialsOptions& options) : options_(options) {}
@@ -323,12 +325,6 @@ Result<void> check_words(const MaterialsTyped& typed, const MaterialsOptions& op
     return {};
 }
 
-/// Writes the clip with what its segments feel like, or one frame's haptic picture, or nothing; and tells of
-/// the segments, their materials and how steady they are.
-Result<void> run_materials(const MaterialsOptions& options) {
-    return MaterialsRun(options).run();
-}
-
 /// The palette, a line for each material.
 Result<void> print_palette() {
     std::cout << "material    stiffness  static, dynamic friction  relief  from\n";
@@ -365,7 +361,7 @@ Result<void> run_one(const MaterialsTyped& typed, const std::filesystem::path& c
         TRY_ASSIGN(options.materials.map, read_map(typed.map));
         options.read.push_back(typed.map);
     }
-    return run_materials(options);
+    return MaterialsRun(options).run();
 }
 
 Result<void> run_typed(const MaterialsTyped& typed) {

@@ -152,7 +152,7 @@ Result<void> check_segments(const fs::path& file) {
 }
 
 bool ends_by_itself(const std::vector<ScriptedInput>& script) {
-    return std::any_of(script.begin(), script.end(), [](const ScriptedInput& input) {
+    return std::ranges::any_of(script, [](const ScriptedInput& input) {
         const auto* const command = std::get_if<WindowCommand>(&input.what);
         return command && command->verb == WindowVerb::quit;
     });
@@ -178,7 +178,7 @@ bool is_opened_on_desktop(const PlayOptions& options) {
 Result<void> hold(const PlayWords& words, PlayOptions& options) {
     HeldDeviceWords held = words.held;
     held.is_looked_for_always = words.kiosk.kiosk;
-    const auto mouse = std::find(held.devices.begin(), held.devices.end(), "mouse");
+    const auto mouse = std::ranges::find(held.devices, "mouse");
     if (mouse != held.devices.end() && held.devices.size() > 1)
         return usage_error("--device mouse leads the fingers alone, not beside another device");
     if (mouse != held.devices.end()) held.devices.clear();
@@ -215,9 +215,7 @@ std::string names_there(const fs::path& folder) {
     for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
         if (at->path().extension() == ".json") names.push_back(at->path().stem().string());
     std::ranges::sort(names);
-    std::string words;
-    for (const std::string& name : names) words += (words.empty() ? "" : ", ") + name;
-    return words;
+    return listed(names);
 }
 
 Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named) {
@@ -330,8 +328,8 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     }
     options.size_is_stated = words.typed_size->count() > 0;
     if (!words.dent.empty()) options.dent = words.dent == "on";
-    options.filters_are_stated = std::any_of(words.filters.begin(), words.filters.end(),
-                                             [](const CLI::Option* option) { return option->count() > 0; });
+    options.filters_are_stated =
+        std::ranges::any_of(words.filters, [](const CLI::Option* option) { return option->count() > 0; });
     TRY_ASSIGN(options.kiosk, read_kiosk(words.kiosk, options.segments));
     TRY_ASSIGN(options.study, read_study(words.kiosk, 1 + options.next_clips.size()));
     options.study_results = words.kiosk.results.value_or("");
@@ -379,24 +377,19 @@ void print_film(const PlayFigures& figures) {
                     static_cast<long long>(figures.film_left_out));
 }
 
-/// What a brush paints is still there after a crash, where the window is one.
-void find_brush_history(PlayOptions& options) {
-    if (options.brush_history || options.headless || options.kiosk) return;
-    auto own = own_folder("XDG_STATE_HOME", ".local/state");
-    if (own)
-        options.brush_history = std::move(*own);
-    else
-        std::cerr << "touchable: warning: changes by the brush are not kept: " << own.error().message << '\n';
-}
-
-/// Settings of this person, for a window that is shown; a headless one is the same for all.
-void find_settings(PlayOptions& options) {
-    if (options.settings_file || options.headless || options.kiosk) return;
-    auto own = own_settings_file();
-    if (own)
-        options.settings_file = std::move(*own);
-    else
-        std::cerr << "touchable: warning: settings are not kept: " << own.error().message << '\n';
+/// For a window that is shown; a headless one is the same for all. Settings of this person; and a folder for
+/// what a brush paints, which is still there after a crash.
+void find_own_files(PlayOptions& options) {
+    if (options.headless || options.kiosk) return;
+    const auto find = [](std::optional<fs::path>& place, Result<fs::path> own, const char* what) {
+        if (own)
+            place = std::move(*own);
+        else
+            std::cerr << "touchable: warning: " << what << " are not kept: " << own.error().message << '\n';
+    };
+    if (!options.settings_file) find(options.settings_file, own_settings_file(), "settings");
+    if (!options.brush_history)
+        find(options.brush_history, own_folder("XDG_STATE_HOME", ".local/state"), "changes by the brush");
 }
 
 std::string tell_saved(const std::string& clip, const std::string& file) {
@@ -420,8 +413,7 @@ std::string tell_faster(const std::string& clip) {
 }
 
 Result<void> run_play(PlayOptions options) {
-    find_settings(options);
-    find_brush_history(options);
+    find_own_files(options);
     options.names = {
         "--record",     "--sound",           "--video",
         "--screenshot", remark_with_options, tell_saved,

@@ -153,7 +153,7 @@ Result<glm::dmat4> read_world_from_camera(const std::string& words) {
 
 Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session) {
     const auto& devices = words.devices;
-    const bool simulated = std::any_of(devices.begin(), devices.end(), is_simulated);
+    const bool simulated = std::ranges::any_of(devices, is_simulated);
     if (simulated && devices.size() > 1)
         return usage_error("--device simulated is held by the hand alone, not beside another device");
     if (simulated) session.device = devices.front();

@@ -91,6 +91,8 @@ public:
         if (thread_.joinable()) thread_.join();
     }
 
+    /// Sends until the clip ends, it was sent for long enough, or a person asks to stop, which is no error;
+    /// then says what was sent, and to whom.
     Result<void> run() {
         TRY(open_clip());
         TRY(open_forms());
@@ -458,12 +460,6 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
     return options;
 }
 
-/// Sends until the clip ends, it was sent for long enough, or a person asks to stop, which is no error; then
-/// says what was sent, and to whom.
-Result<void> run_serve(const ServeOptions& options) {
-    return Serving(options).run();
-}
-
 }  // namespace
 
 void add_serve_command(CLI::App& app, Command& command) {
@@ -510,7 +506,7 @@ void add_serve_command(CLI::App& app, Command& command) {
     sub->callback([typed, &command] {
         command = [typed]() -> Result<void> {
             TRY_ASSIGN(const auto options, read_options(*typed));
-            return run_serve(options);
+            return Serving(options).run();
         };
     });
 }

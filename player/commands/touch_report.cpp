@@ -249,8 +249,8 @@ std::string stale_words(const Json& report) {
 /// What of the clip was guessed. Empty: nothing.
 std::string guesses_in_words(const Json& report) {
     const auto notes = report.value("notes", std::vector<std::string>());
-    const auto guesses = std::count_if(notes.begin(), notes.end(),
-                                       [](const std::string& note) { return note.starts_with("guessed: "); });
+    const auto guesses =
+        std::ranges::count_if(notes, [](const std::string& note) { return note.starts_with("guessed: "); });
     if (guesses == 0) return "";
     return "; " + std::to_string(guesses) + (guesses == 1 ? " thing is" : " things are") +
            " guessed of the clip (touchable info says which)";
@@ -347,7 +347,7 @@ Json join_reports(const std::vector<Json>& parts, const TouchFigures& all) {
 }
 
 std::string report_in_short(const Json& report, const std::optional<std::vector<std::string>>& files) {
-    std::string text, written;
+    std::string text;
     for (const auto& warning : report["warnings"]) text += labelled("warning", warning.get<std::string>());
     text += labelled("touched", report["clip"].get<std::string>() + ", by " + fingers_in_words(report) +
                                     (report["fingers"] == 1 ? " finger" : " fingers") +
@@ -359,8 +359,7 @@ std::string report_in_short(const Json& report, const std::optional<std::vector<
         text += labelled("note", note);
     text += labelled("force", force_words(report));
     text += labelled("verdict", verdict_words(report));
-    for (const std::string& file : files.value_or(std::vector<std::string>()))
-        written += (written.empty() ? "" : ", ") + file;
+    const std::string written = listed(files.value_or(std::vector<std::string>()));
     text += labelled("figures", !files ? "--verbose prints more; --json FILE and --forces FILE write them"
                                 : written.empty() ? "--verbose prints them"
                                                   : written + "; --verbose prints them");

@@ -143,11 +143,6 @@ std::ostream& stream_of_words(const TouchOptions& options) {
     return std::cout;
 }
 
-/// Whether the run is on the wall clock; a replay never is.
-bool runs_live(const TouchSetup& setup, const TouchOptions& options) {
-    return setup.live && !options.replay;
-}
-
 // Eleven days: the person who holds a device ends the run, or the device does.
 constexpr std::int64_t until_it_is_ended = 1'000'000'000;
 
@@ -192,11 +187,6 @@ Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* con
     return LiveFacts{};
 }
 
-/// The parts of what is replayed; none of any other run.
-Result<Recording> read_replayed(const TouchOptions& options) {
-    return options.replay ? read_recording(*options.replay) : Result<Recording>(Recording());
-}
-
 /// Gives the ticks of a later part on as those of one run with the parts before, and knows who takes longest.
 class ConcatenatingSink final : public TouchSink {
 public:
@@ -218,7 +208,7 @@ public:
         return {};
     }
     const TouchSink* slowest() const {
-        return sinks_[static_cast<std::size_t>(std::max_element(took_.begin(), took_.end()) - took_.begin())];
+        return sinks_[static_cast<std::size_t>(std::ranges::max_element(took_) - took_.begin())];
     }
 
 private:
@@ -256,9 +246,8 @@ Result<void> ended_early(const LiveFacts& facts) {
 
 /// What `--strict` makes of the warnings.
 Result<void> strictly(const TouchOptions& options, const nlohmann::ordered_json& report) {
-    std::string all;
-    for (const auto& warning : report.at("warnings"))
-        all += (all.empty() ? "" : "; ") + warning.get<std::string>();
+    const auto warnings = report.at("warnings").get<std::vector<std::string>>();
+    const std::string all = listed(warnings, std::identity(), "; ");
     if (!options.strict || all.empty()) return {};
     return Error{ErrorKind::check, "--strict: " + all};
 }
@@ -269,7 +258,7 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     TouchFigures figures;
     std::vector<TouchSink*> of_all = outputs.sinks();
     of_all.push_back(&told.all);
-    const bool live = runs_live(s, options);
+    const bool live = s.live && !options.replay;  // on the wall clock, as a replay never is
     ConcatenatingSink one_run(told.ticks, std::move(of_all), live ? &outputs : nullptr);
     std::vector<TouchSink*> sinks{&one_run};
     std::optional<ReplayCheck> check;
@@ -307,7 +296,9 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
 /// `at_work`: what memory is needed for, once that is known.
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
     TRY(check_gpu_options(options.session.builder, options.picture.draws_on_gpu()));
-    TRY_ASSIGN(const auto recording, read_replayed(options));
+    // The parts of what is replayed; none of any other run.
+    TRY_ASSIGN(const auto recording,
+               options.replay ? read_recording(*options.replay) : Result<Recording>(Recording()));
     const bool replays = !recording.empty();
     TRY_ASSIGN(auto first, replays ? setup_from_recording(recording.front(), options.session)
                                    : setup_from_options(options.session));

@@ -57,12 +57,6 @@ std::string share(double of_pixels, const char* what) {
     return number(100 * of_pixels, " % of the pixels ") + what;
 }
 
-std::string joined(const std::vector<std::string>& parts) {
-    std::string words;
-    for (const std::string& part : parts) words += (words.empty() ? "" : ", ") + part;
-    return words;
-}
-
 std::string where_it_is(const MeasuredDepth& measured, double metres_per_unit) {
     return mm(measured.distance, metres_per_unit) + " apart at " +
            number(measured.median * metres_per_unit, " m");
@@ -213,8 +207,8 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
     if (known && by == all_unstated && on.empty())
         return "none needed (levels " + where_it_is(measured, unit) + ", noise " +
                noise_found(measured, unit) + ", " + median_reason(measured, unit) + ")" + damage;
-    std::string words = on.empty() && off.empty() ? "none (stated)" : on.empty() ? "none: " : joined(on);
-    if (!off.empty()) words += (on.empty() ? "" : "; ") + joined(off);
+    std::string words = on.empty() && off.empty() ? "none (stated)" : on.empty() ? "none: " : listed(on);
+    if (!off.empty()) words += (on.empty() ? "" : "; ") + listed(off);
     return words + effect_in_words(measured, filter) +
            (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
 }

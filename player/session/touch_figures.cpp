@@ -89,7 +89,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     stale_ticks_ += stale;
     tick_us_.add(tick.solve_us);
     late_us_.add(tick.late_us);
-    const auto bin = std::upper_bound(late_below_us.begin(), late_below_us.end(), tick.late_us);
+    const auto bin = std::ranges::upper_bound(late_below_us, tick.late_us);
     ++late_ticks_[static_cast<std::size_t>(bin - late_below_us.begin())];
     return {};
 }
@@ -123,7 +123,7 @@ void TouchFigures::end_part() {
 }
 
 std::int64_t TouchFigures::fingers_led() const {
-    return std::count(led_.begin(), led_.end(), true);
+    return std::ranges::count(led_, true);
 }
 
 nlohmann::ordered_json TouchFigures::energy_mj() const {

@@ -203,7 +203,7 @@ Result<void> KeptBrush::take_history(const std::string& text, const std::optiona
     } catch (const HistoryFile::exception&) {
         return input_error(where + ": is no history of a brush");
     }
-    if (saved && std::find(hashes.begin(), hashes.end(), hash_of_text(*saved)) == hashes.end())
+    if (saved && std::ranges::find(hashes, hash_of_text(*saved)) == hashes.end())
         return input_error(where + ": is of other materials than " + files_.saved().string() + " has now");
     TRY(brush_.repeat(changes, where));
     saved_ = std::move(hashes);
@@ -258,13 +258,13 @@ Result<KeptBrush> KeptBrush::begin(SegmentStore segments, BrushFiles files) {
 bool KeptBrush::is_saved() const {
     if (brush_.done() == 0 && !saved_.empty()) return true;
     const std::string hash = hash_of_text(segment_names_to_json(brush_.names()));
-    return std::find(saved_.begin(), saved_.end(), hash) != saved_.end();
+    return std::ranges::find(saved_, hash) != saved_.end();
 }
 
 std::string KeptBrush::save() {
     std::string text = segment_names_to_json(brush_.names());
     const std::string hash = hash_of_text(text);
-    if (std::find(saved_.begin(), saved_.end(), hash) == saved_.end()) saved_.push_back(hash);
+    if (std::ranges::find(saved_, hash) == saved_.end()) saved_.push_back(hash);
     return text;
 }
 

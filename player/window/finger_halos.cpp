@@ -74,7 +74,7 @@ std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const gl
                                  {at.x - half.x, at.y + gap}};
     for (const glm::dvec2& least : places) {
         const glm::dvec2 most = least + size;
-        const bool is_free = std::none_of(taken.begin(), taken.end(), [&](const LabelBox& other) {
+        const bool is_free = std::ranges::none_of(taken, [&](const LabelBox& other) {
             return least.x < other.most.x && other.least.x < most.x && least.y < other.most.y &&
                    other.least.y < most.y;
         });

@@ -141,7 +141,7 @@ private:
         });
         // The canvas holds what is to be seen already: a format that would make it brighter is the last
         // resort.
-        const auto plain = std::find_if(formats.begin(), formats.end(), [](const VkSurfaceFormatKHR& format) {
+        const auto plain = std::ranges::find_if(formats, [](const VkSurfaceFormatKHR& format) {
             return format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
         });
         if (formats.empty()) return gpu_error(gpu.facts.name + " has no format for this window");
@@ -150,7 +150,7 @@ private:
             return vkGetPhysicalDeviceSurfacePresentModesKHR(gpu.physical, surface_->handle(), count, to);
         });
         // The player paces itself: a wait for the screen here would only make it late.
-        if (std::find(modes.begin(), modes.end(), VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
+        if (std::ranges::find(modes, VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
             mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
         VkFenceCreateInfo fence{};
         fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;

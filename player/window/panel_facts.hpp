@@ -46,7 +46,7 @@ public:
             said_s_ = now_s;
             return;
         }
-        if (std::find(faults_.begin(), faults_.end(), words) != faults_.end()) return;
+        if (std::ranges::find(faults_, words) != faults_.end()) return;
         if (faults_.size() == most_faults) dismiss();
         if (about == About::clip) of_clip_.insert(words);
         faults_.push_back(std::move(words));

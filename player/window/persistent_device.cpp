@@ -45,8 +45,7 @@ bool PersistentDevice::read_positions(std::span<glm::dvec3> device_metres) {
     auto expected = State::open;
     state_.compare_exchange_strong(expected, State::gone, std::memory_order_acq_rel);
     age_s_.store(never, std::memory_order_relaxed);
-    std::fill(device_metres.begin(), device_metres.end(),
-              glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
+    std::ranges::fill(device_metres, glm::dvec3(std::numeric_limits<double>::quiet_NaN()));
     return true;
 }
 

@@ -132,8 +132,7 @@ std::optional<glm::dvec2> PointerFingers::looked_at() const {
 }
 
 std::optional<std::size_t> PointerFingers::put_down(const glm::dvec2& at) {
-    const auto free =
-        std::find_if(fingers_.begin(), fingers_.end(), [](const Finger& finger) { return !finger.touch; });
+    const auto free = std::ranges::find_if(fingers_, [](const Finger& finger) { return !finger.touch; });
     if (free == fingers_.end()) return std::nullopt;
     free->touch = at;
     free->is_lifted = false;
@@ -347,7 +346,7 @@ TouchInput::Role TouchInput::role_on(Ground ground, const PointerFingers* finger
 /// Whether it and the only other one are put down together.
 bool TouchInput::is_pair(const Touch& second, int height) const {
     if (gesture_ || count(Role::finger) + count(Role::view) != 1) return false;
-    const auto first = std::find_if(touches_.begin(), touches_.end(), over_picture);
+    const auto first = std::ranges::find_if(touches_, over_picture);
     return second.began_s - first->began_s <= together_s &&
            glm::distance(first->at, first->began) <= moved_share * height;
 }
@@ -417,8 +416,7 @@ TouchInput::Spread TouchInput::spread() const {
 }
 
 TouchInput::Touch* TouchInput::find(std::int64_t id) {
-    const auto found =
-        std::find_if(touches_.begin(), touches_.end(), [id](const Touch& touch) { return touch.id == id; });
+    const auto found = std::ranges::find(touches_, id, &Touch::id);
     return found == touches_.end() ? nullptr : &*found;
 }
 

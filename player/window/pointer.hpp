@@ -227,8 +227,8 @@ public:
     bool holds() const { return !touches_.empty(); }
     /// Whether one that is over the picture, and no pointer, is down where `is_there` says.
     bool any_over_picture(const std::function<bool(const glm::dvec2&)>& is_there) const {
-        return std::any_of(touches_.begin(), touches_.end(),
-                           [&](const Touch& touch) { return over_picture(touch) && is_there(touch.at); });
+        return std::ranges::any_of(
+            touches_, [&](const Touch& touch) { return over_picture(touch) && is_there(touch.at); });
     }
     /// All are lifted; later events of them are ignored. Gives what the pointer does.
     std::vector<InputEvent> cancel(PointerFingers* fingers);
@@ -260,10 +260,7 @@ private:
     bool is_pair(const Touch& second, int height) const;
     void begin_gesture(PointerFingers* fingers);
     Spread spread() const;
-    int count(Role role) const {
-        return static_cast<int>(std::count_if(touches_.begin(), touches_.end(),
-                                              [role](const Touch& touch) { return touch.role == role; }));
-    }
+    int count(Role role) const { return static_cast<int>(std::ranges::count(touches_, role, &Touch::role)); }
     Touch* find(std::int64_t id);
 
     std::vector<Touch> touches_;

@@ -6,12 +6,9 @@ namespace touchable {
 
 Result<void> SessionSettings::set(const std::string& name, const std::string& value) {
     const SessionSetting* const setting = session_setting(name);
-    if (!setting) {
-        std::string known;
-        for (const SessionSetting& other : session_settings())
-            known += (known.empty() ? "" : ", ") + other.name;
-        return usage_error("'" + name + "' is no setting of what is felt; there are " + known);
-    }
+    if (!setting)
+        return usage_error("'" + name + "' is no setting of what is felt; there are " +
+                           listed(session_settings(), &SessionSetting::name));
     const auto legal = setting->range.value_of(value);
     if (!legal)
         return usage_error(name + " '" + value + "' is not allowed; must be " + setting->range.in_words());

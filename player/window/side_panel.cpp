@@ -363,7 +363,7 @@ void SettingsPanel::draw(SettingOf of, const SettingsFacts& facts, float scale,
 void SettingsPanel::draw_row(const SessionSetting& setting, const SettingsFacts& facts,
                              std::vector<WindowCommand>& asked) {
     std::string label = setting.name == "filters" ? "all at once" : setting.name;
-    std::replace(label.begin(), label.end(), '-', ' ');
+    std::ranges::replace(label, '-', ' ');
     draw_label(label, scale_);
     if (setting.range.words.empty())
         draw_number(setting, facts, asked);
@@ -435,7 +435,7 @@ void CurvesPanel::draw(double most_newtons, float scale) {
 }
 
 float Curve::greatest() const {
-    return *std::max_element(values_.begin(), values_.end());
+    return *std::ranges::max_element(values_);
 }
 
 }  // namespace touchable

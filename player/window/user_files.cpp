@@ -22,7 +22,7 @@ bool looks_like_clip(const fs::directory_entry& entry) {
     std::error_code failed;
     if (entry.is_directory(failed)) return fs::exists(entry.path() / "scene.json", failed);
     const std::string ending = small_letters(entry.path().extension().string());
-    return std::find(clip_endings.begin(), clip_endings.end(), ending) != clip_endings.end();
+    return std::ranges::find(clip_endings, ending) != clip_endings.end();
 }
 
 bool by_name(const fs::path& a, const fs::path& b) {
@@ -137,7 +137,7 @@ std::vector<fs::path> clips_of(const fs::path& named) {
             clips.push_back(entry->path());
     // A folder of pictures may have a film beside them.
     if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {})) return {named};
-    std::sort(clips.begin(), clips.end(), by_name);
+    std::ranges::sort(clips, by_name);
     return clips;
 }
 

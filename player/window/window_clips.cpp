@@ -41,9 +41,8 @@ void tell_guesses(WindowCore& core) {
         std::cerr << "touchable: " << core.options.names.remark(remark) << '\n';
         if (is_doubt) doubt = remark.what;
         if (!remark.is_guess) continue;
-        const bool is_unit = std::any_of(remark.hints.begin(), remark.hints.end(), [](const Hint& hint) {
-            return hint.setting == Setting::depth_unit;
-        });
+        const bool is_unit =
+            std::ranges::find(remark.hints, Setting::depth_unit, &Hint::setting) != remark.hints.end();
         const std::string_view what = guesses_camera(remark) ? "the camera" : is_unit ? "the unit" : "";
         if (guessed.find(what) == std::string::npos)
             guessed += std::string(guessed.empty() ? "" : " and ") + std::string(what);

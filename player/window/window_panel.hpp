@@ -96,7 +96,7 @@ public:
     void draw_without_clip(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
     /// Whether something that can be pressed was there in the last picture.
     bool covers(double x, double y) const {
-        return std::any_of(boxes_.begin(), boxes_.end(), [x, y](const Box& box) { return box.has(x, y); });
+        return std::ranges::any_of(boxes_, [x, y](const Box& box) { return box.has(x, y); });
     }
     /// Whether the bar is, or would be, there.
     bool is_bar(double x, double y) const { return bar_box_.has(x, y); }

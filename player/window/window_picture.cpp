@@ -86,7 +86,7 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
 
 /// Whether a finger has to leave a surface that was not there before it.
 bool is_inside(const WatchedTick& felt) {
-    return std::any_of(felt.fingers.begin(), felt.fingers.end(), [](const WatchedTick::Finger& finger) {
+    return std::ranges::any_of(felt.fingers, [](const WatchedTick::Finger& finger) {
         return (finger.force.reasons & guard_waiting) != 0;
     });
 }
