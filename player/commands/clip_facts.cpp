@@ -107,6 +107,7 @@ std::string frames(std::int64_t count, const char* one, const char* several) {
     return std::to_string(count) + (count == 1 ? " frame " : " frames ") + (count == 1 ? one : several);
 }
 
+/// All that is found, in the order in which it matters for a hand. `where` points into `quality`.
 class Findings {
 public:
     Findings(const ClipFacts& facts, const ClipQuality& quality) : facts_(facts), quality_(quality) {}

@@ -57,9 +57,6 @@ struct Finding {
     const std::vector<std::uint8_t>* where = nullptr;
 };
 
-/// All that is found, in the order in which it matters for a hand. `where` points into `quality`.
-std::vector<Finding> findings_of(const ClipFacts& facts, const ClipQuality& quality);
-
 /// The first frame, darkened, with the places of findings in their colours.
 Image picture_of(const std::vector<Finding>& findings, const Image& first_frame);
 /// "red": of the k-th finding; empty where the first frame shows nothing of it.
@@ -85,7 +82,7 @@ struct Verified {
     std::string measures_in_words;
 };
 
-/// Reads the whole clip for what would feel wrong (findings_of), and draws where.
+/// Reads the whole clip for what would feel wrong, and draws where.
 Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, const VerifyPicture& picture);
 
 /// Lines after the clip's facts.

@@ -319,9 +319,7 @@ std::string mpeg4_text(const ClipFacts& facts) {
 
 struct InfoOptions {
     ClipChoice clip;
-    bool json = false;
-    bool scene_text = false;
-    bool verify = false;
+    bool json = false, scene_text = false, verify = false;
     VerifyPicture picture;
 };
 

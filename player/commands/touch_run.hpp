@@ -125,8 +125,7 @@ private:
 
     const TouchOptions& options_;
     std::optional<std::vector<std::string>> written_;
-    std::unique_ptr<TickTable> forces_;
-    std::unique_ptr<TickTable> device_log_;
+    std::unique_ptr<TickTable> forces_, device_log_;
     std::unique_ptr<RecordingFile> record_;
     std::unique_ptr<OutputFile> json_;
     std::optional<TouchPicture> picture_;

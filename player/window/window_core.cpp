@@ -32,18 +32,17 @@ Result<void> WindowCore::open() {
 
 /// The mode that the window was opened for, which comes first.
 Result<void> WindowCore::open_mode() {
+    if (!options.study && !options.kiosk) return {};
     std::unique_ptr<KioskMode> kiosk;
     if (options.study) {
         TRY_ASSIGN(kiosk, open_study(*this));
-    } else if (options.kiosk) {
-        kiosk = std::make_unique<KioskMode>(*this, options.kiosk->times);
     } else {
-        return {};
+        kiosk = std::make_unique<KioskMode>(*this, options.kiosk->times);
     }
     modes_.insert(modes_.begin(), kiosk.get());
-    KioskMode& opened = *kiosk;
+    const Result<void> opened = kiosk->open_log();
     kiosk_ = std::move(kiosk);
-    return opened.open_log();
+    return opened;
 }
 
 Result<void> WindowCore::open_screen(const KeptSettings& kept) {
