@@ -4,6 +4,7 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <cmath>
+#include <ranges>
 #include <tuple>
 
 #include "engine/base/files.hpp"
@@ -70,7 +71,7 @@ Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
         const BagConnection connection = bag.connections()[n];
         const bool is_compressed = is_of(connection, ros_compressed_image);
         if (!is_compressed && !is_of(connection, ros_image)) continue;
-        if (std::any_of(topics.begin(), topics.end(), [&](const BagPictures& other) {
+        if (std::ranges::any_of(topics, [&](const BagPictures& other) {
                 return other.topic == connection.topic && other.is_compressed == is_compressed;
             }))
             continue;
@@ -136,9 +137,9 @@ int colour_mark(const BagPictures& pictures, const BagPictures& depth) {
 }
 
 std::string found_there(const std::vector<BagPictures>& topics) {
-    std::string words;
-    for (std::size_t n = 0; n < std::min<std::size_t>(topics.size(), 4); ++n)
-        words += (n == 0 ? "" : ", ") + printable(topics[n].topic) + " of " + printable(topics[n].encoding);
+    const std::string words = listed(topics | std::views::take(4), [](const BagPictures& each) {
+        return printable(each.topic) + " of " + printable(each.encoding);
+    });
     return words.empty() ? "no pictures" : words + (topics.size() > 4 ? ", ..." : "");
 }
 
@@ -156,15 +157,14 @@ struct BagCamera {
 /// Of the kinds whose terms are those of LensDistortion.
 void find_lens(const RosCameraInfo& info, BagCamera& camera) {
     const auto& terms = info.distortion;
-    if (std::all_of(terms.begin(), terms.end(), [](double term) { return term == 0; })) return;
+    if (std::ranges::all_of(terms, [](double term) { return term == 0; })) return;
     constexpr std::string_view known[] = {"plumb_bob", "rational_polynomial", "Brown Conrady",
                                           "brown_conrady"};
-    const bool is_known =
-        std::find(std::begin(known), std::end(known), info.distortion_model) != std::end(known) &&
-        terms.size() <= camera.lens.terms.size() &&
-        std::all_of(terms.begin(), terms.end(), [](double term) { return std::isfinite(term); });
+    const bool is_known = std::ranges::count(known, info.distortion_model) > 0 &&
+                          terms.size() <= camera.lens.terms.size() &&
+                          std::ranges::all_of(terms, [](double term) { return std::isfinite(term); });
     if (is_known)
-        std::copy(terms.begin(), terms.end(), camera.lens.terms.begin());
+        std::ranges::copy(terms, camera.lens.terms.begin());
     else
         camera.unknown_lens = info.distortion_model;
 }
@@ -200,14 +200,8 @@ std::vector<std::string> camera_topics(const std::string& pictures) {
 Result<BagStreams> choose_bag_streams(BagFile& bag) {
     TRY_ASSIGN(auto topics, topics_of_pictures(bag));
     const auto best = [&](auto&& mark) {
-        BagPictures* chosen = nullptr;
-        int most = 0;
-        for (BagPictures& each : topics)
-            if (const int its = mark(each); its > most) {
-                most = its;
-                chosen = &each;
-            }
-        return chosen;
+        const auto chosen = std::ranges::max_element(topics, {}, mark);
+        return chosen != topics.end() && mark(*chosen) > 0 ? &*chosen : nullptr;
     };
     BagPictures* const depth = best(depth_mark);
     if (depth == nullptr)
@@ -297,9 +291,7 @@ struct Stamped {
 /// Of all messages, read in the order in which they lie in the file, so that each chunk is unpacked once.
 /// Those in chunks that were given up are left out.
 Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> messages) {
-    std::sort(messages.begin(), messages.end(), [](const BagMessage& a, const BagMessage& b) {
-        return std::tie(a.chunk, a.offset) < std::tie(b.chunk, b.offset);
-    });
+    std::ranges::sort(messages, {}, [](const BagMessage& each) { return std::tie(each.chunk, each.offset); });
     std::vector<Stamped> stamped;
     for (const BagMessage& message : messages) {
         if (stop_requested()) return interrupted_error();
@@ -314,9 +306,7 @@ Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> m
 /// Whether both have stamps, by one clock.
 bool tell_times(const std::vector<Stamped>& depth, const std::vector<Stamped>& colour) {
     const auto ends = [](const std::vector<Stamped>& all) {
-        const auto [first, last] =
-            std::minmax_element(all.begin(), all.end(),
-                                [](const Stamped& a, const Stamped& b) { return a.taken_ns < b.taken_ns; });
+        const auto [first, last] = std::ranges::minmax_element(all, {}, &Stamped::taken_ns);
         return std::pair(first->taken_ns, last->taken_ns);
     };
     const auto [first, last] = ends(depth);
@@ -351,12 +341,11 @@ public:
         TRY_ASSIGN(const auto bytes,
                    bag_->read(from.messages[static_cast<std::size_t>(picture_number(role, frame))]));
         const std::string at = where(role, frame);
-        if (from.is_compressed) {
-            const auto image = parse_ros_compressed_image(bytes);
+        const auto picture = [&](const auto& image) {
             return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
-        }
-        const auto image = parse_ros_image(bytes);
-        return image ? ros_picture(*image, at) : input_error(at + ": is damaged: is cut");
+        };
+        return from.is_compressed ? picture(parse_ros_compressed_image(bytes))
+                                  : picture(parse_ros_image(bytes));
     }
 
     /// "my.bag: /camera/depth/image_raw, frame 7".
@@ -376,19 +365,17 @@ public:
 
 private:
     Result<void> put_in_order() {
-        const std::size_t depths = streams_.depth.messages.size();
         std::vector<BagMessage> all = streams_.depth.messages;
         if (has_colour())
             all.insert(all.end(), streams_.colour->messages.begin(), streams_.colour->messages.end());
         TRY_ASSIGN(auto stamped, with_stamps(*bag_, std::move(all)));
         std::vector<std::uint32_t> depth_ids;
         for (const BagMessage& message : streams_.depth.messages) depth_ids.push_back(message.connection);
-        std::sort(depth_ids.begin(), depth_ids.end());
+        std::ranges::sort(depth_ids);
         std::vector<Stamped> depth, colour;
-        depth.reserve(depths);
+        depth.reserve(streams_.depth.messages.size());
         for (const Stamped& each : stamped)
-            (std::binary_search(depth_ids.begin(), depth_ids.end(), each.message.connection) ? depth : colour)
-                .push_back(each);
+            (std::ranges::binary_search(depth_ids, each.message.connection) ? depth : colour).push_back(each);
         if (depth.empty()) return input_error(bag_->name() + ": " + bag_->left_out());
         if (colour.empty()) streams_.colour.reset();
         const bool by_stamp = tell_times(depth, colour);
@@ -396,8 +383,7 @@ private:
             const auto time = [&](const Stamped& each) {
                 return by_stamp ? each.taken_ns : each.message.time_ns;
             };
-            std::stable_sort(pictures.begin(), pictures.end(),
-                             [&](const Stamped& a, const Stamped& b) { return time(a) < time(b); });
+            std::ranges::stable_sort(pictures, {}, time);
             std::vector<double> times;
             messages.clear();
             for (const Stamped& each : pictures) {
@@ -550,7 +536,7 @@ Result<std::optional<fs::path>> ros2_recording_in(const fs::path& folder) {
         if (plain.extension() == ".db3" || plain.extension() == ".mcap")
             (file.extension() == ".zstd" ? packed : files).push_back(file);
     }
-    std::sort(files.begin(), files.end());
+    std::ranges::sort(files);
     if (files.size() == 1) return std::optional(files.front());
     if (!files.empty())
         return input_error(folder.string() + ": is a recording of ROS 2 in " + std::to_string(files.size()) +

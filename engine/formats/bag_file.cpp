@@ -139,13 +139,44 @@ enum class BagOp : std::uint8_t {
     connection = 7
 };
 
+constexpr std::uint32_t longest_header = 1 << 20;  // topics are as long as people make them
+
+Error at_byte(std::uint64_t at, const std::string& what) {
+    return input_error("is damaged: the record at byte " + std::to_string(at) + " " + what);
+}
+
 /// Fields "name=value" of a record, whose values are bytes.
 class BagFields {
 public:
     /// Nothing where they do not fill the bytes.
-    static std::optional<BagFields> of(std::string bytes);
+    static std::optional<BagFields> of(std::string bytes) {
+        for (std::size_t at = 0; at < bytes.size();) {
+            std::uint32_t length = 0;
+            if (bytes.size() - at < sizeof length) return {};
+            std::memcpy(&length, bytes.data() + at, sizeof length);
+            at += sizeof length;
+            if (length > bytes.size() - at) return {};
+            if (bytes.find('=', at) >= at + length) return {};
+            at += length;
+        }
+        BagFields fields;
+        fields.bytes_ = std::move(bytes);
+        return fields;
+    }
 
-    std::optional<std::string_view> text(std::string_view name) const;
+    std::optional<std::string_view> text(std::string_view name) const {
+        const std::string_view all = bytes_;
+        for (std::size_t at = 0; at < all.size();) {
+            std::uint32_t length = 0;
+            std::memcpy(&length, all.data() + at, sizeof length);
+            const std::string_view field = all.substr(at + sizeof length, length);
+            if (field.size() > name.size() && field[name.size()] == '=' && field.starts_with(name))
+                return field.substr(name.size() + 1);
+            at += sizeof length + length;
+        }
+        return {};
+    }
+
     /// An unsigned number, low byte first, of exactly its type's size.
     template <class Number>
     std::optional<Number> number(std::string_view name) const {
@@ -169,40 +200,6 @@ struct BagRecord {
     std::uint64_t end() const { return data_at + size; }
     bool is(BagOp op) const { return fields.number<std::uint8_t>("op") == static_cast<std::uint8_t>(op); }
 };
-
-constexpr std::uint32_t longest_header = 1 << 20;  // topics are as long as people make them
-
-Error at_byte(std::uint64_t at, const std::string& what) {
-    return input_error("is damaged: the record at byte " + std::to_string(at) + " " + what);
-}
-
-std::optional<BagFields> BagFields::of(std::string bytes) {
-    for (std::size_t at = 0; at < bytes.size();) {
-        std::uint32_t length = 0;
-        if (bytes.size() - at < sizeof length) return {};
-        std::memcpy(&length, bytes.data() + at, sizeof length);
-        at += sizeof length;
-        if (length > bytes.size() - at) return {};
-        if (bytes.find('=', at) >= at + length) return {};
-        at += length;
-    }
-    BagFields fields;
-    fields.bytes_ = std::move(bytes);
-    return fields;
-}
-
-std::optional<std::string_view> BagFields::text(std::string_view name) const {
-    const std::string_view all = bytes_;
-    for (std::size_t at = 0; at < all.size();) {
-        std::uint32_t length = 0;
-        std::memcpy(&length, all.data() + at, sizeof length);
-        const std::string_view field = all.substr(at + sizeof length, length);
-        if (field.size() > name.size() && field[name.size()] == '=' && field.starts_with(name))
-            return field.substr(name.size() + 1);
-        at += sizeof length + length;
-    }
-    return {};
-}
 
 /// The record that begins at `at` and ends by `end`. An error says what is wrong, but not in which file.
 Result<BagRecord> read_bag_record(ByteSource& bytes, std::uint64_t at, std::uint64_t end) {

@@ -377,10 +377,6 @@ Camera median_camera(std::span<const Camera> cameras) {
     return median;
 }
 
-double PixelShift::length() const {
-    return std::sqrt(columns * columns + rows * rows);
-}
-
 PixelShift shift_between(const Camera& clip, const Camera& stored, int width, int height) {
     // It grows or falls steadily along a row and a column: the largest is at an edge.
     PixelShift shift;

@@ -4,6 +4,7 @@
 // where colour's camera stands. No file is an error where it only lies there; what calls itself a camera's
 // file and is not understood is named.
 
+#include <cmath>
 #include <filesystem>
 #include <span>
 #include <string_view>
@@ -93,7 +94,7 @@ Camera median_camera(std::span<const Camera> cameras);
 struct PixelShift {
     double columns = 0, rows = 0;
     bool is_inside = true;  ///< the stored picture has all that the clip's camera sees
-    double length() const;
+    double length() const { return std::sqrt(columns * columns + rows * rows); }
     /// Whether the nearest pixel is anywhere another one.
     bool moves() const { return columns >= 0.5 || rows >= 0.5; }
 };

@@ -51,37 +51,6 @@ Node one_of(const Node& array, const Node& index, const std::string& what) {
     return *found;
 }
 
-/// What a file says, .gltf or .glb, and the bytes that it carries. `bytes` has to stay.
-class GltfFile {
-public:
-    GltfFile(const std::filesystem::path& file, std::string_view bytes);
-    GltfFile(const GltfFile&) = delete;
-    GltfFile& operator=(const GltfFile&) = delete;
-
-    const std::filesystem::path& file() const { return file_; }
-    Node root() const { return {json_, ""}; }
-    /// Of one of the arrays at the root, such as textures[2].
-    Node element(const char* array, const Node& index) const { return one_of(root()[array], index, array); }
-    Node texture(std::size_t number) const;
-    /// What a texture shows where its file is read as a picture. `texture`: of the array "textures".
-    LinkedFile picture(const Node& texture);
-    /// What it shows moving; nothing where it has no MPEG_texture_video. Of the alternatives of a medium the
-    /// first that is a file here.
-    std::optional<GltfVideo> video(const Node& texture) const;
-    /// The file that a URI of it names.
-    LinkedFile linked(const std::string& uri) const;
-    /// The others that were read for pictures.
-    const std::vector<std::filesystem::path>& read_files() const { return read_files_; }
-
-private:
-    LinkedFile carried_picture(const Node& view);
-
-    std::filesystem::path file_;
-    checked_json::Json json_;
-    std::optional<std::string_view> carried_;
-    std::vector<std::filesystem::path> read_files_;
-};
-
 /// Values of three bytes of text take a hundred of memory.
 constexpr std::size_t largest_json = std::size_t{8} << 20U;
 
@@ -136,96 +105,120 @@ Node local_alternative(const Node& media) {
     all.front()["uri"].refuse("the name of a file beside it, as nothing is fetched");
 }
 
-GltfFile::GltfFile(const std::filesystem::path& file, std::string_view bytes) : file_(file) {
-    const GltfParts parts = parts_of(bytes);
-    json_ = checked_json::parse(parts.json, largest_json);
-    carried_ = parts.carried;
-    if (!root().has("asset") || !root()["asset"].has("version")) return;
-    const Node version = root()["asset"]["version"];
-    if (!version.text().starts_with("2.")) version.refuse("2.0 or another 2, which alone is read");
-}
-
-Node GltfFile::texture(std::size_t number) const {
-    const Node all = root()["textures"];
-    const auto found = all.element(number);
-    if (!found)
-        throw Refusal{"names texture " + std::to_string(number) + ", but has " + std::to_string(all.size())};
-    return *found;
-}
-
-LinkedFile GltfFile::linked(const std::string& uri) const {
-    auto link = follow_link(uri, file_);
-    if (!link) throw link.error();
-    return std::move(*link);
-}
-
-/// A stretch of a buffer.
-LinkedFile GltfFile::carried_picture(const Node& view) {
-    const Node buffer = element("buffers", view["buffer"]);
-    constexpr std::int64_t most = std::int64_t{1} << 40;
-    const auto begin =
-        static_cast<std::size_t>(view.has("byteOffset") ? view["byteOffset"].integer(0, most) : 0);
-    const auto length = static_cast<std::size_t>(view["byteLength"].integer(1, most));
-    std::shared_ptr<const std::string> owned;
-    std::string_view bytes;
-    if (buffer.has("uri")) {
-        const LinkedFile link = linked(buffer["uri"].text());
-        auto read = bytes_of(link);
-        if (!read) throw read.error();
-        if (!link.file.empty()) read_files_.push_back(link.file);
-        owned = std::move(*read);
-        bytes = *owned;
-    } else if (carried_) {
-        bytes = *carried_;
-    } else {
-        buffer["uri"].text();  // is missing
+/// What a file says, .gltf or .glb, and the bytes that it carries. `bytes` has to stay.
+class GltfFile : NonCopyable {
+public:
+    GltfFile(const std::filesystem::path& file, std::string_view bytes) : file_(file) {
+        const GltfParts parts = parts_of(bytes);
+        json_ = checked_json::parse(parts.json, largest_json);
+        carried_ = parts.carried;
+        if (!root().has("asset") || !root()["asset"].has("version")) return;
+        const Node version = root()["asset"]["version"];
+        if (!version.text().starts_with("2.")) version.refuse("2.0 or another 2, which alone is read");
     }
-    if (begin > bytes.size() || length > bytes.size() - begin)
-        view["byteLength"].refuse("within its buffer, which has " + std::to_string(bytes.size()) + " bytes");
-    return {{}, std::make_shared<const std::string>(bytes.substr(begin, length)), file_.string()};
-}
 
-LinkedFile GltfFile::picture(const Node& texture) {
-    if (!texture.has("source"))
-        throw Refusal{"a texture has no source: must be a PNG or JPEG; pictures of extensions are not read"};
-    const Node image = element("images", texture["source"]);
-    if (!image.has("bufferView")) return linked(image["uri"].text());
-    return carried_picture(element("bufferViews", image["bufferView"]));
-}
+    const std::filesystem::path& file() const { return file_; }
+    Node root() const { return {json_, ""}; }
+    /// Of one of the arrays at the root, such as textures[2].
+    Node element(const char* array, const Node& index) const { return one_of(root()[array], index, array); }
+    Node texture(std::size_t number) const {
+        const Node all = root()["textures"];
+        const auto found = all.element(number);
+        if (!found)
+            throw Refusal{"names texture " + std::to_string(number) + ", but has " +
+                          std::to_string(all.size())};
+        return *found;
+    }
 
-/// Through accessor, view and buffer to the tracks of a medium.
-std::optional<GltfVideo> GltfFile::video(const Node& texture) const {
-    const auto moving = gltf_extension(texture, "MPEG_texture_video");
-    if (!moving) return std::nullopt;
-    GltfVideo video;
-    constexpr int longest_side = 16384;
-    video.width = static_cast<int>((*moving)["width"].integer(1, longest_side));
-    video.height = static_cast<int>((*moving)["height"].integer(1, longest_side));
-    video.format = moving->has("format") ? (*moving)["format"].text() : "RGB";
-    const Node view = element("bufferViews", element("accessors", (*moving)["accessor"])["bufferView"]);
-    const Node buffer = element("buffers", view["buffer"]);
-    const auto frames = gltf_extension(buffer, "MPEG_buffer_circular");
-    if (!frames)
-        throw Refusal{"the buffer of a video has no MPEG_buffer_circular: must say of which media it is"};
-    const auto files = gltf_extension(root(), "MPEG_media");
-    if (!files) throw Refusal{"has no extensions.MPEG_media: must say which files its videos are"};
-    const Node media = (*files)["media"];
-    const Node file = local_alternative(one_of(media, (*frames)["media"], "media"));
-    video.file = file["uri"].text();
-    if (!file.has("tracks")) return video;
-    const std::vector<Node> tracks = gltf_array(file["tracks"]);
-    if (!frames->has("tracks")) {
-        for (const Node& track : tracks) video.tracks.push_back(track_number(track["track"]));
+    /// What a texture shows where its file is read as a picture. `texture`: of the array "textures".
+    LinkedFile picture(const Node& texture) {
+        if (!texture.has("source"))
+            throw Refusal{
+                "a texture has no source: must be a PNG or JPEG; pictures of extensions are not read"};
+        const Node image = element("images", texture["source"]);
+        if (!image.has("bufferView")) return linked(image["uri"].text());
+        return carried_picture(element("bufferViews", image["bufferView"]));
+    }
+
+    /// What it shows moving; nothing where it has no MPEG_texture_video. Of the alternatives of a medium the
+    /// first that is a file here.
+    /// Through accessor, view and buffer to the tracks of a medium.
+    std::optional<GltfVideo> video(const Node& texture) const {
+        const auto moving = gltf_extension(texture, "MPEG_texture_video");
+        if (!moving) return std::nullopt;
+        GltfVideo video;
+        constexpr int longest_side = 16384;
+        video.width = static_cast<int>((*moving)["width"].integer(1, longest_side));
+        video.height = static_cast<int>((*moving)["height"].integer(1, longest_side));
+        video.format = moving->has("format") ? (*moving)["format"].text() : "RGB";
+        const Node view = element("bufferViews", element("accessors", (*moving)["accessor"])["bufferView"]);
+        const Node buffer = element("buffers", view["buffer"]);
+        const auto frames = gltf_extension(buffer, "MPEG_buffer_circular");
+        if (!frames)
+            throw Refusal{"the buffer of a video has no MPEG_buffer_circular: must say of which media it is"};
+        const auto files = gltf_extension(root(), "MPEG_media");
+        if (!files) throw Refusal{"has no extensions.MPEG_media: must say which files its videos are"};
+        const Node media = (*files)["media"];
+        const Node file = local_alternative(one_of(media, (*frames)["media"], "media"));
+        video.file = file["uri"].text();
+        if (!file.has("tracks")) return video;
+        const std::vector<Node> tracks = gltf_array(file["tracks"]);
+        if (!frames->has("tracks")) {
+            for (const Node& track : tracks) video.tracks.push_back(track_number(track["track"]));
+            return video;
+        }
+        for (const Node& index : gltf_array((*frames)["tracks"])) {
+            const auto k = static_cast<std::size_t>(index.whole());
+            if (k >= tracks.size())
+                index.refuse("a number of one of " + std::to_string(tracks.size()) + " tracks");
+            video.tracks.push_back(track_number(tracks[k]["track"]));
+        }
         return video;
     }
-    for (const Node& index : gltf_array((*frames)["tracks"])) {
-        const auto k = static_cast<std::size_t>(index.whole());
-        if (k >= tracks.size())
-            index.refuse("a number of one of " + std::to_string(tracks.size()) + " tracks");
-        video.tracks.push_back(track_number(tracks[k]["track"]));
+
+    /// The file that a URI of it names.
+    LinkedFile linked(const std::string& uri) const {
+        auto link = follow_link(uri, file_);
+        if (!link) throw link.error();
+        return std::move(*link);
     }
-    return video;
-}
+
+    /// The others that were read for pictures.
+    const std::vector<std::filesystem::path>& read_files() const { return read_files_; }
+
+private:
+    /// A stretch of a buffer.
+    LinkedFile carried_picture(const Node& view) {
+        const Node buffer = element("buffers", view["buffer"]);
+        constexpr std::int64_t most = std::int64_t{1} << 40;
+        const auto begin =
+            static_cast<std::size_t>(view.has("byteOffset") ? view["byteOffset"].integer(0, most) : 0);
+        const auto length = static_cast<std::size_t>(view["byteLength"].integer(1, most));
+        std::shared_ptr<const std::string> owned;
+        std::string_view bytes;
+        if (buffer.has("uri")) {
+            const LinkedFile link = linked(buffer["uri"].text());
+            auto read = bytes_of(link);
+            if (!read) throw read.error();
+            if (!link.file.empty()) read_files_.push_back(link.file);
+            owned = std::move(*read);
+            bytes = *owned;
+        } else if (carried_) {
+            bytes = *carried_;
+        } else {
+            buffer["uri"].text();  // is missing
+        }
+        if (begin > bytes.size() || length > bytes.size() - begin)
+            view["byteLength"].refuse("within its buffer, which has " + std::to_string(bytes.size()) +
+                                      " bytes");
+        return {{}, std::make_shared<const std::string>(bytes.substr(begin, length)), file_.string()};
+    }
+
+    std::filesystem::path file_;
+    checked_json::Json json_;
+    std::optional<std::string_view> carried_;
+    std::vector<std::filesystem::path> read_files_;
+};
 
 /// One property in a haptic material of glTF.
 struct GltfLayer {
@@ -280,7 +273,7 @@ bool is_touched(const Node& material) {
     if (material.has("stiffness") || material.has("friction")) return true;
     if (!material.has("custom")) return false;
     const auto all = gltf_array(material["custom"]);
-    return std::any_of(all.begin(), all.end(), is_height);
+    return std::ranges::any_of(all, is_height);
 }
 
 /// Picks the textures of one material: the one that the file's first mesh with one names, or else the first
@@ -317,7 +310,7 @@ private:
             "has no material with stiffness or friction in the whole file's "
             "extensions.MPEG_haptic_material.materials";
         const std::vector<Node> materials = materials_of(gltf_);
-        const auto count = std::count_if(materials.begin(), materials.end(), is_touched);
+        const auto count = std::ranges::count_if(materials, is_touched);
         if (count == 0) throw Refusal{right};
         if (const auto index = material_of_mesh(gltf_)) {
             const auto k = static_cast<std::size_t>(index->whole());
@@ -326,7 +319,7 @@ private:
             if (is_touched(materials[k])) return materials[k];
         }
         if (count > 1) say(name_ + " has " + std::to_string(count) + " haptic materials: the first is taken");
-        return *std::find_if(materials.begin(), materials.end(), is_touched);
+        return *std::ranges::find_if(materials, is_touched);
     }
 
     /// Of the textures of a property, and of this kind or of none, the one of high resolution, or of low
@@ -444,11 +437,6 @@ auto first_of(const Node& root, const char* array, const Choose& choose)
     return {};
 }
 
-std::optional<Node> own_extras(const Node& mesh) {
-    if (!mesh.has("extras") || !mesh["extras"].has("touchable")) return std::nullopt;
-    return mesh["extras"]["touchable"];
-}
-
 class GltfClip {
 public:
     GltfClip(const Candidate& file, std::string_view bytes)
@@ -456,33 +444,312 @@ public:
           gltf_(file.source.path(), bytes),
           folder_(file.home()),
           own_(first_of(gltf_.root(), "meshes",
-                        [](const Node& mesh, std::size_t) { return own_extras(mesh); })) {}
-    Opened open();
+                        [](const Node& mesh, std::size_t) { return extra(mesh, "touchable"); })) {}
+    Opened open() {
+        find_planes();
+        SceneDescription scene = file_.scene ? SceneDescription(*file_.scene) : described();
+        if (!file_.scene && touch_) take_touch(scene.scene);
+        if (touch_ && !maps_.haptic)  // otherwise the map says so
+            for (const std::string& note : touch_->notes) add_remark(remarks_, {note});
+        scene.scene.remarks = joined_remarks(std::move(scene.scene.remarks), remarks_);
+        scene.scene.folder.reset();
+        scene.scene.video.reset();
+        const bool has_tracks = depth().video && !depth().video->tracks.empty();
+        auto reader = has_tracks ? open_tracks(scene) : open_files(std::move(scene));
+        if (sources_) reader = with_touch_videos(std::move(reader), *sources_);
+        if (!reader) return reader;
+        (*reader)->add_input(gltf_.file());
+        for (auto& file : files_of_others()) (*reader)->add_input(std::move(file));
+        return reader;
+    }
 
 private:
-    std::string name_beside(const std::string& uri) const;
-    std::optional<std::size_t> depth_texture() const;
-    std::optional<std::size_t> colour_texture() const;
-    ClipTexture plane(std::size_t texture) const;
+    /// In the scene's folder or below.
+    std::string name_beside(const std::string& uri) const {
+        const std::filesystem::path file = gltf_.linked(uri).file;
+        const std::filesystem::path named =
+            file.lexically_normal().lexically_relative(folder_.lexically_normal());
+        if (file.empty() || named.empty() || named.is_absolute() || *named.begin() == "..")
+            throw Refusal{"a plane of it is " + in_quotes(uri.substr(0, 40)) +
+                          ": must be a file beside it or in a folder below"};
+        return named.string();
+    }
+
+    /// As its mesh says; otherwise the video whose samples are depth.
+    std::optional<std::size_t> depth_texture() const {
+        if (own_) return static_cast<std::size_t>((*own_)["depth"].whole());
+        return first_of(
+            gltf_.root(), "textures", [](const Node& texture, std::size_t k) -> std::optional<std::size_t> {
+                const auto moving = gltf_extension(texture, "MPEG_texture_video");
+                const bool is_depth =
+                    moving && moving->has("format") && (*moving)["format"].text() == "DEPTH_COMPONENT";
+                return is_depth ? std::optional(k) : std::nullopt;
+            });
+    }
+
+    /// As its mesh says; otherwise what is drawn on the first mesh that is drawn with a picture.
+    std::optional<std::size_t> colour_texture() const {
+        if (own_)
+            return own_->has("colour") ? std::optional(static_cast<std::size_t>((*own_)["colour"].whole()))
+                                       : std::nullopt;
+        const auto of_primitive = [this](const Node& primitive, std::size_t) -> std::optional<std::size_t> {
+            if (!primitive.has("material")) return std::nullopt;
+            const Node material = gltf_.element("materials", primitive["material"]);
+            if (!material.has("pbrMetallicRoughness")) return std::nullopt;
+            const Node look = material["pbrMetallicRoughness"];
+            if (!look.has("baseColorTexture")) return std::nullopt;
+            return static_cast<std::size_t>(look["baseColorTexture"]["index"].whole());
+        };
+        return first_of(gltf_.root(), "meshes", [&](const Node& mesh, std::size_t) {
+            return first_of(mesh, "primitives", of_primitive);
+        });
+    }
+
+    ClipTexture plane(std::size_t index) const {
+        const Node texture = gltf_.texture(index);
+        if (auto video = gltf_.video(texture)) {
+            video->file = name_beside(video->file);
+            return {std::move(video), ""};
+        }
+        if (!texture.has("source")) throw Refusal{"a texture is neither a picture nor a video"};
+        const Node image = gltf_.element("images", texture["source"]);
+        if (image.has("bufferView"))
+            throw Refusal{"a plane of it is a picture within the file: must be a file beside it"};
+        return {{}, name_beside(image["uri"].text())};
+    }
+
     bool is_video(std::size_t texture) const {
         return gltf_extension(gltf_.texture(texture), "MPEG_texture_video").has_value();
     }
-    void find_planes();
-    void find_touch();
-    TouchSource touch_source(const GltfLayer& property);
-    SceneDescription described() const;
-    SceneDescription assumed() const;
-    bool take_ranges(Scene& scene) const;
-    bool take_height(Scene& scene) const;
-    void take_touch(Scene& scene);
+    void find_planes() {
+        const auto depth = depth_texture();
+        if (!depth)
+            throw Refusal{
+                "has no depth (a texture of format DEPTH_COMPONENT, or \"depth\" in the extras of a mesh): "
+                "it is "
+                "no clip; what it says of touch serves a clip of depth"};
+        at(PlaneRole::depth) = plane(*depth);
+        const auto colour = colour_texture();  // a picture of it stands in for the video
+        if (colour && (!at(PlaneRole::depth)->video || is_video(*colour)))
+            at(PlaneRole::colour) = plane(*colour);
+        find_touch();
+    }
+
+    /// In a clip of ours a material's textures are one plane. Those of others are videos, each of its own;
+    /// pictures alone are a map, as of any other clip.
+    void find_touch() {
+        const std::vector<Node> materials = materials_of(gltf_);
+        if (std::ranges::none_of(materials, is_touched)) return;
+        touch_ = MaterialReader(gltf_).read();
+        std::optional<std::size_t> texture;
+        bool is_one = own_.has_value(), is_moving = false;
+        for (std::size_t k = 0; k < touch_->properties.size(); ++k) {
+            const auto& property = touch_->properties[k];
+            if (!property) continue;
+            is_one = is_one && (!texture || *texture == property->texture) &&
+                     property->channel == static_cast<int>(k);
+            texture = property->texture;
+            is_moving = is_moving || is_video(*texture);
+        }
+        if (touch_->height) at(PlaneRole::height) = plane(touch_->height->texture);
+        if (!texture) return;
+        if (is_one) {
+            at(PlaneRole::haptic) = plane(*texture);
+            return;
+        }
+        if (!is_moving) {
+            maps_.haptic = gltf_.file();
+            return;
+        }
+        sources_.emplace();
+        for (std::size_t k = 0; k < touch_->properties.size(); ++k)
+            if (const auto& property = touch_->properties[k]) (*sources_)[k] = touch_source(*property);
+    }
+
+    /// The video of a property, or its picture.
+    TouchSource touch_source(const GltfLayer& property) {
+        if (!is_video(property.texture))
+            return TouchSource{.picture = gltf_.picture(gltf_.texture(property.texture)),
+                               .channel = property.channel};
+        const GltfVideo video = *plane(property.texture).video;
+        if (video.tracks.size() > 1)
+            throw Refusal{"a texture of touch is " + std::to_string(video.tracks.size()) +
+                          " tracks of its file: must be one"};
+        return TouchSource{.video = folder_ / video.file,
+                           .track = video.tracks.empty() ? std::nullopt : std::optional(video.tracks.front()),
+                           .channel = property.channel};
+    }
+
+    SceneDescription described() const {
+        if (!own_) return assumed();
+        auto scene =
+            parse_scene((*own_)["scene"].json(), gltf_.file().string() + ": the scene in its mesh's extras");
+        if (!scene) throw scene.error();
+        return std::move(*scene);
+    }
+
+    /// Of depth that says nothing of lengths: of larger values as a depth buffer's are, which are farther.
+    SceneDescription assumed() const {
+        const auto& video = depth().video;
+        if (!video)
+            throw Refusal{"its mesh does not say what its depth means: describe it with a scene file"};
+        if (video->tracks.size() > 1)
+            throw Refusal{
+                "its depth is two tracks, and its mesh does not say how many bits that is: describe it with "
+                "a "
+                "scene file"};
+        constexpr double near = 0.5, far = 1.5;  // metres
+        DepthCoding coding;
+        coding.semantics = DepthSemantics::planar;
+        coding.near_is_high = false;
+        coding.near = near;
+        coding.far = far;
+        StoredImage size;
+        size.image = {video->width, video->height, 1, 1, {}};
+        auto guessed = guess_scene(gltf_.file(), size, {}, &coding);
+        if (!guessed) throw guessed.error();
+        Scene& scene = guessed->scene;
+        for (Remark& remark : scene.remarks)
+            if (remark.is_guess || !remark.hints.empty()) remark.hints = {{Setting::scene_file, "FILE"}};
+        add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
+                                   true,
+                                   "a scene file's depth.near and far say otherwise",
+                                   {{Setting::scene_file, "FILE"}}});
+        return std::move(*guessed);
+    }
+
+    /// Ranges beside a texture count, as a person may have changed them there. Whether they differ.
+    bool take_ranges(Scene& scene) const {
+        const std::array<PropertyRange*, 3> ranges{&scene.haptic.stiffness, &scene.haptic.static_friction,
+                                                   &scene.haptic.dynamic_friction};
+        const auto otherwise = untouched(scene);
+        bool is_other = false;
+        for (std::size_t k = 0; k < ranges.size(); ++k) {
+            const auto& property = touch_->properties[k];
+            const PropertyRange stated = !property         ? PropertyRange{otherwise[k], otherwise[k]}
+                                         : property->range ? *property->range
+                                                           : *ranges[k];
+            is_other = is_other || ranges[k]->min != stated.min || ranges[k]->max != stated.max;
+            *ranges[k] = stated;
+        }
+        return is_other;
+    }
+
+    /// The same of heights, which are metres there.
+    bool take_height(Scene& scene) const {
+        const GltfLayer& height = *touch_->height;
+        if (height.channel != 0)
+            throw Refusal{"its heights are channel " + std::to_string(height.channel) +
+                          " of a texture: must be 0, as they are grey"};
+        if (!height.range) return false;
+        if (height.range->min != 0)
+            throw Refusal{"black of its heights must be 0: touchable_range is [0, metres]"};
+        HeightCoding& coding = scene.height_coding;
+        const double now =
+            coding.max_height > 0 ? largest_height(coding, scene.depth) * scene.metres_per_unit : 0;
+        if (height.range->max == now) return false;
+        coding.units = HeightUnits::world;
+        coding.max_height = height.range->max / scene.metres_per_unit;
+        return true;
+    }
+
+    void take_touch(Scene& scene) {
+        const bool has_haptic = at(PlaneRole::haptic) || sources_;
+        const bool has_others = has_haptic && take_ranges(scene);
+        const bool is_other = (touch_->height && take_height(scene)) || has_others;
+        if (own_ && is_other)
+            add_remark(remarks_,
+                       {"the ranges of its haptic material are others than those of the scene in its "
+                        "mesh: the material's stand"});
+        const bool states_all =
+            std::none_of(touch_->properties.begin(), touch_->properties.end(),
+                         [](const auto& property) { return property && !property->range; });
+        if (!own_ && has_haptic && !states_all)
+            add_remark(remarks_,
+                       {"its haptic material states no units: black and white are the usual ends", true,
+                        "\"extras\": {\"touchable_range\": [black, white]} beside a texture say others"});
+        if (auto valid = validate(scene); !valid) throw Refusal{valid.error().message};
+    }
+
     std::optional<ClipTexture>& at(PlaneRole role) { return planes_[static_cast<std::size_t>(role)]; }
     const std::optional<ClipTexture>& at(PlaneRole role) const {
         return planes_[static_cast<std::size_t>(role)];
     }
     const ClipTexture& depth() const { return *planes_.front(); }
-    std::vector<std::filesystem::path> files_of_others() const;
-    Opened open_tracks(const SceneDescription& described) const;
-    Opened open_files(SceneDescription described) const;
+    /// Files for programs that know no depth video: they are inputs, too, which nothing may write over.
+    std::vector<std::filesystem::path> files_of_others() const {
+        std::vector<std::filesystem::path> files;
+        for (const char* array : {"images", "buffers"}) {
+            if (!gltf_.root().has(array)) continue;
+            for (const Node& each : gltf_array(gltf_.root()[array])) {
+                if (!each.has("uri")) continue;
+                const auto link = follow_link(each["uri"].text(), gltf_.file());
+                if (link && !link->file.empty()) files.push_back(link->file);
+            }
+        }
+        return files;
+    }
+
+    /// Tracks of one file, and pictures beside them.
+    Opened open_tracks(const SceneDescription& described) const {
+        const std::string& file = depth().video->file;
+        PlaneTracks tracks;
+        StillMaps maps = maps_;
+        for (const PlaneRole role : all_roles) {
+            const auto& plane = at(role);
+            if (!plane) continue;
+            const std::string name(role_name(role));
+            if (!plane->video) {
+                if (role == PlaneRole::haptic) maps.haptic = gltf_.file();
+                if (role == PlaneRole::height) maps.height = folder_ / plane->picture;
+                continue;  // a picture of colour is what others show of the video
+            }
+            if (plane->video->file != file)
+                throw Refusal{name + " and depth are videos in two files: must be tracks of one"};
+            const auto& numbers = plane->video->tracks;
+            if (numbers.empty() || numbers.size() > 2)
+                throw Refusal{name + " is " + std::to_string(numbers.size()) +
+                              " tracks of its file: must be one, or one of the high bits and one of the low"};
+            tracks[static_cast<std::size_t>(role)] = numbers;
+        }
+        auto reader = open_mp4_tracks(SourceFile(folder_ / file), tracks, described, file_.wanted.colour);
+        if (!maps.haptic && !maps.height) return reader;
+        return with_still_maps(std::move(reader), maps);
+    }
+
+    /// Pictures; or videos, each a file of its own.
+    Opened open_files(SceneDescription described) const {
+        FolderSource files;
+        const bool is_moving = depth().video.has_value();
+        for (const PlaneRole role : all_roles) {
+            const auto& plane = at(role);
+            if (!plane) continue;
+            if (plane->video && (!is_moving || role == PlaneRole::haptic || role == PlaneRole::height))
+                throw Refusal{
+                    std::string(role_name(role)) +
+                    " is a video in a file of its own: must be a picture, or a track of depth's file"};
+            if (!plane->video && !is_still(plane->picture))
+                throw Refusal{in_quotes(plane->picture) +
+                              " is a name that stands for several files (%, *, .txt): rename it"};
+            if (plane->video)
+                pattern_of(files, role) = plane->video->file;
+            else if (role != PlaneRole::colour || !is_moving)
+                pattern_of(files, role) = plane->picture;
+        }
+        Scene& scene = described.scene;
+        if (is_moving) {
+            scene.video = VideoSource{files.depth, files.colour};
+            scene.video->haptic = files.haptic;
+            scene.video->height = files.height;
+        } else {
+            files.count = 1;
+            scene.folder = std::move(files);
+        }
+        const auto open_planes = is_moving ? open_videos : open_image_folder;
+        auto reader = open_planes(folder_, GuessedScene{std::move(described)}, file_.wanted.colour,
+                                  DepthAlignment::automatic);
+        return maps_.haptic ? with_still_maps(std::move(reader), maps_) : std::move(reader);
+    }
 
     const Candidate& file_;
     GltfFile gltf_;
@@ -494,296 +761,6 @@ private:
     std::optional<TouchSources> sources_;  // of touch that is no plane of ours, and moves
     std::vector<Remark> remarks_;
 };
-
-/// In the scene's folder or below.
-std::string GltfClip::name_beside(const std::string& uri) const {
-    const std::filesystem::path file = gltf_.linked(uri).file;
-    const std::filesystem::path named =
-        file.lexically_normal().lexically_relative(folder_.lexically_normal());
-    if (file.empty() || named.empty() || named.is_absolute() || *named.begin() == "..")
-        throw Refusal{"a plane of it is " + in_quotes(uri.substr(0, 40)) +
-                      ": must be a file beside it or in a folder below"};
-    return named.string();
-}
-
-/// As its mesh says; otherwise the video whose samples are depth.
-std::optional<std::size_t> GltfClip::depth_texture() const {
-    if (own_) return static_cast<std::size_t>((*own_)["depth"].whole());
-    return first_of(
-        gltf_.root(), "textures", [](const Node& texture, std::size_t k) -> std::optional<std::size_t> {
-            const auto moving = gltf_extension(texture, "MPEG_texture_video");
-            const bool is_depth =
-                moving && moving->has("format") && (*moving)["format"].text() == "DEPTH_COMPONENT";
-            return is_depth ? std::optional(k) : std::nullopt;
-        });
-}
-
-/// As its mesh says; otherwise what is drawn on the first mesh that is drawn with a picture.
-std::optional<std::size_t> GltfClip::colour_texture() const {
-    if (own_)
-        return own_->has("colour") ? std::optional(static_cast<std::size_t>((*own_)["colour"].whole()))
-                                   : std::nullopt;
-    const auto of_primitive = [this](const Node& primitive, std::size_t) -> std::optional<std::size_t> {
-        if (!primitive.has("material")) return std::nullopt;
-        const Node material = gltf_.element("materials", primitive["material"]);
-        if (!material.has("pbrMetallicRoughness")) return std::nullopt;
-        const Node look = material["pbrMetallicRoughness"];
-        if (!look.has("baseColorTexture")) return std::nullopt;
-        return static_cast<std::size_t>(look["baseColorTexture"]["index"].whole());
-    };
-    return first_of(gltf_.root(), "meshes", [&](const Node& mesh, std::size_t) {
-        return first_of(mesh, "primitives", of_primitive);
-    });
-}
-
-ClipTexture GltfClip::plane(std::size_t index) const {
-    const Node texture = gltf_.texture(index);
-    if (auto video = gltf_.video(texture)) {
-        video->file = name_beside(video->file);
-        return {std::move(video), ""};
-    }
-    if (!texture.has("source")) throw Refusal{"a texture is neither a picture nor a video"};
-    const Node image = gltf_.element("images", texture["source"]);
-    if (image.has("bufferView"))
-        throw Refusal{"a plane of it is a picture within the file: must be a file beside it"};
-    return {{}, name_beside(image["uri"].text())};
-}
-
-void GltfClip::find_planes() {
-    const auto depth = depth_texture();
-    if (!depth)
-        throw Refusal{
-            "has no depth (a texture of format DEPTH_COMPONENT, or \"depth\" in the extras of a mesh): it is "
-            "no clip; what it says of touch serves a clip of depth"};
-    at(PlaneRole::depth) = plane(*depth);
-    const auto colour = colour_texture();  // a picture of it stands in for the video
-    if (colour && (!at(PlaneRole::depth)->video || is_video(*colour))) at(PlaneRole::colour) = plane(*colour);
-    find_touch();
-}
-
-/// The video of a property, or its picture.
-TouchSource GltfClip::touch_source(const GltfLayer& property) {
-    if (!is_video(property.texture))
-        return TouchSource{.picture = gltf_.picture(gltf_.texture(property.texture)),
-                           .channel = property.channel};
-    const GltfVideo video = *plane(property.texture).video;
-    if (video.tracks.size() > 1)
-        throw Refusal{"a texture of touch is " + std::to_string(video.tracks.size()) +
-                      " tracks of its file: must be one"};
-    return TouchSource{.video = folder_ / video.file,
-                       .track = video.tracks.empty() ? std::nullopt : std::optional(video.tracks.front()),
-                       .channel = property.channel};
-}
-
-/// In a clip of ours a material's textures are one plane. Those of others are videos, each of its own;
-/// pictures alone are a map, as of any other clip.
-void GltfClip::find_touch() {
-    const std::vector<Node> materials = materials_of(gltf_);
-    if (std::none_of(materials.begin(), materials.end(), is_touched)) return;
-    touch_ = MaterialReader(gltf_).read();
-    std::optional<std::size_t> texture;
-    bool is_one = own_.has_value(), is_moving = false;
-    for (std::size_t k = 0; k < touch_->properties.size(); ++k) {
-        const auto& property = touch_->properties[k];
-        if (!property) continue;
-        is_one =
-            is_one && (!texture || *texture == property->texture) && property->channel == static_cast<int>(k);
-        texture = property->texture;
-        is_moving = is_moving || is_video(*texture);
-    }
-    if (touch_->height) at(PlaneRole::height) = plane(touch_->height->texture);
-    if (!texture) return;
-    if (is_one) {
-        at(PlaneRole::haptic) = plane(*texture);
-        return;
-    }
-    if (!is_moving) {
-        maps_.haptic = gltf_.file();
-        return;
-    }
-    sources_.emplace();
-    for (std::size_t k = 0; k < touch_->properties.size(); ++k)
-        if (const auto& property = touch_->properties[k]) (*sources_)[k] = touch_source(*property);
-}
-
-/// Of depth that says nothing of lengths: of larger values as a depth buffer's are, which are farther.
-SceneDescription GltfClip::assumed() const {
-    const auto& video = depth().video;
-    if (!video) throw Refusal{"its mesh does not say what its depth means: describe it with a scene file"};
-    if (video->tracks.size() > 1)
-        throw Refusal{
-            "its depth is two tracks, and its mesh does not say how many bits that is: describe it with a "
-            "scene file"};
-    constexpr double near = 0.5, far = 1.5;  // metres
-    DepthCoding coding;
-    coding.semantics = DepthSemantics::planar;
-    coding.near_is_high = false;
-    coding.near = near;
-    coding.far = far;
-    StoredImage size;
-    size.image = {video->width, video->height, 1, 1, {}};
-    auto guessed = guess_scene(gltf_.file(), size, {}, &coding);
-    if (!guessed) throw guessed.error();
-    Scene& scene = guessed->scene;
-    for (Remark& remark : scene.remarks)
-        if (remark.is_guess || !remark.hints.empty()) remark.hints = {{Setting::scene_file, "FILE"}};
-    add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
-                               true,
-                               "a scene file's depth.near and far say otherwise",
-                               {{Setting::scene_file, "FILE"}}});
-    return std::move(*guessed);
-}
-
-SceneDescription GltfClip::described() const {
-    if (!own_) return assumed();
-    auto scene =
-        parse_scene((*own_)["scene"].json(), gltf_.file().string() + ": the scene in its mesh's extras");
-    if (!scene) throw scene.error();
-    return std::move(*scene);
-}
-
-/// Ranges beside a texture count, as a person may have changed them there. Whether they differ.
-bool GltfClip::take_ranges(Scene& scene) const {
-    const std::array<PropertyRange*, 3> ranges{&scene.haptic.stiffness, &scene.haptic.static_friction,
-                                               &scene.haptic.dynamic_friction};
-    const auto otherwise = untouched(scene);
-    bool is_other = false;
-    for (std::size_t k = 0; k < ranges.size(); ++k) {
-        const auto& property = touch_->properties[k];
-        const PropertyRange stated = !property         ? PropertyRange{otherwise[k], otherwise[k]}
-                                     : property->range ? *property->range
-                                                       : *ranges[k];
-        is_other = is_other || ranges[k]->min != stated.min || ranges[k]->max != stated.max;
-        *ranges[k] = stated;
-    }
-    return is_other;
-}
-
-/// The same of heights, which are metres there.
-bool GltfClip::take_height(Scene& scene) const {
-    const GltfLayer& height = *touch_->height;
-    if (height.channel != 0)
-        throw Refusal{"its heights are channel " + std::to_string(height.channel) +
-                      " of a texture: must be 0, as they are grey"};
-    if (!height.range) return false;
-    if (height.range->min != 0)
-        throw Refusal{"black of its heights must be 0: touchable_range is [0, metres]"};
-    HeightCoding& coding = scene.height_coding;
-    const double now =
-        coding.max_height > 0 ? largest_height(coding, scene.depth) * scene.metres_per_unit : 0;
-    if (height.range->max == now) return false;
-    coding.units = HeightUnits::world;
-    coding.max_height = height.range->max / scene.metres_per_unit;
-    return true;
-}
-
-void GltfClip::take_touch(Scene& scene) {
-    const bool has_haptic = at(PlaneRole::haptic) || sources_;
-    const bool has_others = has_haptic && take_ranges(scene);
-    const bool is_other = (touch_->height && take_height(scene)) || has_others;
-    if (own_ && is_other)
-        add_remark(remarks_, {"the ranges of its haptic material are others than those of the scene in its "
-                              "mesh: the material's stand"});
-    const bool states_all = std::none_of(touch_->properties.begin(), touch_->properties.end(),
-                                         [](const auto& property) { return property && !property->range; });
-    if (!own_ && has_haptic && !states_all)
-        add_remark(remarks_,
-                   {"its haptic material states no units: black and white are the usual ends", true,
-                    "\"extras\": {\"touchable_range\": [black, white]} beside a texture say others"});
-    if (auto valid = validate(scene); !valid) throw Refusal{valid.error().message};
-}
-
-/// Tracks of one file, and pictures beside them.
-Opened GltfClip::open_tracks(const SceneDescription& described) const {
-    const std::string& file = depth().video->file;
-    PlaneTracks tracks;
-    StillMaps maps = maps_;
-    for (const PlaneRole role : all_roles) {
-        const auto& plane = at(role);
-        if (!plane) continue;
-        const std::string name(role_name(role));
-        if (!plane->video) {
-            if (role == PlaneRole::haptic) maps.haptic = gltf_.file();
-            if (role == PlaneRole::height) maps.height = folder_ / plane->picture;
-            continue;  // a picture of colour is what others show of the video
-        }
-        if (plane->video->file != file)
-            throw Refusal{name + " and depth are videos in two files: must be tracks of one"};
-        const auto& numbers = plane->video->tracks;
-        if (numbers.empty() || numbers.size() > 2)
-            throw Refusal{name + " is " + std::to_string(numbers.size()) +
-                          " tracks of its file: must be one, or one of the high bits and one of the low"};
-        tracks[static_cast<std::size_t>(role)] = numbers;
-    }
-    auto reader = open_mp4_tracks(SourceFile(folder_ / file), tracks, described, file_.wanted.colour);
-    if (!maps.haptic && !maps.height) return reader;
-    return with_still_maps(std::move(reader), maps);
-}
-
-/// Pictures; or videos, each a file of its own.
-Opened GltfClip::open_files(SceneDescription described) const {
-    FolderSource files;
-    const bool is_moving = depth().video.has_value();
-    for (const PlaneRole role : all_roles) {
-        const auto& plane = at(role);
-        if (!plane) continue;
-        if (plane->video && (!is_moving || role == PlaneRole::haptic || role == PlaneRole::height))
-            throw Refusal{std::string(role_name(role)) +
-                          " is a video in a file of its own: must be a picture, or a track of depth's file"};
-        if (!plane->video && !is_still(plane->picture))
-            throw Refusal{in_quotes(plane->picture) +
-                          " is a name that stands for several files (%, *, .txt): rename it"};
-        if (plane->video)
-            pattern_of(files, role) = plane->video->file;
-        else if (role != PlaneRole::colour || !is_moving)
-            pattern_of(files, role) = plane->picture;
-    }
-    Scene& scene = described.scene;
-    if (is_moving) {
-        scene.video = VideoSource{files.depth, files.colour};
-        scene.video->haptic = files.haptic;
-        scene.video->height = files.height;
-    } else {
-        files.count = 1;
-        scene.folder = std::move(files);
-    }
-    const auto open_planes = is_moving ? open_videos : open_image_folder;
-    auto reader = open_planes(folder_, GuessedScene{std::move(described)}, file_.wanted.colour,
-                              DepthAlignment::automatic);
-    return maps_.haptic ? with_still_maps(std::move(reader), maps_) : std::move(reader);
-}
-
-Opened GltfClip::open() {
-    find_planes();
-    SceneDescription scene = file_.scene ? SceneDescription(*file_.scene) : described();
-    if (!file_.scene && touch_) take_touch(scene.scene);
-    if (touch_ && !maps_.haptic)  // otherwise the map says so
-        for (const std::string& note : touch_->notes) add_remark(remarks_, {note});
-    scene.scene.remarks = joined_remarks(std::move(scene.scene.remarks), remarks_);
-    scene.scene.folder.reset();
-    scene.scene.video.reset();
-    const bool has_tracks = depth().video && !depth().video->tracks.empty();
-    auto reader = has_tracks ? open_tracks(scene) : open_files(std::move(scene));
-    if (sources_) reader = with_touch_videos(std::move(reader), *sources_);
-    if (!reader) return reader;
-    (*reader)->add_input(gltf_.file());
-    for (auto& file : files_of_others()) (*reader)->add_input(std::move(file));
-    return reader;
-}
-
-/// Files for programs that know no depth video: they are inputs, too, which nothing may write over.
-std::vector<std::filesystem::path> GltfClip::files_of_others() const {
-    std::vector<std::filesystem::path> files;
-    for (const char* array : {"images", "buffers"}) {
-        if (!gltf_.root().has(array)) continue;
-        for (const Node& each : gltf_array(gltf_.root()[array])) {
-            if (!each.has("uri")) continue;
-            const auto link = follow_link(each["uri"].text(), gltf_.file());
-            if (link && !link->file.empty()) files.push_back(link->file);
-        }
-    }
-    return files;
-}
 
 /// What `read` makes of a file, with its name before what is wrong.
 template <class Read>

@@ -66,12 +66,9 @@ private:
     /// Where no corner is in a hole. Corners that lie far before another are as deep as that, so that from
     /// the clip's own camera nothing is missing between two surfaces.
     void add_triangle(Corner corners) {
-        for (const std::uint32_t corner : corners)
-            if (is_hole_[corner]) return;
-        const std::uint32_t deepest =
-            *std::min_element(corners.begin(), corners.end(), [this](std::uint32_t a, std::uint32_t b) {
-                return mesh_.positions[a][2] < mesh_.positions[b][2];
-            });
+        if (std::ranges::any_of(corners, [this](std::uint32_t corner) { return is_hole_[corner]; })) return;
+        const std::uint32_t deepest = *std::ranges::min_element(
+            corners, {}, [this](std::uint32_t corner) { return mesh_.positions[corner][2]; });
         for (std::uint32_t& corner : corners)
             if (corner != deepest && is_edge(corner, deepest)) corner = add_behind(corner, deepest);
         mesh_.triangles.push_back(corners);
@@ -288,11 +285,9 @@ private:
         const bool is_wide = plane.tracks.size() > 1,
                    is_hue = role == PlaneRole::depth && scene_.depth.kind == DepthCodingKind::hue,
                    is_rgb = role == PlaneRole::colour || role == PlaneRole::haptic || is_hue;
-        const std::size_t pixels = static_cast<std::size_t>(scene_.width) *
-                                   static_cast<std::size_t>(scene_.height),
-                          bytes = pixels * (is_rgb    ? 3
-                                            : is_wide ? 2
-                                                      : 1);
+        const std::size_t pixels = pixel_count(scene_.width, scene_.height), bytes = pixels * (is_rgb    ? 3
+                                                                                               : is_wide ? 2
+                                                                                                         : 1);
         const int buffer =
             add("buffers",
                 {{"byteLength", bytes},
@@ -467,8 +462,7 @@ public:
 
     Result<void> write(const RawFrame& frame) override {
         if (frames_ == 0) first_ = frame;
-        if (++frames_ > 1 && is_still_)
-            return Error{ErrorKind::internal, place_.string() + ": is of one frame"};
+        if (++frames_ > 1 && is_still_) return internal_error(place_.string() + ": is of one frame");
         if (!video_) return {};
         auto written = video_->write(frame);
         return written ? written : as_named(written.error());

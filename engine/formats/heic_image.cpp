@@ -304,30 +304,26 @@ private:
         return refuse("is damaged: " + what + " is " + std::to_string(image.width) + "x" +
                       std::to_string(image.height) + ", not as it says");
     }
-    Error refuse(const std::string& what, const heif_error& why) const {
-        return refuse(what + ": " + printable(why.message));
+    Result<void> done(const heif_error& made, const std::string& what) const {
+        return made.code == heif_error_Ok ? Result<void>{} : refuse(what + ": " + printable(made.message));
     }
 
     Result<void> open() {
         context_.reset(heif_context_alloc());
         refuse_sides_beyond(largest_picture_side);
-        if (const auto error = heif_context_read_from_memory_without_copy(context_.get(), bytes_.data(),
-                                                                          bytes_.size(), nullptr);
-            error.code != heif_error_Ok)
-            return refuse("is damaged or cut short", error);
+        TRY(done(
+            heif_context_read_from_memory_without_copy(context_.get(), bytes_.data(), bytes_.size(), nullptr),
+            "is damaged or cut short"));
         heif_image_handle* handle = nullptr;
-        if (const auto error = heif_context_get_primary_image_handle(context_.get(), &handle);
-            error.code != heif_error_Ok)
-            return refuse("has no picture", error);
+        TRY(done(heif_context_get_primary_image_handle(context_.get(), &handle), "has no picture"));
         primary_.reset(handle);
         if (heif_image_handle_get_list_of_depth_image_IDs(primary_.get(), &depth_id_, 1) != 1)
             return refuse(
                 "has no depth beside its picture: must be a photo that was taken with depth (a portrait), "
                 "the "
                 "phone's own file and not one that was sent on or edited");
-        if (const auto error = heif_image_handle_get_depth_image_handle(primary_.get(), depth_id_, &handle);
-            error.code != heif_error_Ok)
-            return refuse("has depth that cannot be read", error);
+        TRY(done(heif_image_handle_get_depth_image_handle(primary_.get(), depth_id_, &handle),
+                 "has depth that cannot be read"));
         depth_.reset(handle);
         TRY(check_parts());
         return limit_sizes();
@@ -366,9 +362,9 @@ private:
         const std::function<bool(heif_item_id, int)> ends = [&](heif_item_id id, int nested) {
             if (nested > most_nested || ++decoded > most_decoded) return false;
             const auto found = parts.tiles.find(id);
-            return found == parts.tiles.end() ||
-                   std::all_of(found->second.begin(), found->second.end(),
-                               [&](heif_item_id tile) { return ends(tile, nested + 1); });
+            return found == parts.tiles.end() || std::ranges::all_of(found->second, [&](heif_item_id tile) {
+                       return ends(tile, nested + 1);
+                   });
         };
         for (const auto& [id, tiles] : parts.tiles)
             if (!ends(id, 0))
@@ -385,10 +381,9 @@ private:
     /// Its luma as stored: never through a conversion of colours. Or green, where red and blue are the same.
     Result<void> read_depth() {
         heif_image* decoded = nullptr;
-        if (const auto error = heif_decode_image(depth_.get(), &decoded, heif_colorspace_undefined,
-                                                 heif_chroma_undefined, nullptr);
-            error.code != heif_error_Ok)
-            return refuse("its depth cannot be decoded", error);
+        TRY(done(heif_decode_image(depth_.get(), &decoded, heif_colorspace_undefined, heif_chroma_undefined,
+                                   nullptr),
+                 "its depth cannot be decoded"));
         const HeifImagePtr image(decoded);
         const bool is_rgb = heif_image_get_colorspace(image.get()) == heif_colorspace_RGB;
         const heif_channel channel = is_rgb ? heif_channel_G : heif_channel_Y;
@@ -415,10 +410,9 @@ private:
         const HeifOptionsPtr options(heif_decoding_options_alloc());
         options->convert_hdr_to_8bit = 1;
         heif_image* decoded = nullptr;
-        if (const auto error = heif_decode_image(primary_.get(), &decoded, heif_colorspace_RGB,
-                                                 heif_chroma_interleaved_RGB, options.get());
-            error.code != heif_error_Ok)
-            return refuse("its picture cannot be decoded", error);
+        TRY(done(heif_decode_image(primary_.get(), &decoded, heif_colorspace_RGB, heif_chroma_interleaved_RGB,
+                                   options.get()),
+                 "its picture cannot be decoded"));
         const HeifImagePtr image(decoded);
         auto rgb = packed_channel(image.get(), heif_channel_interleaved, 1, 3);
         if (!rgb) return refuse("its picture cannot be decoded");
@@ -477,7 +471,7 @@ bool is_heif(const Candidate& file) {
     constexpr std::string_view brands[] = {"heic", "heix", "heim", "heis", "hevc", "hevx",
                                            "mif1", "mif2", "msf1", "avif", "avis"};
     return begin.size() >= 12 && begin.substr(4, 4) == "ftyp" &&
-           std::find(std::begin(brands), std::end(brands), begin.substr(8, 4)) != std::end(brands);
+           std::ranges::count(brands, begin.substr(8, 4)) > 0;
 }
 
 Opened open_heic_image(const Candidate& file) {

@@ -192,9 +192,8 @@ private:
         if (has_haptic) return;
         const auto looked = pictures_->look(file(tracks_.front(), 0));
         if (!looked || !(*looked)->beside || !(*looked)->beside->materials) return;
-        std::string list;
-        for (const int index : indices_in(*(*looked)->beside->materials))
-            list += (list.empty() ? "" : ", ") + std::to_string(index);
+        const std::string list = listed(indices_in(*(*looked)->beside->materials),
+                                        [](int index) { return std::to_string(index); });
         clip.notes.push_back(
             "haptic is not there: the files have material indices (" + (*looked)->beside->materials_name +
             ": " + list +
@@ -244,9 +243,8 @@ public:
 
     Result<void> write(const RawFrame& frame) override {
         if (complete_ || frame.number != frames_ || frame.depth.empty())
-            return Error{ErrorKind::internal, place_.string() + ": frame " + std::to_string(frames_) +
-                                                  " with depth was due, " + std::to_string(frame.number) +
-                                                  " was given"};
+            return internal_error(place_.string() + ": frame " + std::to_string(frames_) +
+                                  " with depth was due, " + std::to_string(frame.number) + " was given");
         TRY(write_frame(frame));
         ++frames_;
         return {};
@@ -314,8 +312,8 @@ private:
         for (const PlaneRole role : all_roles) {
             const PlaneView& plane = plane_of(frame, role);
             if (plane.empty() != plane_of(first_, role).empty())
-                return Error{ErrorKind::internal, place_.string() + ": frame " + std::to_string(frames_) +
-                                                      " has other planes than the first"};
+                return internal_error(place_.string() + ": frame " + std::to_string(frames_) +
+                                      " has other planes than the first");
             if (plane.empty()) continue;
             TRY(write_plane(role, plane));
         }
@@ -424,7 +422,7 @@ public:
 
 private:
     Result<void> write_frame(const RawFrame& frame) override {
-        if (frames_ > 0) return Error{ErrorKind::internal, place_.string() + ": is of one frame"};
+        if (frames_ > 0) return internal_error(place_.string() + ": is of one frame");
         SceneDescription described = described_pictures();
         Scene& scene = described.scene;
         for (const PlaneRole role : all_roles) {
@@ -496,7 +494,7 @@ std::string scene_text_of(const SceneDescription& described) {
 /// Of a plane's pictures ("depth_000000.png", or "haptic.png") or what describes them.
 bool is_picture_name(const std::string& name) {
     if (name == scene_name || name == times_list || name == poses_list) return true;
-    return std::any_of(all_roles.begin(), all_roles.end(), [&](PlaneRole role) {
+    return std::ranges::any_of(all_roles, [&](PlaneRole role) {
         const std::string begin(role_name(role)), end = ".png";
         if (!name.starts_with(begin) || !name.ends_with(end)) return false;
         const std::string between = name.substr(begin.size(), name.size() - begin.size() - end.size());

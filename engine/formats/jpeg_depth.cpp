@@ -88,8 +88,7 @@ std::vector<Piece> pieces_of(const std::vector<std::string_view>& segments, std:
         pieces.push_back({big_endian(segment.substr(guid_length, 4)),
                           big_endian(segment.substr(guid_length + 4, 4)), segment.substr(guid_length + 8)});
     }
-    std::sort(pieces.begin(), pieces.end(),
-              [](const Piece& a, const Piece& b) { return a.offset < b.offset; });
+    std::ranges::sort(pieces, {}, &Piece::offset);
     return pieces;
 }
 

@@ -151,7 +151,7 @@ fs::path colour_of(const fs::path& video, const std::string& depth, const Videos
     std::vector<std::string> names;
     for (const Feature& each : videos)
         if (!is_depth(each)) names.push_back(each.first);
-    const auto same = std::find(names.begin(), names.end(), without_depth(depth));
+    const auto same = std::ranges::find(names, without_depth(depth));
     if (same != names.end()) names = {*same};
     if (names.size() != 1) return {};
     std::error_code ignored;
@@ -178,9 +178,9 @@ Result<Videos> read_videos(const fs::path& file) {
 Result<std::optional<LeRobotDepth>> read_description(const fs::path& file, const fs::path& video,
                                                      bool is_usual) {
     TRY_ASSIGN(const Videos videos, read_videos(file));
-    const auto find = [&](auto is_it) { return std::find_if(videos.begin(), videos.end(), is_it); };
+    const auto find = [&](auto is_it) { return std::ranges::find_if(videos, is_it); };
     auto found = find([&](const auto& each) { return is_in_path(video, each.first); });
-    const bool is_only = std::count_if(videos.begin(), videos.end(), is_depth) == 1;
+    const bool is_only = std::ranges::count_if(videos, is_depth) == 1;
     if (found == videos.end() && is_only && is_usual) found = find(is_depth);
     if (found == videos.end() || !is_depth(*found)) return std::optional<LeRobotDepth>{};
     TRY_ASSIGN(const auto coding, coding_of(found->second, file.string() + ": " + printable(found->first)));
@@ -293,7 +293,7 @@ private:
     }
 
     Error failed(const std::string& why) const {
-        return {ErrorKind::internal, output_.target().string() + ": the encoder of HEVC: " + why};
+        return internal_error(output_.target().string() + ": the encoder of HEVC: " + why);
     }
     /// Exact where frames come evenly.
     AVRational tick() const {
@@ -349,7 +349,7 @@ RawFrame LeRobotCodes::of(const RawFrame& frame) const {
     const DepthCoding& stored = from_.depth;
     const Camera& camera = from_.camera;
     const auto codes = std::make_shared<std::vector<std::uint16_t>>();
-    codes->reserve(static_cast<std::size_t>(from.width) * static_cast<std::size_t>(from.height));
+    codes->reserve(pixel_count(from.width, from.height));
     for (int y = 0; y < from.height; ++y)
         for (int x = 0; x < from.width; ++x) {
             const std::uint16_t code = stored_code(from, stored, x, y);
@@ -361,12 +361,7 @@ RawFrame LeRobotCodes::of(const RawFrame& frame) const {
             codes->push_back(
                 scene_.depth.code(stored.depth(code) / std::sqrt(1 + right * right + down * down)));
         }
-    made.depth = {reinterpret_cast<const std::uint8_t*>(codes->data()),
-                  2 * std::ptrdiff_t{from.width},
-                  from.width,
-                  from.height,
-                  2,
-                  1};
+    made.depth = plane_of_codes(codes->data(), from.width, from.height);
     made.storage = codes;
     return made;
 }
@@ -399,18 +394,17 @@ Result<std::vector<fs::path>> lerobot_depth_videos(const fs::path& folder) {
     std::vector<fs::path> found;
     if (!is_file(info)) return found;
     TRY_ASSIGN(const auto videos, read_videos(info));
-    const bool has_depth = std::any_of(videos.begin(), videos.end(), is_depth);
+    const bool has_depth = std::ranges::any_of(videos, is_depth);
     constexpr std::size_t most_entries = 100'000;
     std::size_t entries = 0;
     if (has_depth)
         for (auto each = fs::recursive_directory_iterator(folder / "videos", ignored);
              !ignored && each != fs::end(each) && entries < most_entries; each.increment(ignored), ++entries)
-            if (each->path().extension() == ".mp4" &&
-                std::any_of(videos.begin(), videos.end(), [&](const Feature& video) {
+            if (each->path().extension() == ".mp4" && std::ranges::any_of(videos, [&](const Feature& video) {
                     return is_depth(video) && is_in_path(each->path(), video.first);
                 }))
                 found.push_back(each->path());
-    std::sort(found.begin(), found.end());
+    std::ranges::sort(found);
     return found;
 }
 

@@ -3,7 +3,6 @@
 
 #include "engine/formats/bag_file.hpp"
 
-#include <iterator>
 #include <map>
 
 #include "engine/base/threads.hpp"
@@ -43,9 +42,8 @@ public:
     Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) override {
         std::vector<BagMessage> all;
         const auto add = [&](const std::vector<BagMessage>& some) {
-            std::copy_if(some.begin(), some.end(), std::back_inserter(all), [&](const BagMessage& each) {
-                return std::ranges::find(connections, each.connection) != connections.end();
-            });
+            for (const BagMessage& each : some)
+                if (std::ranges::count(connections, each.connection) > 0) all.push_back(each);
         };
         add(loose_);
         for (std::uint32_t number = 0; number < chunks_.size(); ++number) {

@@ -138,8 +138,7 @@ public:
     Result<void> open() const { return output_.check(); }
 
     Result<void> write(const RawFrame& frame) override {
-        if (!stills_.empty())
-            return Error{ErrorKind::internal, output_.target().string() + ": is of one frame"};
+        if (!stills_.empty()) return internal_error(output_.target().string() + ": is of one frame");
         TRY(check_.check(frame, described_.scene));
         for (const auto& [role, object] : still_order) {
             const PlaneView& plane = plane_of(frame, role);
@@ -156,7 +155,7 @@ public:
         TRY_ASSIGN(const auto stream, scene_stream());
         TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(file));
         if (boxes.empty() || boxes.back().type != "moov")
-            return Error{ErrorKind::internal, "the movie box is not the MP4 file's last"};
+            return internal_error("the movie box is not the MP4 file's last");
         const mpeg4::BytesView movie = boxes.back().content;
         constexpr std::size_t head_bytes = 8;
         const std::size_t at = file.size() - movie.size() - head_bytes;
@@ -212,7 +211,7 @@ private:
         int status = avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr);
         const StillMuxer muxer(made);
         if (status >= 0) status = avio_open_dyn_buf(&made->pb);
-        if (status < 0) return Error{ErrorKind::internal, "MP4 muxer: " + ffmpeg_text(status)};
+        if (status < 0) return internal_error("MP4 muxer: " + ffmpeg_text(status));
         muxer->flags |= AVFMT_FLAG_BITEXACT;
         for (const Still& still : stills_) TRY(add_track(*muxer, still));
         status = avformat_write_header(muxer.get(), nullptr);

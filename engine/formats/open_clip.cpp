@@ -185,7 +185,7 @@ bool is_video(const Candidate& candidate) {
     if (begin.size() < 8) return false;
     if (begin.starts_with("RIFF")) return begin.substr(8).starts_with("AVI");
     constexpr std::string_view boxes[] = {"ftyp", "moov", "mdat", "wide", "free", "skip", "pnot"};
-    return std::find(std::begin(boxes), std::end(boxes), begin.substr(4, 4)) != std::end(boxes);
+    return std::ranges::count(boxes, begin.substr(4, 4)) > 0;
 }
 
 // --- Describe

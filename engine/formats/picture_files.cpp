@@ -50,7 +50,7 @@ public:
             const bool named_so = failure == std::errc() && file(folder, number).filename() == name;
             if (named_so && number >= first) found.push_back(number);
         }
-        std::sort(found.begin(), found.end());
+        std::ranges::sort(found);
         return found;
     }
 
@@ -160,20 +160,17 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
         if (names.size() > most_files) return input_error(within.string() + ": has too many files");
     }
     if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
-    std::sort(names.begin(), names.end(),
-              [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
+    std::ranges::sort(
+        names, comes_before, [](const auto& each) -> auto& { return each.first; });
     if (std::ranges::all_of(names, [](const auto& each) { return parsed_number(each.first).has_value(); }))
-        std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) {
-            return parsed_number(a.first) < parsed_number(b.first);
-        });
+        std::ranges::stable_sort(names, {}, [](const auto& each) { return parsed_number(each.first); });
     PictureFiles found;
     for (const auto& [what, file] : names) {
         found.files.push_back(within / file);
         if (const auto key = parsed_number(what)) found.keys.push_back(*key);
         found.has_decimals |= what.find('.') != std::string::npos;
     }
-    if (found.keys.size() != found.files.size() || !std::is_sorted(found.keys.begin(), found.keys.end()))
-        found.keys.clear();
+    if (found.keys.size() != found.files.size() || !std::ranges::is_sorted(found.keys)) found.keys.clear();
     return found;
 }
 
@@ -208,7 +205,7 @@ Result<PictureFiles> listed_files(const fs::path& list) {
     }
     if (found.files.empty()) return input_error(list.string() + ": names no picture");
     if (found.keys.size() != found.files.size()) found.keys.clear();
-    if (!std::is_sorted(found.keys.begin(), found.keys.end()))
+    if (!std::ranges::is_sorted(found.keys))
         return input_error(list.string() + ": its times must not go backward");
     return found;
 }
@@ -223,7 +220,7 @@ std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     if (last > 1e14) return 1e-6;
     if (last > 1e11) return 1e-3;
     const auto counts = [](double key) { return key == std::floor(key); };
-    if (!pictures.has_decimals && std::all_of(keys.begin(), keys.end(), counts)) return {};
+    if (!pictures.has_decimals && std::ranges::all_of(keys, counts)) return {};
     return 1;
 }
 
@@ -311,7 +308,7 @@ std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::
         if (row->has_decimals || seconds_per_key(*row)) return "";
     std::string numbers;
     for (const double key : depth.keys)
-        if (!std::binary_search(found.keys.begin(), found.keys.end(), key))
+        if (!std::ranges::binary_search(found.keys, key))
             numbers += (numbers.empty() ? "" : ", ") + formatted("%.0f", key);
     if (numbers.empty()) return "";
     return std::string(what) +
@@ -352,10 +349,8 @@ Result<PictureFiles> paired_files(const fs::path& folder, std::string_view what,
     return beside;
 }
 
-template <std::size_t n>
-bool has_extension(const fs::path& file, const char* const (&known)[n]) {
-    const std::string extension = small_letters(file.extension().string());
-    return std::ranges::find(known, extension) != std::end(known);
+bool has_extension(const fs::path& file, std::span<const char* const> known) {
+    return std::ranges::count(known, small_letters(file.extension().string())) > 0;
 }
 
 bool is_picture(const fs::path& file) {
@@ -478,7 +473,7 @@ Result<PictureFiles> found_files(const fs::path& folder, const std::string& patt
 }
 
 std::size_t nearest_key(const std::vector<double>& keys, double key) {
-    const auto after = std::lower_bound(keys.begin(), keys.end(), key);
+    const auto after = std::ranges::lower_bound(keys, key);
     if (after == keys.begin()) return 0;
     if (after == keys.end()) return keys.size() - 1;
     const auto n = static_cast<std::size_t>(after - keys.begin());

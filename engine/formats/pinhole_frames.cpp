@@ -96,9 +96,8 @@ public:
             notes_.push_back(
                 "the lens of the depth camera is undone: each pixel has the depth of the nearest "
                 "one that was stored");
-        const bool has_colour = std::any_of(tracks().begin(), tracks().end(), [](const TrackInfo& track) {
-            return track.role == role_name(PlaneRole::colour);
-        });
+        const bool has_colour =
+            std::ranges::count(tracks(), role_name(PlaneRole::colour), &TrackInfo::role) > 0;
         if (!registration_ || !has_colour || is_live()) return {};
         TRY_ASSIGN(const auto first, next());
         if (auto back = rewind(); !back || !first) return back;
@@ -219,7 +218,7 @@ ColourRegistration::ColourRegistration(const Scene& scene)
 }
 
 void ColourRegistration::make_room() {
-    const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    const std::size_t pixels = pixel_count(width_, height_);
     has_depth_.resize(pixels);
     depth_.resize(pixels);
     places_.resize(pixels);
@@ -278,8 +277,7 @@ void ColourRegistration::place_holes() {
 
 /// At the first of these depths at which the colour camera sees it.
 void ColourRegistration::place_hole(int x, int y, const std::array<float, 3>& depths) {
-    const std::size_t at =
-        static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+    const std::size_t at = pixel_place(x, y, width_);
     for (const float depth : depths) {
         if (!(depth > 0)) continue;
         depth_[at] = depth;
@@ -308,9 +306,7 @@ void ColourRegistration::find_nearest() {
 
 /// Of a cell and the eight around it.
 void ColourRegistration::spread_nearest() {
-    const auto at = [this](int i, int j) {
-        return static_cast<std::size_t>(j) * static_cast<std::size_t>(cells_x_) + static_cast<std::size_t>(i);
-    };
+    const auto at = [this](int i, int j) { return pixel_place(i, j, cells_x_); };
     std::vector<float> row(static_cast<std::size_t>(cells_x_));  // of three rows
     for (int j = 0; j < cells_y_; ++j) {
         const float *above = &nearest_[at(0, std::max(j - 1, 0))], *here = &nearest_[at(0, j)],

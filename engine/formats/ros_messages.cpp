@@ -166,8 +166,7 @@ constexpr RosEncoding encodings[] = {
 };
 
 const RosEncoding* encoding_named(std::string_view name) {
-    const auto* const found = std::find_if(std::begin(encodings), std::end(encodings),
-                                           [&](const RosEncoding& each) { return name == each.name; });
+    const auto* const found = std::ranges::find(encodings, name, &RosEncoding::name);
     return found == std::end(encodings) ? nullptr : found;
 }
 
@@ -186,8 +185,7 @@ Result<Image> rgb_of_yuv(const RosImage& image, AVPixelFormat format, const std:
         frame->width = static_cast<int>(image.width);
         frame->height = static_cast<int>(image.height);
     }
-    if (!frame || av_frame_get_buffer(frame.get(), 0) < 0)
-        return Error{ErrorKind::internal, where + ": no memory"};
+    if (!frame || av_frame_get_buffer(frame.get(), 0) < 0) return internal_error(where + ": no memory");
     for (int y = 0; y < frame->height; ++y)
         std::memcpy(frame->data[0] + std::ptrdiff_t{frame->linesize[0]} * y, row_of(image, y),
                     2 * std::size_t{image.width});
@@ -256,7 +254,7 @@ Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where
 /// PNG of reciprocals: depth = a / (code - b), 0 is none.
 void make_floats(StoredImage& picture, float a, float b) {
     const Image& image = picture.image;
-    const std::size_t pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+    const std::size_t pixels = pixel_count(image.width, image.height);
     picture.values.resize(pixels);
     for (std::size_t k = 0; k < pixels; ++k) {
         std::uint16_t code = 0;

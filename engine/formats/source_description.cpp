@@ -72,8 +72,7 @@ std::span<const SourceDescription::Preset> all_presets() {
 }
 
 const SourceDescription::Preset* preset_named(const std::string& name) {
-    const auto* const found = std::ranges::find_if(
-        presets, [&](const SourceDescription::Preset& each) { return name == each.name; });
+    const auto* const found = std::ranges::find(presets, name, &SourceDescription::Preset::name);
     return found == std::end(presets) ? nullptr : found;
 }
 

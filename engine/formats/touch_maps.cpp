@@ -89,7 +89,7 @@ Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string
         notes.push_back(what + " is JPEG: where it changes sharply, values are a little off");
     LayerPicture picture{link, channel, {image.width, image.height, 1, 1, {}}};
     auto& samples = picture.image.samples;
-    samples.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    samples.resize(pixel_count(image.width, image.height));
     for (std::size_t k = 0; k < samples.size(); ++k) samples[k] = channel_of(stored, k, channel);
     return picture;
 }
@@ -299,8 +299,7 @@ public:
         }
         if (!is_other) return newest_;
         Image joined{scene_.width, scene_.height, 1, 3, {}};
-        joined.samples.resize(std::size_t{3} * static_cast<std::size_t>(scene_.width) *
-                              static_cast<std::size_t>(scene_.height));
+        joined.samples.resize(3 * pixel_count(scene_.width, scene_.height));
         for (std::size_t k = 0; k < properties_.size(); ++k) {
             if (!properties_[k].layer) continue;
             const PlaneView& from = properties_[k].layer->plane.view;
@@ -402,8 +401,7 @@ Result<std::shared_ptr<const std::string>> bytes_of(const LinkedFile& link) {
 
 bool is_surface_file(const std::filesystem::path& file) {
     constexpr std::array<std::string_view, 4> endings{".x3d", ".x3dv", ".gltf", ".glb"};
-    return std::find(endings.begin(), endings.end(), small_letters(file.extension().string())) !=
-           endings.end();
+    return std::ranges::count(endings, small_letters(file.extension().string())) > 0;
 }
 
 Result<StillPlane> read_haptic_map(const std::filesystem::path& file, Scene& scene) {

@@ -4,6 +4,7 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
@@ -95,21 +96,16 @@ std::string words_of(const DepthInVideo& found) {
                                                                 : "nearly grey";
     const std::string what =
         found.values == VideoValues::mean ? ", and a value is the mean of its colours" : "";
-    const auto halves = [&](const std::string& depth, const std::string& colour) {
-        return "depth is the " + depth + " half, which is " + kind + ", colour the " + colour + " one" + what;
-    };
-    switch (found.layout) {
-        case VideoLayout::left:
-            return halves("left", "right");
-        case VideoLayout::right:
-            return halves("right", "left");
-        case VideoLayout::top:
-            return halves("upper", "lower");
-        case VideoLayout::bottom:
-            return halves("lower", "upper");
-        default:
-            return "depth is " + kind + what + " and has no colour beside it";
-    }
+    constexpr std::tuple<VideoLayout, const char*, const char*> halves[] = {
+        {VideoLayout::left, "left", "right"},
+        {VideoLayout::right, "right", "left"},
+        {VideoLayout::top, "upper", "lower"},
+        {VideoLayout::bottom, "lower", "upper"}};
+    for (const auto& [layout, depth, colour] : halves)
+        if (layout == found.layout)
+            return std::string("depth is the ") + depth + " half, which is " + kind + ", colour the " +
+                   colour + " one" + what;
+    return "depth is " + kind + what + " and has no colour beside it";
 }
 
 class VideoGuess {

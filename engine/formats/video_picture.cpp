@@ -181,7 +181,7 @@ Result<Plane> VideoPicture::mean(const PicturePart& part) {
     TRY_ASSIGN(const auto all, rgb());
     const PlaneView from = part_of(all.view, part);
     Image to{from.width, from.height, 1, 1, {}};
-    to.samples.reserve(static_cast<std::size_t>(from.width) * static_cast<std::size_t>(from.height));
+    to.samples.reserve(pixel_count(from.width, from.height));
     for (int y = 0; y < from.height; ++y) {
         const std::uint8_t* rgb = from.row(y);
         for (int x = 0; x < from.width; ++x, rgb += 3)

@@ -68,8 +68,8 @@ struct Nodes : pugi::xml_tree_walker {
         if (const auto name = node.attribute("DEF")) named.emplace(name.value(), node);
         if (!is_surface(node)) return true;
         any_surface = true;
-        if (std::any_of(properties.begin(), properties.end(),
-                        [&](const Property& property) { return map_of(node, property.map); }))
+        if (std::ranges::any_of(
+                properties, [&](const char* map) { return !map_of(node, map).empty(); }, &Property::map))
             with_maps.push_back(node);
         return true;
     }
