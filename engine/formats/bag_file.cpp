@@ -130,14 +130,7 @@ Result<std::string> unpack(ByteSource& file, const PackedChunk& chunk) {
 }
 
 /// What the records of a recording of ROS 1 are.
-enum class BagOp : std::uint8_t {
-    message = 2,
-    bag_header = 3,
-    index = 4,
-    chunk = 5,
-    chunk_info = 6,
-    connection = 7
-};
+enum class BagOp : std::uint8_t { message = 2, bag_header, index, chunk, chunk_info, connection };
 
 constexpr std::uint32_t longest_header = 1 << 20;  // topics are as long as people make them
 
@@ -326,8 +319,7 @@ private:
             TRY(read_bytes(*bytes_, record.data_at, data.data(), data.size()));
             const auto fields = BagFields::of(std::move(data));
             if (!fields) return damaged("connection " + std::to_string(n) + " of its index says nothing");
-            const auto is_it = [&](const BagConnection& other) { return other.id == *id; };
-            if (std::any_of(BagFile::connections().begin(), BagFile::connections().end(), is_it))
+            if (std::ranges::count(BagFile::connections(), *id, &BagConnection::id) > 0)
                 return damaged("connection " + std::to_string(*id) + " is in its index twice");
             add_connection({*id, std::string(*topic), std::string(fields->text("type").value_or("")),
                             std::string(fields->text("md5sum").value_or(""))});
@@ -442,10 +434,6 @@ Result<ByteSource*> BagFile::unpacked_chunk(std::uint32_t number, ByteSource& fi
     unpacked_.push_back({number, std::move(bytes), nullptr});
     unpacked_.back().source = bytes_in_memory(unpacked_.back().bytes);
     return unpacked_.back().source.get();
-}
-
-Error BagFile::damaged(const std::string& what) const {
-    return input_error(name() + ": is damaged: " + what);
 }
 
 Error BagFile::too_large(std::uint64_t message_size) const {

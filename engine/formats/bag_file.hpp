@@ -67,7 +67,7 @@ protected:
     /// What a chunk has, unpacked now or among the newest two, depth's and colour's. Refused where that is
     /// not exactly as large as it should be. An error says what is wrong, but not in which file.
     Result<ByteSource*> unpacked_chunk(std::uint32_t number, ByteSource& file, const PackedChunk& chunk);
-    Error damaged(const std::string& what) const;
+    Error damaged(const std::string& what) const { return input_error(name_ + ": is damaged: " + what); }
     Error too_large(std::uint64_t message_size) const;
     /// Where it is the file that is wrong, what cannot be read of a chunk is left out; `why` either way.
     Error give_up_chunk(std::uint32_t chunk, Error why);

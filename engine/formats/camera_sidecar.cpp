@@ -181,10 +181,6 @@ PoseRow nearest_poses(const std::vector<CameraPath::TimedPose>& poses,
     return row;
 }
 
-std::size_t known_in(const PoseRow& row) {
-    return CameraPath{row}.known();
-}
-
 Result<PoseRow> poses_of_tum(const std::string& text, const std::string& name, const PictureFiles& depth,
                              const FrameRate& rate, double metres_per_unit) {
     TRY_ASSIGN(const auto timed, parse_timed_poses(text, name, metres_per_unit));
@@ -195,6 +191,7 @@ Result<PoseRow> poses_of_tum(const std::string& text, const std::string& name, c
         clip_seconds.push_back(static_cast<double>(rate.time_ns(static_cast<std::int64_t>(n))) * 1e-9);
     auto stamps = seconds_of_day(depth);
     if (stamps.size() > frames) stamps.resize(frames);
+    const auto known_in = [](const PoseRow& row) { return CameraPath{row}.known(); };
     PoseRow by_stamp = stamps.empty() ? PoseRow() : nearest_poses(timed, stamps),
             by_time = nearest_poses(timed, clip_seconds);
     PoseRow& best = known_in(by_stamp) >= known_in(by_time) ? by_stamp : by_time;

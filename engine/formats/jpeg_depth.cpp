@@ -318,9 +318,8 @@ Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& wh
 Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::string& where) {
     const auto segments = app1_segments(jpeg);
     if (!segments) return input_error(where + ": is not a whole JPEG: a segment before its picture is cut");
-    const auto packet = std::find_if(segments->begin(), segments->end(), [](std::string_view segment) {
-        return segment.starts_with(packet_header);
-    });
+    const auto packet = std::ranges::find_if(
+        *segments, [](std::string_view segment) { return segment.starts_with(packet_header); });
     if (packet == segments->end()) return XmpEntries{};
     auto entries = parse_xmp_entries(packet->substr(packet_header.size()));
     if (!entries) return input_error(where + ": its XMP is not well-formed");

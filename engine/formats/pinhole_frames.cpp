@@ -33,7 +33,7 @@ std::vector<std::int32_t> shifted_pixels(const Scene& scene, const Camera& store
         const std::int32_t column = nearest_pixel(stored.fx * ((x - camera.cx) / camera.fx) + stored.cx);
         columns.push_back(column < scene.width ? column : -1);
     }
-    from.reserve(static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height));
+    from.reserve(pixel_count(scene.width, scene.height));
     for (int y = 0; y < scene.height; ++y) {
         const std::int32_t row = nearest_pixel(stored.fy * ((y - camera.cy) / camera.fy) + stored.cy);
         const bool is_there = row >= 0 && row < scene.height;
@@ -288,7 +288,7 @@ void ColourRegistration::place_hole(int x, int y, const std::array<float, 3>& de
 
 /// Each point covers the four cells around it, so that no surface has gaps between its pixels.
 void ColourRegistration::find_nearest() {
-    std::fill(nearest_.begin(), nearest_.end(), nothing_there);
+    std::ranges::fill(nearest_, nothing_there);
     for (std::size_t at = 0; at < places_.size(); ++at) {
         const Place& place = places_[at];
         if (!has_depth_[at] || !(place.depth > 0)) continue;

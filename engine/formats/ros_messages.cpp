@@ -24,11 +24,14 @@ public:
         for (double& each : all) each = number<double>();
         return all;
     }
-    RosHeader header() {
+    std::int64_t stamp_ns() {
         number<std::uint32_t>();  // of the message among its likes
-        const std::int64_t seconds = number<std::uint32_t>();
-        const std::int64_t rest = number<std::uint32_t>();
-        return {seconds * 1'000'000'000 + rest, text()};
+        const std::int64_t seconds = number<std::uint32_t>(), rest = number<std::uint32_t>();
+        return seconds * 1'000'000'000 + rest;
+    }
+    RosHeader header() {
+        const std::int64_t stamp = stamp_ns();
+        return {stamp, text()};
     }
 };
 
@@ -269,9 +272,8 @@ void make_floats(StoredImage& picture, float a, float b) {
 
 std::optional<std::int64_t> ros_stamp(std::string_view begin) {
     MessageFields fields(begin);
-    fields.number<std::uint32_t>();
-    const std::int64_t seconds = fields.number<std::uint32_t>(), rest = fields.number<std::uint32_t>();
-    return if_whole(fields, seconds * 1'000'000'000 + rest);
+    const std::int64_t stamp = fields.stamp_ns();
+    return if_whole(fields, stamp);
 }
 
 std::optional<RosImage> parse_ros_image(std::string_view message) {
@@ -311,10 +313,8 @@ std::optional<RosCameraInfo> parse_ros_camera_info(std::string_view message) {
     info.projection = fields.numbers<12>();
     fields.number<std::uint32_t>();  // binning, which the size of the picture tells as well
     fields.number<std::uint32_t>();
-    info.region.x = fields.number<std::uint32_t>();
-    info.region.y = fields.number<std::uint32_t>();
-    info.region.height = fields.number<std::uint32_t>();
-    info.region.width = fields.number<std::uint32_t>();
+    for (auto* const term : {&info.region.x, &info.region.y, &info.region.height, &info.region.width})
+        *term = fields.number<std::uint32_t>();
     return if_whole(fields, info);
 }
 

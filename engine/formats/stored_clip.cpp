@@ -25,8 +25,8 @@ public:
         auto scene = settle(clip_.described, clip_.found);
         if (!scene) return error_at(clip_.name, scene.error());
         scene_ = std::move(*scene);
-        const auto is_of_scene = [&](const Camera& camera) { return camera == scene_.camera; };
-        if (std::all_of(clip_.cameras.begin(), clip_.cameras.end(), is_of_scene)) clip_.cameras.clear();
+        if (std::ranges::count(clip_.cameras, scene_.camera) == std::ssize(clip_.cameras))
+            clip_.cameras.clear();
         for (Track& track : tracks_) TRY(read_first(track));
         note(no_depth_note(frame_of_newest(), scene_.depth));
         note(default_touch_note(std::ranges::count(clip_.roles, PlaneRole::haptic) > 0, scene_));

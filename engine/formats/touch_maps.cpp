@@ -181,12 +181,6 @@ char first_letter(std::string_view text) {
     return at == std::string_view::npos ? '\0' : text[at];
 }
 
-Result<StillPlane> refuse_file(const std::filesystem::path& file) {
-    return input_error(file.string() +
-                       ": is no haptic map: must be a picture (RGB: stiffness, static and dynamic friction; "
-                       "grey: stiffness), X3D (.x3d) or glTF (.gltf, .glb)");
-}
-
 TrackInfo track_of(PlaneRole role, const StoredImage& stored) {
     return {std::string(role_name(role)), stored.codec, stored.pixel_format, stored.image.width,
             stored.image.height};
@@ -386,7 +380,7 @@ Result<LinkedFile> follow_link(std::string_view url, const std::filesystem::path
     const std::string plain = without_percents(url);
     constexpr std::size_t longest = 1000;
     if (plain.size() > longest ||
-        std::any_of(plain.begin(), plain.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+        std::ranges::any_of(plain, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
         return input_error(holder.string() + ": names " + in_quotes(url) +
                            ": must be the name of a file, at most 1000 letters and no control characters");
     const auto file = std::filesystem::exists(place(url), ignored) ? place(url) : place(plain);
@@ -410,7 +404,11 @@ Result<StillPlane> read_haptic_map(const std::filesystem::path& file, Scene& sce
     const std::string ending = small_letters(file.extension().string());
     const bool is_gltf = bytes.starts_with("glTF") || ending == ".gltf" || first_letter(bytes) == '{';
     const bool is_x3d = first_letter(bytes) == '<' || first_letter(bytes) == '#' || ending == ".x3d";
-    if (!is_gltf && !is_x3d) return refuse_file(file);
+    if (!is_gltf && !is_x3d)
+        return input_error(
+            file.string() +
+            ": is no haptic map: must be a picture (RGB: stiffness, static and dynamic friction; "
+            "grey: stiffness), X3D (.x3d) or glTF (.gltf, .glb)");
     TRY_ASSIGN(auto layers,
                is_gltf ? read_gltf_material(file, bytes, scene) : read_x3d_surface(file, bytes, scene));
     return join_layers(std::move(layers), is_gltf ? "gltf" : "x3d", scene);

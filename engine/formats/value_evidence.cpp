@@ -477,10 +477,9 @@ std::optional<FloatLattice> LatticeSearch::of_lengths(double metres) {
     if (sample_.empty() || !(sample_.front() > 0)) return std::nullopt;
     const Numbers depths = numbers_of(sample_, false);
     if (auto found = of_usual_unit(depths, metres)) return found;
-    const bool are_halves = std::all_of(depths.each.begin(), depths.each.end(), [](const Occurring& each) {
-        return lowest_bit_of_half(static_cast<float>(each.number)) > 0;
-    });
-    if (are_halves) {
+    if (std::ranges::all_of(depths.each, [](const Occurring& each) {
+            return lowest_bit_of_half(static_cast<float>(each.number)) > 0;
+        })) {
         if (auto found = of_rounded_unit(depths, metres)) return found;
         if (auto found = of_halves(depths)) return found;
     }
