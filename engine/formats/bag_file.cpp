@@ -441,16 +441,6 @@ Error BagFile::too_large(std::uint64_t message_size) const {
                        " MiB: at most " + std::to_string(largest_message >> 20) + " are read");
 }
 
-Error BagFile::give_up_chunk(std::uint32_t chunk, Error why) {
-    if (why.kind == ErrorKind::input) given_up_.emplace(chunk, why);
-    return why;
-}
-
-const Error* BagFile::why_given_up(std::uint32_t chunk) const {
-    const auto found = given_up_.find(chunk);
-    return found == given_up_.end() ? nullptr : &found->second;
-}
-
 bool is_recording_of_ros(std::string_view begin) {
     return begin.starts_with(bag_magic) || is_mcap(begin) || is_sqlite(begin);
 }

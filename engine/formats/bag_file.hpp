@@ -70,9 +70,15 @@ protected:
     Error damaged(const std::string& what) const { return input_error(name_ + ": is damaged: " + what); }
     Error too_large(std::uint64_t message_size) const;
     /// Where it is the file that is wrong, what cannot be read of a chunk is left out; `why` either way.
-    Error give_up_chunk(std::uint32_t chunk, Error why);
+    Error give_up_chunk(std::uint32_t chunk, Error why) {
+        if (why.kind == ErrorKind::input) given_up_.emplace(chunk, why);
+        return why;
+    }
     /// Why a chunk was given up; null: it was not.
-    const Error* why_given_up(std::uint32_t chunk) const;
+    const Error* why_given_up(std::uint32_t chunk) const {
+        const auto found = given_up_.find(chunk);
+        return found == given_up_.end() ? nullptr : &found->second;
+    }
 
 private:
     struct Unpacked {

@@ -357,10 +357,6 @@ bool is_picture(const fs::path& file) {
     return has_extension(file, picture_extensions);
 }
 
-bool is_camera_of_frame(const fs::path& file) {
-    return file.extension() == ".pincam";
-}
-
 /// A name with a star for its last number: a run of digits, or two with a point between them.
 std::string starred(const std::string& name) {
     const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
@@ -537,7 +533,7 @@ std::vector<PictureGroup> picture_groups(const fs::path& folder) {
 }
 
 std::vector<PictureGroup> camera_groups(const fs::path& folder) {
-    return groups_of(folder, is_camera_of_frame);
+    return groups_of(folder, [](const fs::path& file) { return file.extension() == ".pincam"; });
 }
 
 std::vector<std::string> unusable_lists(const fs::path& folder) {

@@ -61,11 +61,6 @@ Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem
     return stacks_[name] = std::move(stack);
 }
 
-void ReadPictures::keep(const std::filesystem::path& file, StoredImage picture) {
-    if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
-    kept(file, std::move(picture));
-}
-
 void ReadPictures::keep_only(std::initializer_list<std::filesystem::path> files) {
     const auto is_wanted = [&](const auto& each) {
         return std::ranges::any_of(files,
@@ -119,18 +114,6 @@ std::optional<StoredImage> ReadPictures::taken_without_reading(const std::filesy
     const bool is_kept =
         kept != pictures_.end() && (layer == PictureLayer::own || kept->second->codec != "exr");
     return is_kept ? std::optional(taken(kept)) : std::nullopt;
-}
-
-const SourceFile& ReadPictures::source(const std::filesystem::path& file) {
-    if (!newest_ || newest_->path().lexically_normal() != file.lexically_normal()) newest_.emplace(file);
-    return *newest_;
-}
-
-SourceFile ReadPictures::taken_source(const std::filesystem::path& file) {
-    const std::lock_guard lock(mutex_);
-    SourceFile taken = source(file);
-    newest_.reset();
-    return taken;
 }
 
 std::vector<int> indices_in(const StoredImage& picture) {

@@ -37,7 +37,10 @@ public:
     void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }
     std::optional<double> least_confidence() const { return least_confidence_; }
     /// Keeps one for `take`, with what is beside it.
-    void keep(const std::filesystem::path& file, StoredImage picture);
+    void keep(const std::filesystem::path& file, StoredImage picture) {
+        if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
+        kept(file, std::move(picture));
+    }
     /// Forgets all but these.
     void keep_only(std::initializer_list<std::filesystem::path> files);
 
@@ -50,8 +53,16 @@ private:
     std::shared_ptr<const StoredImage> kept(const std::filesystem::path& file, StoredImage picture);
     Result<StoredImage> read(const std::filesystem::path& file, PictureLayer layer);
     std::optional<StoredImage> taken_without_reading(const std::filesystem::path& file, PictureLayer layer);
-    const SourceFile& source(const std::filesystem::path& file);
-    SourceFile taken_source(const std::filesystem::path& file);
+    const SourceFile& source(const std::filesystem::path& file) {
+        if (!newest_ || newest_->path().lexically_normal() != file.lexically_normal()) newest_.emplace(file);
+        return *newest_;
+    }
+    SourceFile taken_source(const std::filesystem::path& file) {
+        const std::lock_guard lock(mutex_);
+        SourceFile taken = source(file);
+        newest_.reset();
+        return taken;
+    }
 
     std::mutex mutex_;  // guards what `take` uses of all that follows
     // By normal paths: lists and patterns may spell one file in two ways.
