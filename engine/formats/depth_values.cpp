@@ -75,14 +75,6 @@ bool DepthValues::is_valid(double value) const {
     return value >= lower_ && value <= upper_ && value > 0;
 }
 
-/// The number that a stored word stands for.
-double DepthValues::ordered(std::uint16_t word) const {
-    unsigned value = word;
-    if (stored_.bytes_swapped) value = (value << 8 | value >> 8) & 0xffffU;
-    if (stored_.rotated > 0) value = (value >> stored_.rotated | value << (16 - stored_.rotated)) & 0xffffU;
-    return value;
-}
-
 /// `begin(first, last)` is called before each piece of them.
 template <class Begin, class Work>
 void DepthValues::for_each(const StoredImage& picture, Begin&& begin, Work&& work) const {

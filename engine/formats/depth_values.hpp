@@ -88,7 +88,14 @@ public:
 
 private:
     bool is_valid(double value) const;
-    double ordered(std::uint16_t word) const;
+    /// The number that a stored word stands for.
+    double ordered(std::uint16_t word) const {
+        unsigned value = word;
+        if (stored_.bytes_swapped) value = (value << 8 | value >> 8) & 0xffffU;
+        if (stored_.rotated > 0)
+            value = (value >> stored_.rotated | value << (16 - stored_.rotated)) & 0xffffU;
+        return value;
+    }
     template <class Begin, class Work>
     void for_each(const StoredImage& picture, Begin&& begin, Work&& work) const;
     double median();

@@ -217,17 +217,6 @@ ColourRegistration::ColourRegistration(const Scene& scene)
             depth_of_code_[code] = coding_.depth(static_cast<std::uint16_t>(code));
 }
 
-void ColourRegistration::make_room() {
-    const std::size_t pixels = pixel_count(width_, height_);
-    has_depth_.resize(pixels);
-    depth_.resize(pixels);
-    places_.resize(pixels);
-    sights_.resize(pixels);
-    from_.resize(pixels);
-    nearest_.resize(static_cast<std::size_t>(cells_x_) * static_cast<std::size_t>(cells_y_));
-    nearest_around_.resize(nearest_.size());
-}
-
 ColourRegistration::Place ColourRegistration::place_of(int x, int y, double length) const {
     const auto& r = colour_.from_depth.rotation;
     const auto& t = colour_.from_depth.translation;
@@ -360,7 +349,14 @@ void ColourRegistration::fill_gaps() {
 }
 
 void ColourRegistration::look_at(const PlaneView& depth) {
-    make_room();
+    const std::size_t pixels = pixel_count(width_, height_);
+    has_depth_.resize(pixels);
+    depth_.resize(pixels);
+    places_.resize(pixels);
+    sights_.resize(pixels);
+    from_.resize(pixels);
+    nearest_.resize(pixel_count(cells_x_, cells_y_));
+    nearest_around_.resize(nearest_.size());
     place_all(depth);
     find_nearest();
     spread_nearest();

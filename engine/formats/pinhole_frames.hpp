@@ -60,7 +60,6 @@ private:
         float x = 0, y = 0;  ///< pixels
         float depth = 0;     ///< along the colour camera's axis; 0: behind it, or unknown
     };
-    void make_room();
     Place place_of(int x, int y, double length) const;
     void place_all(const PlaneView& depth);
     void place_holes();
