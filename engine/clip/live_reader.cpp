@@ -194,7 +194,7 @@ LiveReader::MaybeTaken LiveReader::wait_for_frame() {
 
 Result<LiveReader::Taken> LiveReader::first_frame() {
     TRY_ASSIGN(auto taken, wait_for_frame());
-    return std::move(*taken);  // before a run there is one, or an error
+    return std::move(taken.value());  // before a run there is one, or an error
 }
 
 Result<void> LiveReader::begin(std::chrono::steady_clock::time_point zero) {
