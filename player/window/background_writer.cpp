@@ -6,6 +6,7 @@
 #include <deque>
 
 #include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
@@ -25,6 +26,7 @@ int write_all(int out, std::string_view bytes) {
 
 struct BackgroundWriter::Queue {
     bool is_done() const { return waiting.empty() && !at_work; }
+    static Result<void> start(const std::shared_ptr<Queue>& queue);
     void work();
     void refuse(const Job& job, const std::string& why) {
         done.push_back(
@@ -66,16 +68,19 @@ void BackgroundWriter::give(Job job) {
     if (queue.waiting.size() + (queue.at_work ? 1 : 0) >= queue.most_waiting)
         return queue.refuse(job, "not written: its disk has yet to take " +
                                      std::to_string(queue.most_waiting) + " " + queue.what);
-    if (!queue.has_thread) {
-        std::thread thread;
-        const std::string purpose = "that writes " + queue.what;
-        const auto begun =
-            start_thread(thread, queue.thread_name, purpose.c_str(), [queue = queue_] { queue->work(); });
-        if (!begun) return queue.done.push_back({job.file, job.tag, begun.error()});
-        thread.detach();
-        queue.has_thread = true;
-    }
     queue.waiting.push_back(std::move(job));
+    (void)Queue::start(queue_);
+}
+
+/// Where the machine has no thread left, the next call of the writer tries again.
+Result<void> BackgroundWriter::Queue::start(const std::shared_ptr<Queue>& queue) {
+    if (queue->has_thread || queue->waiting.empty()) return {};
+    std::thread thread;
+    const std::string purpose = "that writes " + queue->what;
+    TRY(start_thread(thread, queue->thread_name, purpose.c_str(), [queue] { queue->work(); }));
+    thread.detach();
+    queue->has_thread = true;
+    return {};
 }
 
 void BackgroundWriter::Queue::work() {
@@ -88,7 +93,10 @@ void BackgroundWriter::Queue::work() {
         if (job.file.empty() && job.name) {
             job.file = job.name();
             const std::lock_guard named(mutex);
-            if (at_work) at_work->file = job.file;
+            if (at_work)
+                at_work->file = job.file;
+            else
+                job.write = [](const auto&) -> Result<void> { return {}; };  // it was dropped meanwhile
         }
         auto result = job.write(job.file);
         job.write = nullptr;  // frees what it owns before it counts as done
@@ -103,6 +111,7 @@ void BackgroundWriter::Queue::work() {
 
 std::vector<BackgroundWriter::Written> BackgroundWriter::take() {
     const std::lock_guard lock(queue_->mutex);
+    (void)Queue::start(queue_);
     return std::exchange(queue_->done, {});
 }
 
@@ -117,12 +126,18 @@ std::function<bool()> BackgroundWriter::waits_for(const std::filesystem::path& f
 
 bool BackgroundWriter::wait(std::chrono::milliseconds longest) const {
     std::unique_lock lock(queue_->mutex);
+    (void)Queue::start(queue_);
     return queue_->changed.wait_for(lock, longest, [this] { return queue_->is_done(); });
 }
 
 bool BackgroundWriter::finish(std::chrono::milliseconds longest, Late late) {
     Queue& queue = *queue_;
     std::unique_lock lock(queue.mutex);
+    if (const auto begun = Queue::start(queue_); !begun) {
+        for (const Job& job : std::exchange(queue.waiting, {}))
+            queue.done.push_back({job.file, job.tag, begun.error()});
+        return false;
+    }
     if (queue.changed.wait_for(lock, longest, [&queue] { return queue.is_done(); })) return true;
     if (!std::exchange(queue.is_abandoned, true)) ++abandoned_threads;
     if (late == Late::done) return false;

@@ -10,12 +10,13 @@
 // of its own.
 //
 // Threads: the thread starts with a job and ends when none waits. Job::write and Job::name run there, and so
-// does the destruction of what a job owns. All members of the writer may be called by any thread.
+// does the destruction of what a job owns that is done. Where the machine has no thread left, jobs wait until
+// a later call gets one. All members of the writer may be called by any thread.
 //
 // A disk that hangs: only `finish` waits for it, at the end and for two seconds. Then the thread is left
 // behind and counts in abandoned_threads, so that the program ends by std::_Exit. Jobs that have not begun
 // are dropped, and `take` has an error for each ("FILE: not finished: its disk does not answer"); or, as
-// rows of tables, which may come late but are not lost, they are done as soon as the disk answers.
+// rows of tables, which may come late, they are done once the disk answers, if the program still lives then.
 
 #include <chrono>
 #include <filesystem>
@@ -54,7 +55,7 @@ public:
     /// Waits as `finish` does, unless `finish` has waited in vain; late jobs are done.
     ~BackgroundWriter();
 
-    /// A job that is refused, or for which the machine has no thread left, has an error as its result.
+    /// A job that is refused has an error as its result.
     void give(Job job);
     /// Results since the last call, oldest first.
     std::vector<Written> take();

@@ -32,7 +32,7 @@ Result<void> WindowCore::open() {
 
 /// The mode that the window was opened for, which comes first.
 Result<void> WindowCore::open_mode() {
-    if (!options.study && !options.kiosk) return {};
+    if (!options.kiosk) return {};
     std::unique_ptr<KioskMode> kiosk;
     if (options.study) {
         TRY_ASSIGN(kiosk, open_study(*this));

@@ -9,10 +9,11 @@
 // (`handle`), a wish to close what is in front (`leave`). In a turn all modes `look` at the clip's moment,
 // `tick` once events are taken, and `go_on` once the panel's commands are, too. For a picture all modes
 // `prepare` it before fingers are led, and `draw` what they show beside it. What another part has to know of
-// the modes is a question with a plain default, which WindowCore::any asks all of them. So neither the core
-// nor a mode knows which modes there are.
+// the modes is a question with a plain default, which WindowCore::any asks all of them. The list, the
+// measure, the view and the brush may also be asked by name; a kiosk or a study only by these questions.
 //
-// A mode belongs to the window's thread, and to its core, which outlives it. Nothing here waits but `finish`.
+// A mode belongs to the window's thread, and to its core, which outlives it. Nothing here waits but `close`
+// and `finish`.
 
 #include <optional>
 #include <string>
