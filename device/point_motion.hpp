@@ -13,6 +13,7 @@
 // thread may have it.
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>

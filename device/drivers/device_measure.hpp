@@ -2,6 +2,7 @@
 
 // How a device is measured (device_catalog.hpp): figures of times and places, and a spring that is tried.
 
+#include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>

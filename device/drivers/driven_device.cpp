@@ -273,6 +273,7 @@ bool DrivenDevice::look_for_it() {
     if (held) return true;
     driver_->disconnect();
     kept_.reset();  // which may hold a descriptor that the next try needs
+    if (held.error().kind == ErrorKind::interrupted) return true;
     // What stands in its way now may be something that a person can do something about.
     const std::string& why = held.error().message;
     const std::string now_why = why == lost_why_.message ? std::string() : why;

@@ -2,6 +2,7 @@
 
 // 3Dconnexion's pucks, from their reports up to `--device spacemouse`.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/common.hpp>

@@ -64,6 +64,7 @@ JitterBuffer::Moments JitterBuffer::add(std::int64_t sent_ns, std::int64_t arriv
         moments.shown_ns = std::max(arrived_ns, moments.taken_ns + delay_ns_);
     } else {
         shortest_ = {};
+        if (sent_ns > 0 && sent_ns < latest_known_ns) (void)shortest_way(arrived_ns - sent_ns, arrived_ns);
     }
     last_sent_ns_ = sent_ns > 0 && sent_ns < latest_known_ns ? sent_ns : 0;
     last_arrived_ns_ = arrived_ns;

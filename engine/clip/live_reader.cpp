@@ -175,7 +175,7 @@ Result<std::optional<RawFrame>> LiveReader::next() {
 
 /// Nothing in a run whose source is gone.
 LiveReader::MaybeTaken LiveReader::wait_for_frame() {
-    constexpr std::int64_t look_again_ns = 50'000'000;  // before a run a signal does not end the wait
+    constexpr std::int64_t look_again_ns = 20'000'000;  // before a run a signal does not end the wait
     const auto since = steady_clock::now();
     while (!is_gone_) {
         wake_.forget();

@@ -508,6 +508,7 @@ bool is_picture_name(const std::string& name) {
 
 Opened open_image_folder(const fs::path& folder, const GuessedScene& described, Colour colour,
                          DepthAlignment alignment) {
+    assert(described.scene.folder);
     StoredClip clip{folder.string(), described};
     clip.notes = described.notes;
     clip.alignment = alignment;

@@ -74,11 +74,16 @@ Result<Candidate> find_described(const fs::path& path, bool is_folder, const fs:
     return Candidate{source, folder, GuessedScene{std::move(described), {scene_file}}, wanted};
 }
 
+bool is_jpeg(const Candidate& candidate) {
+    return candidate.begin.starts_with("\xff\xd8\xff");
+}
+
 /// A picture as the scene file of its name describes it, which `init-scene` and `convert` write beside one.
 Result<Candidate> find_file(const fs::path& path, const OpenSettings& wanted) {
     Candidate found{path, {}, {}, wanted};
     const fs::path beside = fs::path(path).replace_extension(".json");
     if (wanted.is_known() || picture_kind(found.begin).empty() || !is_file(beside)) return found;
+    if (is_jpeg(found) && has_jpeg_depth(found.source)) return found;  // which says itself what it is
     auto described = read_scene_file(beside);
     if (described && described->scene.folder && described->scene.folder->depth == path.filename())
         found.scene =
@@ -166,9 +171,6 @@ bool is_bare(const Candidate& candidate) {
 bool is_described(const Candidate& candidate) {
     return candidate.scene.has_value();
 }
-bool is_jpeg(const Candidate& candidate) {
-    return candidate.begin.starts_with("\xff\xd8\xff");
-}
 /// Any JPEG but one of depth itself: that has no depth in its metadata, and a person describes it, or it is
 /// grey all over.
 bool is_jpeg_photo(const Candidate& candidate) {
@@ -199,6 +201,7 @@ Result<GuessedScene> describe_picture(const Candidate& candidate) {
     GuessedScene made = *candidate.scene;
     made.pictures = std::make_shared<ReadPictures>(candidate.source);
     made.pictures->trust_from(candidate.wanted.known.least_confidence);
+    made.scene.video.reset();
     const FolderSource of = made.scene.folder.value_or(FolderSource());
     if (of.depth == name) return made;
     // Planes in the same files as depth are in this one.

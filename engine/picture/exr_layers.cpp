@@ -1,5 +1,4 @@
 #include "engine/picture/exr_layers.hpp"
-#include "engine/base/words.hpp"
 
 #include <algorithm>
 #include <bit>

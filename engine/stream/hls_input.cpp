@@ -389,8 +389,8 @@ public:
     std::int64_t fetched_ns(bool of_low) const { return fetched_ns_[of_low ? 1 : 0]; }
 
     // For the rendition that is read:
-    /// Before a segment is fetched: true ends the rendition there.
-    /// Asked by the rendition that is read, in the middle of its reading: it is given up in `peek`.
+    /// Before a segment is fetched, in the middle of the rendition's reading: true ends the rendition there,
+    /// and `peek` gives it up.
     bool goes_over_before(std::int64_t number, bool from_low) {
         const bool to_low = reading_->choice.is_low();
         if (is_opening_ || next_ || to_low == from_low) return false;
@@ -448,8 +448,6 @@ int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const
     *io = io_of(std::move(*segment));
     return *io ? 0 : AVERROR(ENOMEM);
 }
-
-// --- HlsLevels
 
 // --- BothRenditions
 

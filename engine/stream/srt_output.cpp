@@ -351,8 +351,6 @@ private:
     std::thread thread_;
 };
 
-// --- SrtSender
-
 }  // namespace
 
 Result<std::unique_ptr<SrtOutput>> SrtOutput::create(const StreamUrl& url, const StreamRing& ring,

@@ -218,8 +218,6 @@ AVDictionary* http_options(bool is_tls) {
     return options;
 }
 
-// --- StreamWait
-
 // --- StreamBytes
 
 Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,

@@ -88,10 +88,11 @@ struct TouchDemand {
     int fingers = 1;
     int rate = 30;  ///< frames per second
 
+    /// "720x480 at 30 frames/s with 1 finger"
     std::string in_words() const {
         return std::to_string(width) + "x" + std::to_string(height) + " at " + std::to_string(rate) +
                " frames/s with " + std::to_string(fingers) + (fingers == 1 ? " finger" : " fingers");
-    }  ///< "720x480 at 30 frames/s with 1 finger"
+    }
 };
 
 /// What a short piece of that came to here. Wall times, but for CPU time, which is of all threads.
