@@ -4,7 +4,6 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <cmath>
-#include <ranges>
 #include <tuple>
 
 #include "engine/base/files.hpp"
@@ -137,9 +136,9 @@ int colour_mark(const BagPictures& pictures, const BagPictures& depth) {
 }
 
 std::string found_there(const std::vector<BagPictures>& topics) {
-    const std::string words = listed(topics | std::views::take(4), [](const BagPictures& each) {
-        return printable(each.topic) + " of " + printable(each.encoding);
-    });
+    const std::string words = listed(
+        std::span(topics).first(std::min<std::size_t>(topics.size(), 4)),
+        [](const BagPictures& each) { return printable(each.topic) + " of " + printable(each.encoding); });
     return words.empty() ? "no pictures" : words + (topics.size() > 4 ? ", ..." : "");
 }
 

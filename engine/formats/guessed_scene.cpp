@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <ranges>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -89,9 +88,9 @@ bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPi
 }
 
 std::string found_there(const std::vector<PictureGroup>& groups) {
-    const std::string words = listed(groups | std::views::take(4), [](const PictureGroup& each) {
-        return std::to_string(each.count) + " x " + each.pattern;
-    });
+    const std::string words =
+        listed(std::span(groups).first(std::min<std::size_t>(groups.size(), 4)),
+               [](const PictureGroup& each) { return std::to_string(each.count) + " x " + each.pattern; });
     return words.empty() ? "no pictures" : words + (groups.size() > 4 ? ", ..." : "");
 }
 
