@@ -17,17 +17,14 @@
 
 #include <set>
 
-#include "player/window/brush_mode.hpp"
-#include "player/window/measure_mode.hpp"
 #include "player/window/opened_clip.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/playlist_mode.hpp"
 #include "player/window/user_files.hpp"
-#include "player/window/view_mode.hpp"
 #include "player/window/window_clips.hpp"
 #include "player/window/window_clock.hpp"
 #include "player/window/window_hand.hpp"
 #include "player/window/window_input.hpp"
+#include "player/window/window_modes.hpp"
 #include "player/window/window_picture.hpp"
 
 namespace touchable {

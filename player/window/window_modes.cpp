@@ -1,0 +1,198 @@
+#include "player/window/window_modes.hpp"
+
+#include "player/run/terminal.hpp"
+#include "player/window/window_core.hpp"
+
+namespace touchable {
+
+// --- The view
+
+void ViewMode::go_home() {
+    core_.clip()->view().go_home();
+    is_turning_ = false;
+}
+
+/// A finger that presses leaves, as no event would lift it.
+void ViewMode::turn_or_touch() {
+    if (core_.options.hand) return core_.say("dragging turns the view already");
+    is_turning_ = !is_turning_;
+    if (is_turning_) {
+        core_.input().leave_picture();
+        core_.clip()->fingers().lift();
+        core_.take_button(*this);
+    }
+    core_.say(is_turning_ ? "drag: the view turns; with the right button it moves; the wheel comes nearer"
+                          : "the left button presses the finger again");
+}
+
+// --- The list of clips
+
+void PlaylistMode::go(int by) {
+    if (!core_.clip() && !core_.clips().waits_for_wish()) return;  // the first is not open yet
+    Playlist list = core_.clips().wanted_list();
+    if (list.go(by)) return core_.clips().open_instead(std::move(list), by);
+    if (list.size() < 2) return core_.say("there is no other clip; drop some on the window");
+    core_.say("this is the " + std::string(by > 0 ? "last" : "first") + " of " + std::to_string(list.size()) +
+              " clips");
+}
+
+/// By a person.
+bool PlaylistMode::is_touched() const {
+    if (core_.any_button(LeftButton::is_a_tool) || core_.picture().holds_pointer()) return true;
+    if (core_.any(&WindowMode::moves_by_itself)) return false;
+    WatchedSession& session = core_.clip()->session();
+    const WatchedMoment* const moment = session.look();
+    return core_.input().holds_pointer() ||
+           (moment && session.running() &&
+            std::ranges::any_of(moment->felt.fingers,
+                                [](const WatchedTick::Finger& finger) { return finger.contact.touching; }));
+}
+
+void PlaylistMode::go_on(double) {
+    constexpr double blink_s = 1, rest_s = 5, again_s = 1, between_strokes_s = 3;
+    const double now_s = core_.time.script_s;
+    if (is_touched()) touched_s_ = now_s;
+    const OpenedClip& clip = *core_.clip();
+    const PlaybackState playback = clip.session().playback();
+    const bool has_ended = playback.at_end && playback.playing && !playback.loops;
+    if (!has_ended) return went_on_s_.reset();
+    if (core_.any(&WindowMode::chooses_clip) || list_.size() < 2 || core_.clips().is_busy()) return;
+    if (clip.seconds() < blink_s && now_s < shown_s_ + rest_s) return;
+    // Where no other can be opened, this is said once, but an unattended window tries on.
+    if (went_on_s_ && (!core_.is_unattended() || now_s < *went_on_s_ + again_s)) return;
+    if (touched_s_ && now_s < *touched_s_ + between_strokes_s) return;
+    went_on_s_ = now_s;
+    Playlist list = list_;
+    if (list.next()) core_.clips().open_instead(std::move(list), 1);
+}
+
+void PlaylistMode::begin_clip(bool) {
+    went_on_s_.reset();
+    shown_s_ = core_.time.script_s;
+    if (list_.size() > 1)
+        core_.say(core_.clip()->name() + ", " + std::to_string(list_.place() + 1) + " of " +
+                  std::to_string(list_.size()));
+}
+
+// --- The measure
+
+void MeasureMode::take(const WindowCommand& command) {
+    if (command.word == "off") return let_go();
+    if (command.places.empty()) {
+        tool_.hold(!tool_.is_held());
+        if (!tool_.is_held()) return;
+        core_.take_button(*this);
+        return core_.say("measure: click two places of the surface, or drag from one to the other");
+    }
+    OpenedClip& clip = *core_.clip();
+    const Scene& scene = clip.scene();
+    for (const PixelOfFrame& place : command.places)
+        if (place.x >= scene.width || place.y >= scene.height)
+            return core_.say("measure: there is no pixel " + std::to_string(place.x) + ", " +
+                                 std::to_string(place.y) + "; the depth has " + std::to_string(scene.width) +
+                                 "x" + std::to_string(scene.height),
+                             Tone::refusal);
+    tool_.set({command.places[0].x, command.places[0].y}, {command.places[1].x, command.places[1].y});
+    const ScreenSize size = core_.screen().size();
+    if (const WatchedMoment* const newest = clip.session().look())
+        prepare(
+            {*newest, HeightField(scene, newest->held.pair), clip.view().camera(size.width, size.height)});
+}
+
+bool MeasureMode::handle_pointer(const InputEvent& event, bool is_of_panel) {
+    return !is_of_panel && tool_.take(event, core_.input().pointer());
+}
+
+bool MeasureMode::leave() {
+    if (!tool_.is_held() && !tool_.has_line()) return false;
+    let_go();
+    return true;
+}
+
+/// What is measured in the picture of this moment.
+void MeasureMode::prepare(const Seen& seen) {
+    const FramePair& pair = seen.moment.held.pair;
+    tool_.look({.field = seen.field,
+                .pair = pair,
+                .camera = seen.camera,
+                .stored = seen.moment.stored ? seen.moment.stored->depth : PlaneView{},
+                .frame = pair.blend < 0.5 ? pair.prev.number : pair.next.number,
+                .pointer = core_.input().pointer_over_picture()});
+    constexpr std::size_t most_told = 1000;
+    for (MeasureTool::News& news : tool_.take_news()) {
+        if (news.is_bad)
+            core_.say(std::move(news.words), Tone::refusal);
+        else if (lines_.size() < most_told)
+            lines_.push_back(std::move(news.words));
+    }
+}
+
+void MeasureMode::draw(PanelFacts& facts, const Seen& seen) {
+    facts.measure = tool_.facts(seen.camera, core_.clip()->scene());
+}
+
+// --- The brush
+
+BrushMode::BrushMode(WindowCore& core) : WindowMode(core), brush_(core.options) {}
+
+/// Refuses commands when the clip is about to go: they are not meant for the next one.
+void BrushMode::take(const WindowCommand& command) {
+    if (core_.quits() || core_.clips().has_next())
+        return core_.say("the clip is about to go; nothing is painted any more", Tone::refusal);
+    brush_.take(command);
+    if (brush_.is_held()) {
+        core_.take_button(*this);
+        if (command.verb == WindowVerb::tool || command.verb == WindowVerb::material)
+            core_.picture().panel().shown = true;
+    }
+    take_news();
+}
+
+bool BrushMode::handle_pointer(const InputEvent& event, bool is_of_panel) {
+    return core_.clip() && brush_.take(event, core_.input().pointer(), is_of_panel, core_.screen().size());
+}
+
+bool BrushMode::leave() {
+    if (!brush_.is_held()) return false;
+    core_.take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
+    return true;
+}
+
+void BrushMode::go_on(double) {
+    brush_.go_on(core_.screen().size());
+    take_news();
+}
+
+void BrushMode::draw(PanelFacts& facts, const Seen& seen) {
+    facts.brush = brush_.facts();
+    if (!facts.place.pixel) return;
+    if (const auto words = brush_.segment_words(seen.moment, facts.place.pixel->x, facts.place.pixel->y);
+        !words.empty())
+        facts.place.lines.insert(facts.place.lines.begin() + 1, words);
+}
+
+void BrushMode::begin_clip(bool) {
+    brush_.go_to(*core_.clip());
+}
+
+/// What it says, and what of it is to be felt.
+void BrushMode::take_news() {
+    const WindowBrush::News news = brush_.take_news();
+    const bool is_felt = core_.clips().wanted_settings().has_materials();
+    for (const auto& [words, tone, is_change] : news.remarks)
+        core_.say(words + (is_change && !is_felt ? "; B feels it" : ""), tone);
+    if (news.has_begun) core_.clips().compare_with_before();
+    if (news.is_another) core_.clips().feel_painted(brush_.felt());
+}
+
+/// An interrupted run tells it, and says in the end that it was interrupted.
+Result<void> BrushMode::save() {
+    Result<void> saved = brush_.finish();
+    if (stop_requested()) saved = {};
+    for (const auto& remark : brush_.take_news().remarks)
+        if (remark.tone != Tone::remark && (saved || remark.words != saved.error().message))
+            warn_on_terminal(remark.words);
+    return saved;
+}
+
+}  // namespace touchable
