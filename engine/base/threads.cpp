@@ -59,6 +59,15 @@ bool wait_unless_stopped(int descriptor, short events) {
     return wait_unless_stopped(is_ready, std::chrono::milliseconds(0));
 }
 
+bool wait_unless_stopped(std::chrono::steady_clock::time_point moment) {
+    while (!stop_requested()) {
+        const auto now = std::chrono::steady_clock::now();
+        if (now >= moment) return true;
+        std::this_thread::sleep_until(std::min(moment, now + stop_look));
+    }
+    return false;
+}
+
 Error interrupted_error() {
     return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
 }

@@ -10,8 +10,8 @@
 // another one's work takes on that thread's StopScope.
 //
 // `unless_stopped` does work that may wait for a disk, a codec or a network, and leaves it behind in a thread
-// of its own when the wait is given up; `wait_unless_stopped` waits for a condition or a descriptor. Both
-// look every 20 ms, since a signal sets a flag and wakes no thread.
+// of its own when the wait is given up; `wait_unless_stopped` waits for a condition, a descriptor or a
+// moment. Both look every 20 ms, since a signal sets a flag and wakes no thread.
 //
 // start_thread begins a thread with a name, or says why there is none. RowBands shares the rows of a picture
 // among a few threads that sleep in between; the bits do not depend on how many there are. A NewestValue is
@@ -125,6 +125,8 @@ bool wait_unless_stopped(std::condition_variable& changed, std::unique_lock<std:
 /// Waits until poll(2) says any of `events` of a descriptor, or that it is of no use any more. False where it
 /// was asked to stop first.
 bool wait_unless_stopped(int descriptor, short events);
+/// Waits until that moment. False where it is asked to stop before, or was when it was called.
+bool wait_unless_stopped(std::chrono::steady_clock::time_point moment);
 
 /// Starts a thread that does `work`, which throws nothing; an error where the machine has none left. `name`
 /// is what debuggers, `top` and `ps` show of it, at most 15 bytes; `what` says in the error what the thread

@@ -1,6 +1,7 @@
 // Cameras as they are named, listed and opened, and one for several runs.
 #include "engine/camera/camera.hpp"
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
@@ -147,13 +148,10 @@ public:
         reads_ = true;
         return {};
     }
-    void interrupt() override {
-        if (reads_) inner().interrupt();
-    }
 
 private:
     const std::shared_ptr<SharedCamera> shared_;
-    std::atomic<bool> reads_;       // the camera, and not what another run was given
+    bool reads_;                    // the camera, and not what another run was given
     std::int64_t next_number_ = 0;  // before the run
     std::int64_t further_ = 0;      // the run's numbers than the camera's
 };
@@ -171,10 +169,11 @@ Result<std::optional<RawFrame>> SharedCamera::read() {
 /// The next that comes soon, so that two of them are two; otherwise the one before.
 Result<RawFrame> SharedCamera::newest() {
     constexpr std::chrono::milliseconds soon(100);
+    const StopScope in_time(std::chrono::steady_clock::now() + soon);
     std::unique_lock lock(mutex_);
     if (!newest_) return input_error("the camera has given no frame yet");
     const void* const before = newest_->storage.get();
-    came_.wait_for(lock, soon, [&] { return newest_->storage.get() != before; });
+    (void)wait_unless_stopped(came_, lock, [&] { return newest_->storage.get() != before; });
     return *newest_;
 }
 

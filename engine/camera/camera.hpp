@@ -7,8 +7,7 @@
 // which they were taken. SharedCamera is one camera for several runs of a window, one after the other: it
 // stays open while the next run is made ready. cameras_in_words lists what is plugged in, for a person.
 //
-// A reader is read by one thread; another may interrupt it. A SharedCamera's readers may be on different
-// threads.
+// A reader is read by one thread. A SharedCamera's readers may be on different threads.
 
 #include <condition_variable>
 #include <cstdint>

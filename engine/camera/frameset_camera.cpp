@@ -392,7 +392,7 @@ public:
 
 private:
     MaybeTaken take() override {
-        constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it may have been interrupted
+        constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it may have been asked to stop
         std::optional<Frameset> best;
         std::int64_t at_ns = 0;
         for (std::size_t read = 0; read < most_at_once;) {
@@ -425,9 +425,9 @@ private:
         return std::optional(std::move(taken));
     }
 
-    void wait(std::int64_t longest_ns) override {
-        const auto sources = source_->waits();
-        wake_.wait(longest_ns, {sources[0], sources[1]});
+    void wait() override {
+        auto sources = source_->waits();
+        (void)::poll(sources.data(), sources.size(), static_cast<int>(stop_look.count()));
     }
 
     std::optional<Error> nothing_came(Moment since) const override {

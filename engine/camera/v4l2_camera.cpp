@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdlib>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/camera/depth_meaning.hpp"
@@ -232,22 +233,19 @@ private:
         return std::optional(std::move(taken));
     }
 
-    void wait(std::int64_t longest_ns) override {
-        std::array<pollfd, 3> waits{
-            pollfd{wake_.descriptor(), POLLIN, 0}, {depth_->descriptor(), POLLIN, 0}, {-1, POLLIN, 0}};
-        if (colour_) waits[2].fd = colour_->descriptor();
-        constexpr std::int64_t ns_per_ms = 1'000'000;
-        const int ready =
-            system_->poll(waits, static_cast<int>(longest_ns < 0 ? -1 : longest_ns / ns_per_ms));
+    void wait() override {
+        std::array<pollfd, 2> waits{pollfd{depth_->descriptor(), POLLIN, 0}, {-1, POLLIN, 0}};
+        if (colour_) waits[1].fd = colour_->descriptor();
+        const int ready = system_->poll(waits, static_cast<int>(stop_look.count()));
         // A driver that says that something is wrong says what when it is asked for a picture; it is not
         // asked for ever.
         const auto is_wrong = [](const pollfd& waited) {
             return (waited.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0 && (waited.revents & POLLIN) == 0;
         };
-        const bool wrong = ready < 0 ? errno != EINTR : is_wrong(waits[1]) || is_wrong(waits[2]);
+        const bool wrong = ready < 0 ? errno != EINTR : is_wrong(waits[0]) || is_wrong(waits[1]);
         wrong_in_a_row_ = wrong ? wrong_in_a_row_ + 1 : 0;
         if (wrong_in_a_row_ < most_faults_in_a_row) return;
-        if (ready >= 0 && !is_wrong(waits[1])) {
+        if (ready >= 0 && !is_wrong(waits[0])) {
             remark("the camera of colour, " + choice_.colour + ", stopped");
             colour_.reset();
             wrong_in_a_row_ = 0;

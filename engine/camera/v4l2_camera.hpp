@@ -3,7 +3,7 @@
 // A camera of V4L2 as a live clip: open_v4l2_camera opens the node of depth that a V4l2Choice names, and the
 // one of colour beside it.
 //
-// A reader is used by one thread; another may interrupt it.
+// A reader is used by one thread.
 
 #include <filesystem>
 #include <memory>

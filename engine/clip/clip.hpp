@@ -13,8 +13,8 @@
 // frame. Planes have roles (PlaneRole): functions here find a frame's plane by its role, check it against the
 // scene, and bring it to the scene's form and size. FrameCheck is for classes that are a ClipWriter.
 //
-// A reader and a writer are used by one thread at a time. From any thread: ClipReader::interrupt,
-// taken_before, remarks and stream_figures. The functions keep no state.
+// A reader and a writer are used by one thread at a time. From any thread: ClipReader::taken_before, remarks
+// and stream_figures. The functions keep no state.
 
 #include <array>
 #include <chrono>
@@ -93,7 +93,8 @@ public:
     /// The camera of each frame as it is stored, where some have another than the scene's; otherwise none.
     /// (`open_clip` gives all frames the scene's.)
     virtual std::span<const Camera> frame_cameras() const { return {}; }
-    /// The next frame, whose `storage` keeps its planes; nullopt after the last.
+    /// The next frame, whose `storage` keeps its planes; nullopt after the last. An error of kind interrupted
+    /// where the thread is asked to stop meanwhile (stop_requested).
     virtual Result<std::optional<RawFrame>> next() = 0;
     /// Back to the first frame.
     virtual Result<void> rewind() = 0;
@@ -114,9 +115,6 @@ public:
     /// those that `next` has given so far, and `seek` and `rewind` are refused. Once, while no other thread
     /// reads.
     virtual Result<void> begin(std::chrono::steady_clock::time_point) { return {}; }
-    /// From any thread: a `next` that waits for its source ends with an error of kind interrupted, and so
-    /// does every later one of that run.
-    virtual void interrupt() {}
     /// From any thread: how long before its time a frame was taken, ns, as far as that is known of the newest
     /// frames; 0 where its time is when it was taken.
     virtual std::int64_t taken_before(std::int64_t /*frame*/) const { return 0; }

@@ -20,10 +20,6 @@ Error told_to_stop(const std::string& kind, std::int64_t before_frame) {
     return {ErrorKind::interrupted,
             "the " + kind + " was told to stop before it gave frame " + std::to_string(before_frame)};
 }
-Result<void> check_wake(const Wake& wake) {
-    if (wake.descriptor() >= 0) return {};
-    return Error{ErrorKind::internal, "no event can be made to wait for"};
-}
 
 /// What chance decides about a frame.
 enum class Chance : std::uint64_t { drop = 1, jitter = 2 };
@@ -49,10 +45,6 @@ public:
     Result<void> seek(std::int64_t frame) override;
     Result<std::optional<RawFrame>> next() override;
     Result<void> begin(steady_clock::time_point zero) override;
-    void interrupt() override {
-        interrupted_ = true;
-        wake_.wake();
-    }
 
 private:
     CameraDelivery::Frame newest_or_next() const;
@@ -65,8 +57,6 @@ private:
     std::int64_t position_ = 0;  // the frame that the recording gives next
     std::optional<steady_clock::time_point> zero_;
     CameraDelivery::Frame last_;
-    std::atomic<bool> interrupted_{false};
-    const Wake wake_;
 };
 
 Result<void> ReplayCamera::seek(std::int64_t frame) {
@@ -79,7 +69,7 @@ Result<void> ReplayCamera::seek(std::int64_t frame) {
 Result<void> ReplayCamera::begin(steady_clock::time_point zero) {
     zero_ = zero;
     last_ = {position_ - 1, 0};
-    return check_wake(wake_);
+    return {};
 }
 
 /// Of those that were not given yet: the newest that is there, or the first that comes.
@@ -110,13 +100,10 @@ Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
 }
 
 Result<void> ReplayCamera::wait_for(const CameraDelivery::Frame& frame) {
-    const std::int64_t zero_ns = steady_ns_of(*zero_);
-    while (!interrupted_) {
-        const bool never_comes = frame.at_ns == CameraDelivery::never;
-        const std::int64_t left_ns = never_comes ? -1 : zero_ns + frame.at_ns - steady_now_ns();
-        if (!never_comes && left_ns <= 0) return {};
-        wake_.wait(left_ns);
-    }
+    const bool never_comes = frame.at_ns == CameraDelivery::never;
+    const auto at =
+        never_comes ? steady_clock::time_point::max() : *zero_ + std::chrono::nanoseconds(frame.at_ns);
+    if (wait_unless_stopped(at)) return {};
     return told_to_stop("camera", frame.number);
 }
 
@@ -132,9 +119,8 @@ Result<std::optional<RawFrame>> ReplayCamera::next_recorded() {
 Result<std::optional<RawFrame>> ReplayCamera::next() {
     if (!zero_) return next_recorded();
     const CameraDelivery::Frame delivery = newest_or_next();
-    // A reader that was interrupted, or for which nothing comes, has no frame to decode.
-    if (const bool nothing_comes = delivery.at_ns == CameraDelivery::never; nothing_comes || interrupted_)
-        return wait_for(delivery).error();
+    // No frame is decoded where none comes, or the thread is to stop.
+    if (delivery.at_ns == CameraDelivery::never || stop_requested()) return wait_for(delivery).error();
     auto frame = read(delivery.number);
     if (!frame || !*frame) return frame;
     TRY(wait_for(delivery));
@@ -143,14 +129,6 @@ Result<std::optional<RawFrame>> ReplayCamera::next() {
 }
 
 }  // namespace
-
-void Wake::wait(std::int64_t longest_ns, std::initializer_list<pollfd> others) const {
-    constexpr std::int64_t second = 1'000'000'000;
-    std::vector<pollfd> all(others);
-    all.push_back({descriptor(), POLLIN, 0});
-    const timespec longest{longest_ns / second, longest_ns % second};
-    (void)::ppoll(all.data(), all.size(), longest_ns < 0 ? nullptr : &longest, nullptr);
-}
 
 void add_count(std::vector<std::string>& remarks, std::int64_t count, const std::string& of_what) {
     if (count > 0) remarks.push_back(std::to_string(count) + " of " + of_what);
@@ -175,17 +153,15 @@ Result<std::optional<RawFrame>> LiveReader::next() {
 
 /// Nothing in a run whose source is gone.
 LiveReader::MaybeTaken LiveReader::wait_for_frame() {
-    constexpr std::int64_t look_again_ns = 20'000'000;  // before a run a signal does not end the wait
     const auto since = steady_clock::now();
     while (!is_gone_) {
-        wake_.forget();
-        if (interrupted_ || (!has_begun() && stop_requested())) return told_to_stop(kind_, next_number_);
+        if (stop_requested()) return told_to_stop(kind_, next_number_);
         auto taken = take();
         if (!taken || *taken) return taken;
         if (is_gone_) break;
         if (!has_begun())
             if (auto why = nothing_came(since)) return *why;
-        wait(has_begun() ? -1 : look_again_ns);
+        wait();
     }
     if (has_begun()) return std::optional<Taken>();
     const std::lock_guard lock(mutex_);
@@ -202,9 +178,8 @@ Result<void> LiveReader::begin(std::chrono::steady_clock::time_point zero) {
     if (has_begun()) last_time_ns_ = most_before_a_run * ns_before_a_run;
     zero_ns_ = steady_ns_of(zero);
     last_count_.reset();
-    interrupted_ = false;
     if (!is_gone_) drain();
-    return check_wake(wake_);
+    return {};
 }
 
 Result<void> LiveReader::seek(std::int64_t frame) {
@@ -231,11 +206,6 @@ std::optional<LiveReader::Place> LiveReader::place(const Taken& taken) {
     next_number_ = place.number + 1;
     last_time_ns_ = place.time_ns;
     return place;
-}
-
-void LiveReader::interrupt() {
-    interrupted_ = true;
-    wake_.wake();
 }
 
 LiveReader::MaybeTaken LiveReader::gone(const std::string& why) {

@@ -11,12 +11,10 @@
 //
 // A LiveReader is the base of every source whose frames come as they are taken: a camera, a program that
 // sends framesets, a stream. Its sources turn bytes into frames; numbers, times, waiting, stopping, and what
-// a person is told of it are here. A Wake ends a wait by poll.
+// a person is told of it are here.
 //
 // As every reader, each is used by one thread at a time; what may be called from any thread says so.
 
-#include <poll.h>
-#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <array>
@@ -26,7 +24,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -54,7 +51,6 @@ public:
     void leave_out_colour() override { reader_->leave_out_colour(); }
     bool is_live() const override { return reader_->is_live(); }
     Result<void> begin(std::chrono::steady_clock::time_point zero) override { return reader_->begin(zero); }
-    void interrupt() override { reader_->interrupt(); }
     std::int64_t taken_before(std::int64_t frame) const override { return reader_->taken_before(frame); }
     std::optional<std::int64_t> taken_at(std::int64_t frame) const override {
         return reader_->taken_at(frame);
@@ -237,23 +233,6 @@ inline bool would_wait(int failure) {
     return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
 }
 
-/// Ends a wait by poll, from any thread; its descriptor is -1 where the system has none left.
-class Wake : NonCopyable {
-public:
-    int descriptor() const { return event_.get(); }
-    void forget() const {
-        eventfd_t ignored = 0;
-        (void)!::eventfd_read(descriptor(), &ignored);
-    }
-    void wake() const { (void)!::eventfd_write(descriptor(), 1); }
-    /// Until it is woken, one of `others` has what it is polled for, or so long; below 0: without such a
-    /// bound.
-    void wait(std::int64_t longest_ns, std::initializer_list<pollfd> others = {}) const;
-
-private:
-    const Descriptor event_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
-};
-
 /// Frames of before a run are so far apart.
 inline constexpr std::int64_t ns_before_a_run = 1000;
 
@@ -271,8 +250,8 @@ void add_count(std::vector<std::string>& remarks, std::int64_t count, const std:
 /// - Times: of before a run `ns_before_a_run` apart. In a run they count from its time 0 and never go back;
 ///   what was taken before it is left out until the run's first frame has come.
 /// - The end: a source that is `gone` gives no more frames, its last one stands still, and a remark says why;
-///   before a run that is an error. `interrupt` ends waits at once; before a run a request to stop does so,
-///   too. After a run another may begin.
+///   before a run that is an error. A stop of the thread that reads (stop_requested) ends its waits within
+///   20 ms. After a run another may begin.
 ///
 /// One thread, but where ClipReader says that any may call.
 class LiveReader : public ClipReader {
@@ -294,7 +273,6 @@ public:
     Result<void> seek(std::int64_t frame) final;
     bool is_live() const final { return true; }
     Result<void> begin(std::chrono::steady_clock::time_point zero) final;
-    void interrupt() final;
     std::int64_t taken_before(std::int64_t frame) const final;
     std::vector<std::string> remarks() const override;
 
@@ -316,8 +294,8 @@ protected:
     /// A frame that is there: before a run the oldest, in it the newest; nothing where none is. Never waits.
     /// Where no more will come, `gone`. An error ends this `next` alone.
     virtual MaybeTaken take() = 0;
-    /// Waits until there may be a frame, or `wake_` is woken, or so long; below 0: without such a bound.
-    virtual void wait(std::int64_t longest_ns) = 0;
+    /// Waits until there may be a frame, at most for `stop_look`.
+    virtual void wait() = 0;
     /// Before a run, once no frame has come since then: an error where that is too long.
     virtual std::optional<Error> nothing_came(Moment since) const = 0;
     /// A run begins: what has waited for it is of before, where its time does not tell.
@@ -332,7 +310,6 @@ protected:
     Result<Taken> first_frame();
 
     const std::string name_;
-    const Wake wake_;
     Scene scene_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
@@ -348,7 +325,6 @@ private:
 
     const std::string kind_;
     UnstatedFilters unstated_filters_;
-    std::atomic<bool> interrupted_{false};
     bool is_gone_ = false;
     std::int64_t next_number_ = 0;
     std::optional<std::uint32_t> last_count_;  // of a frame of the run

@@ -52,7 +52,7 @@ public:
         {
             const std::lock_guard lock(mutex_);
             ending_.request_stop();
-            stopped_.notify_all();
+            changed_.notify_all();
         }
         if (thread_.joinable()) thread_.join();
     }
@@ -123,18 +123,26 @@ private:
     MaybeTaken take() override {
         const std::lock_guard lock(mutex_);
         const std::int64_t now = steady_now_ns();
-        until_shown_ns_ = -1;
         if (waiting_.empty()) return over_.empty() ? MaybeTaken(std::nullopt) : gone(over_);
         if (has_begun()) {
             while (waiting_.size() > 1 && waiting_[1].moments.shown_ns <= now) (void)take_front();
-            until_shown_ns_ = waiting_.front().moments.shown_ns - now;
-            if (until_shown_ns_ > 0) return std::optional<Taken>();
+            if (waiting_.front().moments.shown_ns > now) return std::optional<Taken>();
         }
         auto [received, moments] = take_front();
         return std::optional(Taken{static_cast<std::uint32_t>(received.number), moments.shown_ns,
                                    moments.shown_ns - moments.taken_ns, std::move(received.frame)});
     }
-    void wait(std::int64_t longest_ns) override { wake_.wait(longest_ns < 0 ? until_shown_ns_ : longest_ns); }
+    /// For any frameset, or until the first one that is there is to be shown.
+    void wait() override {
+        std::unique_lock lock(mutex_);
+        std::chrono::nanoseconds longest = stop_look;
+        if (!waiting_.empty())
+            longest = std::min(longest,
+                               std::chrono::nanoseconds(waiting_.front().moments.shown_ns - steady_now_ns()));
+        changed_.wait_for(lock, longest, [this, none = waiting_.empty()] {
+            return none && !(waiting_.empty() && over_.empty());
+        });
+    }
     std::optional<Error> nothing_came(Moment since) const override {
         if (std::chrono::steady_clock::now() - since <= source_.patience.frameset) return std::nullopt;
         return input_error(name_ + ": sent no whole frameset in time");
@@ -178,7 +186,7 @@ private:
                 std::unique_lock lock(mutex_);
                 why_again_ = why;
                 const auto pause = back_off(source_.patience.back_off, attempt);
-                if (stopped_.wait_for(lock, pause, stop_requested)) return false;
+                if (changed_.wait_for(lock, pause, stop_requested)) return false;
             }
             auto receiver = connect();
             if (stop_requested()) return false;
@@ -215,7 +223,7 @@ private:
             return stop_requested() ||
                    (waiting_.size() < most_waiting / 2 && waiting_bytes_ < most_waiting_bytes / 2);
         };
-        if (in_segments) stopped_.wait(lock, has_room);
+        if (in_segments) changed_.wait(lock, has_room);
         figures_.longest_gap_ms =
             std::max(figures_.longest_gap_ms, static_cast<double>(now - newest_ns_) * 1e-6);
         newest_ns_ = now;
@@ -223,7 +231,7 @@ private:
         waiting_.push_back({std::move(received), moments});
         while (waiting_.size() > 1 && (waiting_.size() > most_waiting || waiting_bytes_ > most_waiting_bytes))
             (void)take_front();
-        wake_.wake();
+        changed_.notify_all();
     }
     void note(const StreamReceiver& receiver) {
         FramesetCounts counts = before_;
@@ -244,7 +252,7 @@ private:
         const std::lock_guard lock(mutex_);
         over_ = why;
         why_again_.clear();
-        wake_.wake();
+        changed_.notify_all();
     }
     /// Framesets that have not come though the clip's rate says that they were sent, while nothing whole
     /// comes: the next whole one tells how many they were. Guarded by mutex_.
@@ -257,7 +265,7 @@ private:
         Waiting front = std::move(waiting_.front());
         waiting_.pop_front();
         waiting_bytes_ -= bytes_of_planes(front.received.frame);
-        stopped_.notify_all();
+        changed_.notify_all();
         return front;
     }
 
@@ -266,7 +274,6 @@ private:
     std::shared_ptr<StreamWait> wait_ = std::make_shared<StreamWait>();
     std::stop_source ending_;
     std::atomic<bool> leaves_out_colour_{false};
-    std::int64_t until_shown_ns_ = -1;  // the next frameset, from the last `take` on; -1: none is there
     // Of the thread that receives.
     std::unique_ptr<StreamReceiver> receiver_;
     JitterBuffer buffer_;
@@ -275,7 +282,7 @@ private:
     std::optional<StreamFigures::Levels> levels_before_;  // the same
 
     mutable std::mutex mutex_;
-    std::condition_variable stopped_;
+    std::condition_variable changed_;
     // Guarded by it.
     std::deque<Waiting> waiting_;
     std::size_t waiting_bytes_ = 0;

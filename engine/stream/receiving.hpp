@@ -15,9 +15,9 @@
 //   source.connection = std::move(found.stream);
 //   auto clip = open_stream_clip(source);
 //
-// No call waits longer than StreamSource::Patience says. A request to stop the program interrupts all waits.
-// A ClipReader that is made here belongs to one thread, but `interrupt` may be called by any; a live one has
-// a thread of its own, which receives.
+// No call waits longer than StreamSource::Patience says, and a stop of the thread that calls (stop_requested)
+// ends all waits. A ClipReader that is made here belongs to one thread; a live one has a thread of its own,
+// which receives.
 
 #include <chrono>
 

@@ -83,7 +83,7 @@ Result<void> StreamSender::send_all() {
         const std::chrono::steady_clock::time_point zero{std::chrono::nanoseconds(begin_ns_)};
         TRY(clip_->begin(zero));
     }
-    while (!is_told_to_end_) {
+    while (!stop_requested()) {
         TRY_ASSIGN(const auto frame, next());
         if (!frame) {
             figures_.clip_ended = true;
@@ -126,7 +126,7 @@ bool StreamSender::is_key(std::int64_t time_ns) {
     return is_one;
 }
 
-/// False: `end` was called before the frame's time came.
+/// False: it was asked to stop before the frame's time came.
 Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
     const PictureLabel label{figures_.framesets, time_.utc_ns() + due.at_ns - time_.now_ns()};
     const bool key = is_key(due.time_ns);

@@ -22,19 +22,12 @@
 // create, start and destroy them on one thread. Rings, audience and StreamSender::Time outlive all that
 // refers to them.
 
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <span>
 
-#include "engine/base/result.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/sound.hpp"
@@ -391,10 +384,8 @@ public:
         virtual std::int64_t now_ns() = 0;
         /// The time since 1970 (UTC), ns; it may be stepped.
         virtual std::int64_t utc_ns() = 0;
-        /// False where `end` came before.
+        /// False where the thread is asked to stop before (stop_requested).
         virtual bool wait_until(std::int64_t at_ns) = 0;
-        /// From any thread: ends the wait, and all later ones at once.
-        virtual void end() = 0;
     };
     /// Those of this machine.
     class SystemTime final : public Time {
@@ -404,20 +395,9 @@ public:
             return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
         }
         bool wait_until(std::int64_t at_ns) override {
-            const std::chrono::steady_clock::time_point at{std::chrono::nanoseconds(at_ns)};
-            std::unique_lock lock(mutex_);
-            return !told_.wait_until(lock, at, [this] { return is_over_; });
+            return wait_unless_stopped(
+                std::chrono::steady_clock::time_point(std::chrono::nanoseconds(at_ns)));
         }
-        void end() override {
-            const std::lock_guard lock(mutex_);
-            is_over_ = true;
-            told_.notify_all();
-        }
-
-    private:
-        std::mutex mutex_;
-        std::condition_variable told_;
-        bool is_over_ = false;  // guarded by mutex_
     };
 
     /// A form in which a stream is sent, and where its framesets go.
@@ -451,17 +431,15 @@ public:
     /// Sends from the clip's beginning until it ends, `longest_ns` is over, or `end` is called; the rings are
     /// then over.
     Result<void> run() {
+        const StopScope until(ending_.get_token());
         auto sent = send_all();
         for (const Channel& channel : channels_) channel.ring.end();
-        const bool is_ended = is_told_to_end_ && !sent && sent.error().kind == ErrorKind::interrupted;
+        const bool is_ended =
+            ending_.stop_requested() && !sent && sent.error().kind == ErrorKind::interrupted;
         return is_ended ? Result<void>{} : std::move(sent);
     }
     /// From any thread.
-    void end() {
-        is_told_to_end_ = true;
-        time_.end();
-        clip_->interrupt();
-    }
+    void end() { ending_.request_stop(); }
     /// Framesets so far, from any thread.
     std::int64_t framesets() const { return sent_; }
     /// Remarks for a person, such as that the camera was unplugged.
@@ -497,7 +475,7 @@ private:
     std::vector<Channel> channels_;
     const Settings settings_;
     Time& time_;
-    std::atomic<bool> is_told_to_end_{false};
+    std::stop_source ending_;
     std::atomic<std::int64_t> sent_{0};
     Figures figures_;
     std::int64_t begin_ns_ = 0;  // time 0 of the stream

@@ -224,10 +224,7 @@ public:
     Result<void> start() override {
         return start_thread(thread_, "stream-output", "that sends a stream", [this] { serve(); });
     }
-    void end() override {
-        stop_.request_stop();
-        time_.end();
-    }
+    void end() override { stop_.request_stop(); }
     bool is_over() const override { return is_over_; }
     bool calls() const override { return !settings_.listens; }
 

@@ -2,6 +2,7 @@
 // files on a server that are read part by part (open_http).
 
 #include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>

@@ -1,6 +1,5 @@
 #include "player/run/feed_threads.hpp"
 
-#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -40,10 +39,9 @@ FeedThreads::~FeedThreads() {
 void FeedThreads::stop() {
     {
         const std::lock_guard lock(mutex_);
-        stopping_ = true;
+        stopping_.request_stop();
     }
     changed_.notify_all();
-    feed_.interrupt();
     if (decoder_.joinable()) decoder_.join();
     if (builder_.joinable()) builder_.join();
 }
@@ -67,7 +65,7 @@ void FeedThreads::guarded(void (FeedThreads::*work)()) {
 void FeedThreads::fail(Error&& error) {
     const std::lock_guard lock(mutex_);
     if (!error_) error_ = std::move(error);
-    stopping_ = true;
+    stopping_.request_stop();
     changed_.notify_all();
 }
 
@@ -78,10 +76,13 @@ void FeedThreads::look_at_commands() {
     changed_.notify_all();
 }
 
+/// A stop of the program ends it, too, as it ends the session's loop: the hand then has zero force and needs
+/// no frame.
 void FeedThreads::decode() {
+    const StopScope until(stopping_.get_token());
     do {
         auto read = read_on();
-        if (!read && read.error().kind == ErrorKind::interrupted) return;
+        if (!read && stop_requested()) return;
         if (!read) return fail(Error(read.error()));
     } while (hand_over());
 }
@@ -158,17 +159,17 @@ bool FeedThreads::hand_over() {
     decoded_all_ = !next_;
     if (decoded_all_) changed_.notify_all();
     if (decoded_all_ && !commands_may_come_) return false;
-    changed_.wait(lock, [&] { return stopping_ || known_.has_news() || has_room(); });
+    changed_.wait(lock, [&] { return stopping_.stop_requested() || known_.has_news() || has_room(); });
     if (known_.has_news()) {
         decoded_all_ = false;
         end_.reset();
     }
-    if (!stopping_ && has_room()) {
+    if (!stopping_.stop_requested() && has_room()) {
         queue_.push_back(std::move(*next_));
         next_.reset();
         changed_.notify_all();
     }
-    return !stopping_;
+    return !stopping_.stop_requested();
 }
 
 void FeedThreads::build() {
@@ -182,9 +183,10 @@ void FeedThreads::build() {
 std::optional<FeedThreads::Queued> FeedThreads::wait_for_next() {
     std::unique_lock lock(mutex_);
     while (true) {
-        changed_.wait(lock,
-                      [this] { return stopping_ || !queue_.empty() || (decoded_all_ && !end_.has_value()); });
-        if (stopping_) return std::nullopt;
+        changed_.wait(lock, [this] {
+            return stopping_.stop_requested() || !queue_.empty() || (decoded_all_ && !end_.has_value());
+        });
+        if (stopping_.stop_requested()) return std::nullopt;
         if (queue_.empty()) {
             end_ = feed_.end();
             if (!commands_may_come_) return std::nullopt;
@@ -223,7 +225,7 @@ bool FeedThreads::publish(const Queued& queued) {
             return true;
         }
         std::unique_lock lock(mutex_);
-        if (changed_.wait_for(lock, slot_wait, [this] { return stopping_; })) return false;
+        if (changed_.wait_for(lock, slot_wait, [this] { return stopping_.stop_requested(); })) return false;
         if (turn_of(queued) == Turn::past) return true;
     }
 }

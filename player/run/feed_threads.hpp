@@ -1,18 +1,9 @@
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
-#include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <functional>
-#include <mutex>
-#include <optional>
-#include <thread>
-#include <utility>
-#include <vector>
 
-#include "engine/base/result.hpp"
+#include "engine/base/threads.hpp"
 #include "player/run/playback.hpp"
 #include "player/run/surface_feed.hpp"
 
@@ -87,8 +78,9 @@ private:
     SurfaceFeed& feed_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::deque<Queued> queue_;  // guarded by mutex_, as are the four below
-    bool decoded_all_ = false, stopping_ = false;
+    std::stop_source stopping_;  // asked to stop under mutex_, which guards what follows, too
+    std::deque<Queued> queue_;
+    bool decoded_all_ = false;
     std::optional<MediaMoment> end_;
     std::optional<Error> error_;
     Error out_of_memory_;  // made at the start, while there is memory for it

@@ -235,8 +235,6 @@ public:
     std::set<std::int64_t> cuts() const;
     /// Of a live source: time 0 of the run, before the thread that reads begins.
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
-    /// From any thread: `read_next` waits for no live source any more.
-    void interrupt() { reader_->interrupt(); }
 
     const ClipReader& reader() const { return *reader_; }
     std::string_view builder_name() const { return builder_->name(); }

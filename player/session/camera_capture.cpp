@@ -131,10 +131,6 @@ public:
         TRY(film_->keep(**frame));
         return frame;
     }
-    void interrupt() override {
-        inner().interrupt();
-        film_->interrupt();
-    }
 
 private:
     std::shared_ptr<CameraCapture> film_;
@@ -215,21 +211,16 @@ Result<void> CameraCapture::open(const std::filesystem::path& file, Existing exi
 
 Result<void> CameraCapture::keep(const RawFrame& frame) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] {
-        return !open_ || waiting_.size() < most_waiting || interrupted_ || failure_.has_value();
-    });
+    const auto may_go_on = [this] {
+        return !open_ || waiting_.size() < most_waiting || failure_.has_value();
+    };
+    if (!wait_unless_stopped(changed_, lock, may_go_on))
+        return Error{ErrorKind::interrupted, "the camera's film was told to stop"};
     if (failure_) return {};
-    if (interrupted_) return Error{ErrorKind::interrupted, "the camera's film was told to stop"};
     waiting_.push_back(frame);
     frames_.push_back({frame.number, frame.time_ns});
     changed_.notify_all();
     return {};
-}
-
-void CameraCapture::interrupt() {
-    const std::lock_guard lock(mutex_);
-    interrupted_ = true;
-    changed_.notify_all();
 }
 
 void CameraCapture::write() {

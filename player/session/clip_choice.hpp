@@ -9,8 +9,8 @@
 // that camera; a CameraCapture writes the camera's film beside a recording. A SharedClip lets several
 // sessions of a window read one clip that is opened and decoded once.
 //
-// Opening may take long: it obeys the stop token that it is given. A SharedClip may be used by several
-// threads, everything else by one, but for what says "any thread".
+// Opening may take long; it ends once its thread is asked to stop (stop_requested). A SharedClip may be used
+// by several threads, everything else by one, but for what says "any thread".
 
 #include <atomic>
 #include <condition_variable>
@@ -78,8 +78,6 @@ public:
     Result<void> open(const std::filesystem::path& file, Existing existing);
     /// By the thread that reads. Waits while the disk is far behind; the camera's frames meanwhile are lost.
     Result<void> keep(const RawFrame& frame);
-    /// Any thread: `keep` waits no more.
-    void interrupt();
     /// Why it gets no more frames; any thread.
     std::optional<Error> fault() const;
     /// In place of `open`: nothing is kept.
@@ -105,7 +103,7 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::deque<RawFrame> waiting_;  // guarded by mutex_, as are those below
-    bool open_ = false, ended_ = false, interrupted_ = false;
+    bool open_ = false, ended_ = false;
     std::optional<Error> failure_;
     std::size_t written_ = 0;  // frames
     bool is_broken_ = false;   // by the failure: it cannot be completed

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <thread>
 
 #include "engine/clip/readers.hpp"
 
@@ -382,19 +383,14 @@ int FakeVideo::poll(std::span<pollfd> descriptors, int timeout_ms) {
             for (pollfd& waited : descriptors) {
                 waited.revents = 0;
                 Device* device = device_of(waited.fd);
-                if (device == nullptr) {
-                    if (waited.fd >= 0) ::poll(&waited, 1, 0);
-                } else {
-                    if (!again && device->wants.period_ns == 0) take_until_one_is_there(*device);
-                    waited.revents = state_of(*device);
-                }
+                if (device == nullptr) continue;
+                if (!again && device->wants.period_ns == 0) take_until_one_is_there(*device);
+                waited.revents = state_of(*device);
                 ready += waited.revents != 0;
             }
         }
         if (ready > 0 || steady_now_ns() >= until) return ready;
-        // What is not a fake is waited for in earnest.
-        for (pollfd& waited : descriptors)
-            if (waited.fd >= 0 && waited.fd < 100'000) ::poll(&waited, 1, 1);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
 }
 

@@ -189,8 +189,10 @@ TEST(FramesetCamera, AWaitEndsWhenItIsToldTo) {
     const auto camera = sender.running();
     ASSERT_TRUE(camera);
     sender.send(sent(10).bytes().substr(0, 90));
-    auto waits = std::async(std::launch::async, [&] { return camera->next(); });
-    camera->interrupt();
+    std::stop_source given_up;
+    auto waits = std::async(std::launch::async,
+                            [&] { return work_until(given_up.get_token(), [&] { return camera->next(); }); });
+    given_up.request_stop();
     const auto ended = waits.get();
     ASSERT_FALSE(ended);
     EXPECT_EQ(ended.error().kind, ErrorKind::interrupted);

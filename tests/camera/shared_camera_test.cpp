@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <thread>
 
+#include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -32,7 +33,9 @@ TEST(SharedCamera, IsHandedOverFromRunToRun) {
         for (int change = 0; change < 3; ++change) {
             ASSERT_EQ(message((*before)->begin(steady_clock::now() - milliseconds(1))), "");
             Result<std::optional<RawFrame>> last = std::optional<RawFrame>();
+            std::stop_source over;
             std::thread reader([&] {
+                const StopScope until(over.get_token());
                 do last = (*before)->next();
                 while (last);
             });
@@ -49,7 +52,7 @@ TEST(SharedCamera, IsHandedOverFromRunToRun) {
             EXPECT_EQ((*second)->number, number);
             EXPECT_LT((*first)->time_ns, (*second)->time_ns);
             EXPECT_NE((*first)->storage, (*second)->storage);
-            (*before)->interrupt();
+            over.request_stop();
             reader.join();
             EXPECT_EQ(last.error().kind, ErrorKind::interrupted);
             before = std::move(next);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <thread>
 
+#include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -303,9 +304,11 @@ TEST_F(Camera, ThatIsStalledEndsWhenItIsTold) {
     add().fate = [](std::uint32_t n) { return n == 12 ? Fate::stalled : Fate::good; };
     const auto camera = running();
     for (int n = 2; n < 4; ++n) next(*camera);
+    std::stop_source given_up;
+    const StopScope until(given_up.get_token());
     std::thread teller([&] {
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        camera->interrupt();
+        given_up.request_stop();
     });
     const auto frame = camera->next();
     teller.join();

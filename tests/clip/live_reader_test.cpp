@@ -3,6 +3,7 @@
 #include <functional>
 #include <thread>
 
+#include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
@@ -37,8 +38,7 @@ private:
         there.pop_front();
         return std::optional(Taken{given.count, steady_ns_of(zero) + given.after_ns, 7});
     }
-    void wait(std::int64_t longest_ns) override {
-        EXPECT_EQ(longest_ns < 0, has_begun());
+    void wait() override {
         ++waits;
         on_wait();
     }
@@ -129,29 +129,18 @@ TEST_F(LiveSource, IsWaitedForAsLongAsItLasts) {
 TEST_F(LiveSource, IsInterruptedAndBeginsAgain) {
     ASSERT_EQ(message(source.begin(source.zero)), "");
     EXPECT_EQ(next({1, 2'000'000}).first, 0);
-    source.on_wait = [&] { source.interrupt(); };
+    std::stop_source given_up;
+    source.on_wait = [&] { given_up.request_stop(); };
     for (int again = 0; again < 2; ++again) {
-        const auto told = source.next();
+        const auto told = work_until(given_up.get_token(), [&] { return source.next(); });
         ASSERT_FALSE(told);
         EXPECT_EQ(told.error().kind, ErrorKind::interrupted);
         EXPECT_EQ(message(told), "the camera was told to stop before it gave frame 1");
     }
+    EXPECT_EQ(source.waits, 1);
     ASSERT_EQ(message(source.begin(source.zero)), "");
     EXPECT_EQ(next({9, 3'000'000}), std::pair(std::int64_t{1}, std::int64_t{3'000'000}))
         << "what came between is no gap";
-}
-
-TEST(Wake, EndsAWaitOfAnotherThread) {
-    const Wake wake;
-    ASSERT_GE(wake.descriptor(), 0);
-    std::jthread other([&] { wake.wake(); });
-    wake.wait(-1);
-    wake.wait(-1);  // until it is forgotten
-    other.join();
-    wake.forget();
-    const auto begun = steady_clock::now();
-    wake.wait(2'000'000);
-    EXPECT_GE(steady_clock::now() - begun, std::chrono::milliseconds(2));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"
 #include "player/session/clip_choice.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -137,8 +138,10 @@ TEST_F(LiveCamera, FramesThatWereReadAheadAreNotGivenBeforeTheirTime) {
     ASSERT_EQ(message(frame), "");
     EXPECT_GE((*frame)->number, 2);
     EXPECT_GE(std::chrono::steady_clock::now(), zero + std::chrono::nanoseconds((*frame)->time_ns));
-    reader->interrupt();
-    EXPECT_EQ(reader->next().error().kind, ErrorKind::interrupted);
+    std::stop_source given_up;
+    given_up.request_stop();
+    const auto told = work_until(given_up.get_token(), [&] { return reader->next(); });
+    EXPECT_EQ(told.error().kind, ErrorKind::interrupted);
 }
 
 }  // namespace

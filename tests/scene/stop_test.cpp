@@ -129,6 +129,16 @@ TEST(WaitUnlessStopped, HearsADescriptorAndAStop) {
     EXPECT_TRUE(wait_unless_stopped(ends[0], POLLIN)) << "a closed one is of no use any more";
 }
 
+TEST(WaitUnlessStopped, EndsAtItsMomentOrAStop) {
+    const auto moment = steady_clock::now() + milliseconds(30);
+    EXPECT_TRUE(wait_unless_stopped(moment));
+    EXPECT_GE(steady_clock::now(), moment);
+    const auto deadline = steady_clock::now() + milliseconds(30);
+    EXPECT_FALSE(work_until(deadline, [] { return wait_unless_stopped(steady_clock::time_point::max()); }));
+    EXPECT_FALSE(work_until(deadline, [&] { return wait_unless_stopped(moment); }))
+        << "also of one that is past";
+}
+
 void await_abandoned() {
     for (int k = 0; k < 60'000 && abandoned_threads > 0; ++k) std::this_thread::sleep_for(milliseconds(1));
     EXPECT_EQ(abandoned_threads, 0);

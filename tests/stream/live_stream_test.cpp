@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "engine/base/threads.hpp"
 #include "tests/stream/loopback_sender.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 
@@ -169,7 +170,9 @@ TEST(LiveStream, AWaitIsInterrupted) {
     const auto clip = open_live_stream(live_choice(sender.url()));
     ASSERT_EQ(message(clip), "");
     ASSERT_EQ(message((*clip)->begin(Clock::now())), "");
-    std::jthread teller([&] { (*clip)->interrupt(); });
+    std::stop_source given_up;
+    const StopScope until(given_up.get_token());
+    std::jthread teller([&] { given_up.request_stop(); });
     auto frame = (*clip)->next();
     while (frame && *frame) frame = (*clip)->next();
     ASSERT_FALSE(frame);

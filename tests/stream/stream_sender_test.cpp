@@ -20,12 +20,10 @@ public:
     bool wait_until(std::int64_t at_ns) override {
         now = std::max(now, at_ns);
         if (on_wait) on_wait();
-        return !is_over;
+        return !stop_requested();
     }
-    void end() override { is_over = true; }
 
     std::int64_t now = 5'000 * sender_ms, stepped = 0;
-    bool is_over = false;
     std::function<void()> on_wait;
 };
 
