@@ -29,7 +29,8 @@ struct DeviceSample {
     std::int64_t kept_ns = 0;   ///< for how long the driver has had it, waiting for a newer one
 };
 
-/// Bytes that leave a device without force, and where another process can write them (SafetyWatchdog).
+/// Bytes that leave a device without force, and where another process can write them (SafetyWatchdog). They
+/// are written twice: the first time this process may have been ended in the middle of a message.
 struct ZeroForcePacket {
     int descriptor = -1;  ///< of an open file, socket or USB device
     std::vector<std::byte> bytes{};
@@ -93,8 +94,8 @@ public:
     /// stood still: the watchdog's process has sent zero force in its place, and the hardware answered that.
     virtual Result<void> forget_what_came() { return {}; }
 
-    /// The descriptor that poll(2) reports as readable once something has come. -1: there is none, and
-    /// `receive` itself waits.
+    /// The descriptor that poll(2) reports as readable once something has come; `receive` is called then
+    /// alone, so `send` has to notice a device that is silent. -1: there is none, and `receive` itself waits.
     virtual int descriptor() const { return -1; }
     /// What another process sends to leave the device without force; valid while connected. Nothing: no other
     /// process can.

@@ -264,9 +264,15 @@ Opened open_mpeg4(const Candidate& candidate) {
     return open_mp4_clip(candidate.source, candidate.described(), candidate.wanted.colour);
 }
 
-/// Folders; and files by what they say themselves of their depth: nothing; all but the camera; all, in a file
-/// beside them, in a text, or in a scene that can be written to a scene file.
-enum class FileKind { folder, bare, photo, described, text, clip };
+/// What a path says itself of its depth. From `described` on, a person's camera, unit or preset is refused.
+enum class FileKind {
+    folder,
+    bare,       ///< a file that says nothing, or not all: the rest is known, or guessed
+    photo,      ///< all but the camera
+    described,  ///< all, in a file beside it
+    text,       ///< all, as the text of an MPEG-4 scene
+    clip,       ///< all, and its scene can be written to a scene file
+};
 
 struct Format {
     FileKind kind;
@@ -312,6 +318,10 @@ const Format formats[] = {
      "a folder, a picture, a video or two with a scene file (docs/scene_file.md)", "touchable play FOLDER",
      Hints{{Setting::scene_file, "scene.json"}}},
 };
+
+/// How names of videos and recordings end.
+constexpr const char* clip_extensions[] = {".mkv", ".webm", ".mp4",  ".m4v", ".mov",
+                                           ".avi", ".bag",  ".mcap", ".db3"};
 
 /// Null: it is of none of them.
 const Format* probe(const Candidate& candidate) {
@@ -512,6 +522,10 @@ Opened open_video_clip(const fs::path& folder, const SceneDescription& described
 Result<SceneDescription> guess_clip(const fs::path& path, const SourceDescription& known) {
     TRY_ASSIGN(auto guessed, unless_given_up(guess_path(path, known)));
     return SceneDescription(std::move(guessed));
+}
+
+bool is_named_as_clip(const fs::path& file) {
+    return std::ranges::count(clip_extensions, small_letters(file.extension().string())) > 0;
 }
 
 std::vector<ClipFormat> clip_formats() {

@@ -37,6 +37,10 @@ struct ClipFormat {
 /// All of them, in the order in which they are tried.
 std::vector<ClipFormat> clip_formats();
 
+/// Whether a file's name ends as those of videos and recordings do. Pictures' do not: most are frames of a
+/// clip.
+bool is_named_as_clip(const std::filesystem::path& file);
+
 /// The scene of a path that has no scene file: a folder of pictures, a picture or video of depth, a
 /// recording. Of a clip of ours, the scene that is in it.
 /// What only a whole clip tells is left open (unstated): a reader settles it.

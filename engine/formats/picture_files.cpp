@@ -7,6 +7,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/open_clip.hpp"
 
 namespace touchable {
 namespace {
@@ -18,8 +19,6 @@ constexpr std::size_t largest_list = std::size_t{256} << 20;
 constexpr const char* list_names[] = {"rgb.txt", "color.txt", "colour.txt", "depth.txt"};
 constexpr const char* picture_extensions[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".tif",
                                               ".tiff", ".pfm", ".exr",  ".npy", ".npz"};
-constexpr const char* video_extensions[] = {".mkv", ".webm", ".mp4",  ".m4v", ".mov",
-                                            ".avi", ".bag",  ".mcap", ".db3", ".r3d"};
 
 /// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
 class Numbered {
@@ -349,12 +348,8 @@ Result<PictureFiles> paired_files(const fs::path& folder, std::string_view what,
     return beside;
 }
 
-bool has_extension(const fs::path& file, std::span<const char* const> known) {
-    return std::ranges::count(known, small_letters(file.extension().string())) > 0;
-}
-
 bool is_picture(const fs::path& file) {
-    return has_extension(file, picture_extensions);
+    return std::ranges::count(picture_extensions, small_letters(file.extension().string())) > 0;
 }
 
 /// A name with a star for its last number: a run of digits, or two with a point between them.
@@ -549,7 +544,7 @@ std::string found_elsewhere(const fs::path& folder) {
     std::set<fs::path> videos;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (has_extension(entry.path(), video_extensions)) videos.insert(entry.path());
+        if (is_named_as_clip(entry.path()) || entry.path().extension() == ".r3d") videos.insert(entry.path());
     if (!videos.empty())
         return std::string("but ") + (videos.size() == 1 ? "a video" : "videos") + ": touchable play " +
                shell_word(videos.begin()->string());

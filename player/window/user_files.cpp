@@ -15,14 +15,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Endings of videos and recordings. A picture is a frame of a clip far more often than a clip.
-constexpr std::array clip_endings{".mkv", ".mp4", ".mov", ".webm", ".m4v", ".avi", ".bag", ".mcap", ".db3"};
-
 bool looks_like_clip(const fs::directory_entry& entry) {
     std::error_code failed;
     if (entry.is_directory(failed)) return fs::exists(entry.path() / "scene.json", failed);
-    const std::string ending = small_letters(entry.path().extension().string());
-    return std::ranges::find(clip_endings, ending) != clip_endings.end();
+    return is_named_as_clip(entry.path());
 }
 
 bool by_name(const fs::path& a, const fs::path& b) {

@@ -71,7 +71,8 @@ Outcome run_interrupted_at_once(const std::vector<std::string>& arguments);
 /// `err` is what stays on the terminal.
 Outcome run_interrupted_while_live(const std::vector<std::string>& arguments);
 
-/// Runs it with its error stream on a terminal of its own, and sends SIGINT once that has shown enough.
+/// Runs it with its error stream on a terminal of its own, and sends SIGINT once that has shown enough, upon
+/// which it ends with exit code 130.
 Outcome run_on_terminal(const std::vector<std::string>& arguments,
                         const std::function<bool(const std::string&)>& has_shown_enough);
 /// How many moments the line of a live run has shown there.
