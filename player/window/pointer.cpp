@@ -23,24 +23,9 @@ ViewCamera with_rows_below(ViewCamera camera, int rows) {
 /// How far several fingers are from the pointer, as a share of the picture's height.
 constexpr double finger_spread = 0.08;
 // Device metres; docs/pointer.md says why. A finger is lifted over what is more than step_m higher, and over
-// what holds it back by more than caught_m; it is past something once it is clear_m before it. A place nearer
-// than again_m to the one that it was last lifted for is the same place.
+// what holds it back by more than caught_m; it is above something once it is clear_m before it. A place
+// nearer than again_m to the one that it was last lifted for is the same place.
 constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005, again_m = 0.001;
-// The goal of a lifted finger is highest_m above the obstacle, and higher by this share of what is missing,
-// so that the finger is there sooner.
-constexpr double lift_share = 0.5;
-
-/// The surface on the straight way from a finger to the place under the pointer, as the clip's camera sees
-/// it: from there nothing of it is hidden.
-struct Obstacle {
-    double through_m;  ///< how deep in the surface the way is where it is deepest
-    double height_m;   ///< how much nearer to the camera than the finger the surface comes
-
-    bool is_step() const { return through_m > step_m && height_m > step_m; }
-    bool is_edge() const { return through_m > step_m && height_m <= step_m; }  // of what the finger is over
-    bool is_below() const { return height_m <= -clear_m; }
-    bool is_passed() const { return is_below() && through_m <= clear_m; }
-};
 
 constexpr double metres_per_notch = 0.0005, metres_per_pixel = 0.00003;  // of the hand, into the surface
 constexpr double nearer_per_notch = 1.15;
@@ -190,9 +175,9 @@ void PointerFingers::lead(std::size_t finger, const glm::dvec2& at, const Height
     device_.intend(finger, workspace_.to_device(*goal), from, workspace_.to_device(camera.eye));
 }
 
-/// The goal of a finger that does not go straight to the `ground` under the pointer, world: lifted over a
-/// step or off what has caught it, across what it is over, or on to the edge of that. Nothing: it goes
-/// straight.
+/// The goal of a finger that does not go straight to the `ground` under the pointer, world: lifted, or on to
+/// the edge of what it is over. Nothing: it goes straight. The surface on its way is looked at as the clip's
+/// camera sees it: from there nothing of it is hidden, and nothing is in the way of what is lifted.
 std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightField& field,
                                                  const glm::dvec3& ground, double deep_m,
                                                  const Contact& felt) const {
@@ -204,11 +189,13 @@ std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightFie
         finger.is_lifted = false;
         return std::nullopt;
     }
-    const Obstacle obstacle{surface->behind * metres, (from->planar_depth - surface->nearest) * metres};
+    // How much nearer to the camera than the finger the surface comes, and whether the way goes through it.
+    const double height_m = (from->planar_depth - surface->nearest) * metres;
+    const bool is_through = surface->behind * metres > step_m, is_step = is_through && height_m > step_m;
     if (finger.is_lifted)
-        finger.is_lifted = felt.touching || !obstacle.is_passed();
+        finger.is_lifted = height_m > -clear_m;
     else if (is_caught(felt, deep_m) ||
-             (obstacle.is_step() && glm::distance(ground, finger.lifted_for) * metres > again_m)) {
+             (is_step && glm::distance(ground, finger.lifted_for) * metres > again_m)) {
         finger.is_lifted = true;
         finger.lifted_for = ground;
     }
@@ -216,10 +203,8 @@ std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightFie
         const double depth = surface->nearest + beyond_m / metres;
         return unproject(camera, pixel.x, pixel.y, std::max(depth, surface->nearest / 2));
     };
-    if (finger.is_lifted)
-        return obstacle.is_below() ? beyond_nearest(*to, hover_m)
-                                   : beyond_nearest(*from, highest_m - obstacle.height_m * lift_share);
-    if (obstacle.is_edge()) return beyond_nearest(*to, deep_m);
+    if (finger.is_lifted) return beyond_nearest(*from, highest_m);
+    if (is_through && !is_step) return beyond_nearest(*to, deep_m);
     return std::nullopt;
 }
 
