@@ -23,9 +23,9 @@ ViewCamera with_rows_below(ViewCamera camera, int rows) {
 /// How far several fingers are from the pointer, as a share of the picture's height.
 constexpr double finger_spread = 0.08;
 // Device metres; docs/pointer.md says why. A finger is lifted over what is more than step_m higher, and over
-// what holds it back by more than caught_m; it is above something once it is clear_m before it. A place
-// nearer than again_m to the one that it was last lifted for is the same place.
-constexpr double step_m = 0.003, clear_m = 0.0005, caught_m = 0.005, again_m = 0.001;
+// what holds it back by more than caught_m. A place nearer than again_m to the one that it was last lifted
+// for is the same place.
+constexpr double step_m = 0.003, caught_m = 0.005, again_m = 0.001;
 
 constexpr double metres_per_notch = 0.0005, metres_per_pixel = 0.00003;  // of the hand, into the surface
 constexpr double nearer_per_notch = 1.15;
@@ -193,7 +193,7 @@ std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightFie
     const double height_m = (from->planar_depth - surface->nearest) * metres;
     const bool is_through = surface->behind * metres > step_m, is_step = is_through && height_m > step_m;
     if (finger.is_lifted)
-        finger.is_lifted = height_m > -clear_m;
+        finger.is_lifted = height_m > 0;
     else if (is_caught(felt, deep_m) ||
              (is_step && glm::distance(ground, finger.lifted_for) * metres > again_m)) {
         finger.is_lifted = true;
