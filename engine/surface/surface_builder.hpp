@@ -45,7 +45,8 @@ struct FilterPlan {
         /// How far away, along x and along y, a pixel may be that another one depends on; nothing where that
         /// may be one of a frame before.
         std::optional<int> reach;
-        DepthCoding coding;  ///< of the codes that it leaves
+        /// Of the codes that it leaves: each valid one is in its valid range, and 0 only where that has it.
+        DepthCoding coding;
         bool operator==(const Stage&) const = default;
     };
 

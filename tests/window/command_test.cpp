@@ -5,6 +5,7 @@
 #include <string>
 #include <tuple>
 
+#include "player/session/touch_setup.hpp"
 #include "player/window/command_table.hpp"
 #include "player/window/window_command.hpp"
 
@@ -31,6 +32,7 @@ TEST(CommandTable, HasOneRowForEachVerb) {
         if (!row.name) continue;
         EXPECT_TRUE(names.insert(row.name).second) << row.name;
         EXPECT_EQ(command_named(row.name), &row);
+        EXPECT_FALSE(session_setting(row.name)) << row.name << ": would set that, and never be done";
     }
     EXPECT_EQ(command_named("jump"), nullptr);
 }
