@@ -5,6 +5,9 @@
 find_program(TOUCHABLE_GLSLANG glslangValidator REQUIRED DOC "GLSL to SPIR-V (Debian: glslang-tools)")
 find_program(TOUCHABLE_SPIRV_OPT spirv-opt REQUIRED DOC "SPIR-V, unrolled (Debian: spirv-tools)")
 
+# What a file that is compiled by itself includes, and a build makes (tests/file_by_file.py).
+add_custom_target(generated_headers)
+
 # touchable_shaders(target [FROM folder] [OPTIMISED] name...): `target` may include the words of these kernels. `folder`,
 # from the root of the sources, is where they stand (shaders); every header there is taken for an input of every kernel.
 # OPTIMISED: of a large network Mesa takes half a second to unroll the loops, whenever a program starts and whatever it has
@@ -60,4 +63,5 @@ inline constexpr std::uint32_t @identifier@_spv[] = {
       COMMENT "Compiling the kernel ${name}"
       VERBATIM)
   add_custom_target(shader_${name} DEPENDS "${words}")
+  add_dependencies(generated_headers shader_${name})
 endfunction()
