@@ -24,6 +24,7 @@ PersistentDevice::PersistentDevice(std::shared_ptr<HapticDevice> device)
       zeros_(static_cast<std::size_t>(device_->fingers()), glm::dvec3(0)) {}
 
 PersistentDevice::~PersistentDevice() {
+    ending_.request_stop();
     if (looking_.joinable()) looking_.join();
     device_->close();
 }
@@ -31,6 +32,7 @@ PersistentDevice::~PersistentDevice() {
 Result<void> PersistentDevice::open() {
     if (state() != State::closed) return {};
     const StopScope work = StopScope::for_all();  // whichever clip is given up meanwhile
+    const StopScope until(ending_.get_token());
     TRY(device_->open());
     state_.store(State::open, std::memory_order_release);
     return {};
@@ -62,6 +64,7 @@ void PersistentDevice::look_again() {
     if (looking_.joinable()) looking_.join();
     state_.store(State::looked_for, std::memory_order_release);
     const auto begun = start_thread(looking_, "device-search", "that looks for the device", [this] {
+        const StopScope until(ending_.get_token());
         const bool is_there = bool(device_->open());
         state_.store(is_there ? State::open : State::gone, std::memory_order_release);
     });

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -43,9 +44,12 @@ public:
     bool is_looked_for() const { return state() == State::looked_for; }
     /// Opens the device again if it is gone, on a thread of its own.
     void look_again();
-    /// No force reaches the device from the session's next tick on, by any caller. Waits for nothing, and is
-    /// for good.
-    void power_off() { is_unpowered_.store(true, std::memory_order_release); }
+    /// No force reaches the device from the session's next tick on, by any caller, and it is no longer waited
+    /// for while it is opened. Waits for nothing, and is for good.
+    void power_off() {
+        is_unpowered_.store(true, std::memory_order_release);
+        ending_.request_stop();
+    }
 
 private:
     enum class State { closed, open, gone, looked_for };
@@ -56,6 +60,7 @@ private:
     std::atomic<State> state_{State::closed};
     std::atomic<double> age_s_;
     std::atomic<bool> is_unpowered_{false};
+    std::stop_source ending_;
     const std::vector<glm::dvec3> zeros_;
     std::thread looking_;
 };

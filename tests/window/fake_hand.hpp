@@ -22,6 +22,8 @@ public:
     DeviceCapabilities capabilities() const override { return {.axes_driven = axes, .buttons = 1}; }
     Result<void> open() override {
         ++openings;
+        if (is_slow && !wait_unless_stopped([this] { return !is_slow; }, std::chrono::milliseconds(1)))
+            return interrupted_error();
         if (is_unplugged) return *health_of_unplugged();
         has_failed = false;
         return {};
@@ -64,7 +66,7 @@ public:
     std::atomic<std::uint32_t> pressed{0};
     std::atomic<double> newtons{0}, most_newtons{0};
     std::atomic<int> openings{0};
-    std::atomic<bool> has_failed{false}, is_unplugged{false}, is_away{false};
+    std::atomic<bool> has_failed{false}, is_unplugged{false}, is_slow{false}, is_away{false};
 
 private:
     static std::optional<Error> health_of_unplugged() {

@@ -342,6 +342,31 @@ TEST(PersistentDevice, ThatIsNotThereIsRefused) {
     EXPECT_FALSE(hand.read_positions(std::span(&place, 1)));
 }
 
+TEST(PersistentDevice, ThatIsSlowToOpenIsNotWaitedForAtTheEnd) {
+    const auto fake = std::make_shared<FakeHand>();
+    fake->is_slow = true;
+    PersistentDevice hand(fake);
+    std::jthread end([&] {
+        EXPECT_TRUE(soon([&] { return fake->openings > 0; }));
+        hand.power_off();
+    });
+    const auto opened = hand.open();
+    ASSERT_FALSE(opened);
+    EXPECT_EQ(opened.error().kind, ErrorKind::interrupted);
+}
+
+TEST(PersistentDevice, ThatIsLookedForIsNotWaitedForAtTheEnd) {
+    const auto fake = std::make_shared<FakeHand>();
+    PersistentDevice hand(fake);
+    ASSERT_TRUE(hand.open());
+    fake->has_failed = fake->is_slow = true;
+    glm::dvec3 place;
+    EXPECT_TRUE(hand.read_positions(std::span(&place, 1)));
+    hand.look_again();
+    EXPECT_TRUE(soon([&] { return fake->openings > 1; }));
+    EXPECT_TRUE(hand.is_looked_for());
+}  // whose destructor waits for the search
+
 /// The window itself, which nobody sees. The hand comes from before the globe, and presses into it after half
 /// a second, and again.
 class HeldWindow : public ::testing::Test {
