@@ -24,7 +24,11 @@ def complaints(unit):
 
 subprocess.run(["./run", "build", "file-by-file", "generated_headers"], cwd=BUILD.parent.parent, check=True)
 units = json.loads((BUILD / "compile_commands.json").read_text())
+wrong = 0
 with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as threads:
-    wrong = [words for words in threads.map(complaints, units) if words]
-print("".join(wrong), f"{len(units)} files, {len(wrong)} that do not compile by themselves", sep="")
-sys.exit(bool(wrong) or not units)
+    for words in threads.map(complaints, units):
+        if words:
+            wrong += 1
+            print(words, flush=True)
+print(f"{len(units)} files, {wrong} that do not compile by themselves")
+sys.exit(wrong > 0 or not units)
