@@ -356,7 +356,7 @@ std::optional<Error> refusal(const Format* format, const Candidate& candidate) {
     if (kind > FileKind::photo && kind != FileKind::text && !has_codes)
         return usage_error(file.string() +
                            ": the scene's depth.coding is of pictures in files, not of videos");
-    if (!candidate.folder && file.extension() == ".r3d")
+    if (!candidate.folder && is_record3d(file))
         return input_error(file.string() +
                            ": is a recording of Record3D in its own format: export it there as MP4 (RGBD "
                            "video), then: touchable play EXPORT.mp4");

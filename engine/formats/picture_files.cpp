@@ -540,11 +540,15 @@ std::vector<std::string> unusable_lists(const fs::path& folder) {
     return remarks;
 }
 
+bool is_record3d(const fs::path& file) {
+    return small_letters(file.extension().string()) == ".r3d";
+}
+
 std::string found_elsewhere(const fs::path& folder) {
     std::set<fs::path> videos;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (is_named_as_clip(entry.path()) || entry.path().extension() == ".r3d") videos.insert(entry.path());
+        if (is_named_as_clip(entry.path()) || is_record3d(entry.path())) videos.insert(entry.path());
     if (!videos.empty())
         return std::string("but ") + (videos.size() == 1 ? "a video" : "videos") + ": touchable play " +
                shell_word(videos.begin()->string());

@@ -88,6 +88,9 @@ std::vector<std::string> unusable_lists(const std::filesystem::path& folder);
 /// that follow "there is no picture"; empty: nowhere.
 std::string found_elsewhere(const std::filesystem::path& folder);
 
+/// Whether a file is a recording of Record3D in its own format, which is not read.
+bool is_record3d(const std::filesystem::path& file);
+
 /// The folder in a group's pattern, with its slash; empty: that which was looked through itself.
 std::string folder_of(const PictureGroup& group);
 

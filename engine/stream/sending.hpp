@@ -428,8 +428,8 @@ public:
                  Time& time)
         : clip_(std::move(clip)), channels_(std::move(channels)), settings_(settings), time_(time) {}
 
-    /// Sends from the clip's beginning until it ends, `longest_ns` is over, or `end` is called; the rings are
-    /// then over.
+    /// Sends from the clip's beginning until it ends, `longest_ns` is over, `end` is called, or the thread is
+    /// asked to stop, which may be an error of kind interrupted; the rings are then over.
     Result<void> run() {
         const StopScope until(ending_.get_token());
         auto sent = send_all();

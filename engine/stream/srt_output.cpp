@@ -235,11 +235,11 @@ private:
         const StopScope until(stop_.get_token());
         auto newest = ring_.join();
         while (!stop_requested()) {
-            turn(time_.now_ns());
+            turn(steady_now_ns());
             const bool is_ended = ring_.is_ended();
             if (is_ended && listeners_.empty()) break;
             if (is_ended)
-                (void)time_.wait_until(time_.now_ns() + turn_of_listeners.count() * ns_per_ms);
+                (void)wait_unless_stopped(std::chrono::steady_clock::now() + turn_of_listeners);
             else  // what comes next ends the wait
                 (void)ring_.wait_next(newest, listeners_.empty() ? turn_of_none : turn_of_listeners);
         }
@@ -260,7 +260,7 @@ private:
             } else if (!stop_requested() && !ring_.is_ended() && !std::exchange(is_short_said_, true)) {
                 audience_.remark(url_.name() + ": goes again within a second; called less and less often");
             }
-            if (!stayed) call_later(time_.now_ns());  // closing takes a while
+            if (!stayed) call_later(steady_now_ns());  // closing takes a while
         }
         std::erase_if(listeners_, [](const auto& listener) { return listener->is_over(); });
         if (const auto line = srt_log_line(now_ns)) audience_.remark(*line);
@@ -330,7 +330,6 @@ private:
     const SrtSettings settings_;
     const StreamRing& ring_;
     StreamAudience& audience_;
-    StreamSender::SystemTime time_;
     std::stop_source stop_;
     std::atomic<bool> is_over_{false};
     std::atomic<std::int64_t> refused_{0};

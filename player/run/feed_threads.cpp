@@ -46,8 +46,11 @@ void FeedThreads::stop() {
     if (builder_.joinable()) builder_.join();
 }
 
-/// Nothing thrown leaves a thread: the session ends with its reason, and the hand with zero force.
+/// Nothing thrown leaves a thread: the session ends with its reason, and the hand with zero force. A stop of
+/// the program ends the work, too, as it ends the session's loop: the hand then has zero force and needs no
+/// frame.
 void FeedThreads::guarded(void (FeedThreads::*work)()) {
+    const StopScope until(stopping_.get_token());
     try {
         try {
             (this->*work)();
@@ -76,10 +79,7 @@ void FeedThreads::look_at_commands() {
     changed_.notify_all();
 }
 
-/// A stop of the program ends it, too, as it ends the session's loop: the hand then has zero force and needs
-/// no frame.
 void FeedThreads::decode() {
-    const StopScope until(stopping_.get_token());
     do {
         auto read = read_on();
         if (!read && stop_requested()) return;
@@ -216,7 +216,7 @@ bool FeedThreads::publish(const Queued& queued) {
     while (true) {
         const auto published = feed_.publish(*queued.frame);
         if (!published) {
-            fail(Error(published.error()));
+            if (!stop_requested()) fail(Error(published.error()));
             return false;
         }
         if (*published) {

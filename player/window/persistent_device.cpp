@@ -66,6 +66,7 @@ void PersistentDevice::look_again() {
     const auto begun = start_thread(looking_, "device-search", "that looks for the device", [this] {
         const StopScope until(ending_.get_token());
         const bool is_there = bool(device_->open());
+        if (!is_there && stop_requested()) return;  // the window ends, and the device is still looked for
         state_.store(is_there ? State::open : State::gone, std::memory_order_release);
     });
     if (!begun) state_.store(State::gone, std::memory_order_release);

@@ -455,7 +455,7 @@ void WindowClips::note_end() {
     count_session(core_);
     if (!failure_) failure_ = core_.clip()->failure();
     const auto& hand = core_.options.hand;
-    if (!failure_ && hand && hand->is_gone())
+    if (!failure_ && hand && (hand->is_gone() || hand->is_looked_for()))
         if (const auto health = hand->health(); !health) failure_ = health.error();
 }
 

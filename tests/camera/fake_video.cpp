@@ -370,8 +370,7 @@ short FakeVideo::state_of(Device& device) {
 }
 
 int FakeVideo::poll(std::span<pollfd> descriptors, int timeout_ms) {
-    const std::int64_t until =
-        timeout_ms < 0 ? INT64_MAX : steady_now_ns() + std::int64_t{timeout_ms} * 1'000'000;
+    const std::int64_t until = steady_now_ns() + std::int64_t{timeout_ms} * 1'000'000;
     {
         const std::lock_guard lock(mutex_);
         if (is_broken_off()) return fail(EINTR);

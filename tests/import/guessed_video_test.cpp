@@ -176,8 +176,10 @@ TEST(GuessedVideo, AVideoInColourIsRefusedSayingWhatWasSeen) {
     const std::string said = message(open_clip(folder / "d.mov"));
     EXPECT_NE(said.find("no depth was found: frame 0, 32x16, has no grey half"), std::string::npos) << said;
     EXPECT_NE(said.find("touchable play SCENE.json"), std::string::npos);
-    write_bytes(folder / "take.r3d", std::string("PK\3\4 and more", 13));
-    EXPECT_TRUE(is_refused(open_clip(folder / "take.r3d"), "export it there as MP4"));
+    for (const char* name : {"take.r3d", "TAKE.R3D"}) {
+        write_bytes(folder / name, std::string("PK\3\4 and more", 13));
+        EXPECT_TRUE(is_refused(open_clip(folder / name), "export it there as MP4"));
+    }
 }
 
 /// Against an unprojection written out here: hues from 0.5 to 1.5 m, 60 degrees wide.

@@ -530,6 +530,17 @@ TEST_F(HeldWindow, ForcesAskedForWhileItIsAwayAreOffWhenItComes) {
     EXPECT_EQ(fake_->most_newtons, 0) << "nobody knew of them any more";
 }
 
+TEST_F(HeldWindow, ThatEndsWhileItsDeviceIsLookedForHasNone) {
+    motion_ = [this](std::int64_t tick) {
+        if (tick == 300) fake_->has_failed = fake_->is_slow = true;
+        return glm::dvec3(0, 0, 0.12);
+    };
+    const auto played = play("1.0 key f\n", 300);
+    ASSERT_FALSE(played);
+    EXPECT_EQ(played.error().kind, ErrorKind::device);
+    EXPECT_EQ(fake_->openings, 2);
+}
+
 TEST_F(HeldWindow, IsFoundAgainByAKeyWithoutForces) {
     motion_ = [this](std::int64_t tick) {
         if (tick == 700) fake_->has_failed = true;
