@@ -405,6 +405,7 @@ public:
           pixels_(pixels) {}
 
     void draw(VectorUnit unit, Rows& rows) {
+        if (lattice_.height == 0) return;  // before the first frame
         const auto all = [&](auto kind) __attribute__((always_inline)) {
             // Compilers make little that is good of 512 bits at once.
             constexpr int n = std::min<int>(sizeof(typename decltype(kind)::Lanes) / sizeof(float), 8);

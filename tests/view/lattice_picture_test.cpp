@@ -127,6 +127,19 @@ TEST_F(LatticePicture, AnyViewIsThePlainOneToTheBit) {
     }
 }
 
+/// As before the first frame of a camera.
+TEST(LatticeRaster, WithoutVerticesDrawsTheBackground) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const ViewCamera camera = make_view(*parse_viewpoint("orbit:az=70,el=5"), shown->scene,
+                                        subject_of(shown->field()).middle, 20, 10);
+    const std::vector<PackedColour> background(10, 7);
+    std::vector<PackedColour> colours(20 * 10);
+    std::vector<float> z(colours.size(), 9);
+    LatticeRaster(1).draw({nullptr, nullptr, 0, 0, 0}, SurfaceEdges(1), camera, background, 20, colours, z);
+    EXPECT_EQ(std::ranges::count(colours, PackedColour{7}), 200);
+    EXPECT_EQ(std::ranges::count(z, 0.0F), 200);
+}
+
 /// What a wider lattice left beyond the width of the next is not drawn.
 TEST_F(LatticePicture, AnyViewIsTheSameAfterAWiderLattice) {
     GpuLattices lattices(gpu);
