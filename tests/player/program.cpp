@@ -24,6 +24,8 @@
 #include <set>
 #include <thread>
 
+#include "tests/sanitizers.hpp"
+
 namespace touchable::test {
 namespace fs = std::filesystem;
 namespace {
@@ -244,13 +246,18 @@ Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const f
     hooks.prepare = [&] {
         if (chdir(folder.c_str()) != 0) _exit(126);
     };
+#ifdef TOUCHABLE_SANITIZED  // a turn takes some six times as long
+    constexpr std::chrono::milliseconds goes_on{60};
+#else
+    constexpr std::chrono::milliseconds goes_on{10};
+#endif
     hooks.meanwhile = [&](pid_t child) {
         wait_until_it(child, [&] { return fs::exists(file); });
         wait_until_it(child, [&] {
             kill(child, SIGSTOP);
             std::this_thread::sleep_for(std::chrono::milliseconds(400));
             kill(child, SIGCONT);
-            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            std::this_thread::sleep_for(goes_on);
             return false;
         });
     };

@@ -30,8 +30,8 @@ Outcome run_in_folder(const std::vector<std::string>& arguments, const std::file
 Outcome run_in_folder_until(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                             const std::function<bool()>& is_enough);
 
-/// Starts it there and, once `file` is there, stops it for 400 ms after each 10 ms that it runs: a machine
-/// that is busy with others.
+/// Starts it there and, once `file` is there, stops it for 400 ms after each 10 ms (60 where it is
+/// sanitized) that it runs: a machine that is busy with others.
 Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                               const std::filesystem::path& file);
 

@@ -142,7 +142,8 @@ TEST(HeadlessWindow, SaysLargeThatForceIsOff) {
 }
 
 /// Of the tests' own means (turns_clock.cpp): what is asked for at one moment is done, and drawn, before what
-/// is asked for later, on a machine that lets the window go on for 10 ms of 410.
+/// is asked for later, on a machine that lets the window go on for 10 ms of 410 (60 of 460 where it is
+/// sanitized).
 TEST(HeadlessWindow, ScriptWaitsForTheWindow) {
     const TemporaryFolder folder;
     std::string script = "0 screenshot begun.png\n0.15 key q\n";
