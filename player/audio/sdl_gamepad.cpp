@@ -24,6 +24,7 @@ public:
         rumble({}, 0);
         pad_.reset();
         SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
+        SDL_TLSCleanup();  // what SDL keeps of a thread that it has not started
     }
 
     std::string look() override {
