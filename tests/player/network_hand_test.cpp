@@ -437,17 +437,20 @@ TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {
         // Another each time: the guardian of the program before may hold its own for a while.
         const std::uint16_t own_port = unused_port();
         const std::string own_device = "network:port=" + std::to_string(own_port);
+        const std::string said = folder / "said.txt";
         const pid_t program = fork();
         if (program == 0) {
             const int nowhere = open("/dev/null", O_RDWR);
-            for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
+            for (const int stream : {0, 1}) dup2(nowhere, stream);
+            dup2(open(said.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
             execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "touch", clip.c_str(), "--live", "--device",
                   own_device.c_str(), "--force-on", nullptr);
             _exit(127);
         }
         PressingHand hand(own_port);
         EXPECT_TRUE(hand.feels_something()) << signal;
-        ASSERT_EQ(waitpid(program, nullptr, WNOHANG), 0) << "it is gone before signal " << signal;
+        ASSERT_EQ(waitpid(program, nullptr, WNOHANG), 0)
+            << "it is gone before signal " << signal << ": " << file_contents(said);
         kill(program, signal);
         const NetworkPacket last = hand.hear(5000);
         EXPECT_TRUE(last.last) << "nobody told the hand, after signal " << signal;
