@@ -7,6 +7,7 @@ struct ImGuiContext;
 #include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "player/window/input_event.hpp"
 
 namespace touchable {

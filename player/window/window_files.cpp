@@ -1,5 +1,6 @@
 #include "player/window/window_files.hpp"
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
