@@ -609,7 +609,7 @@ private:
                                      const Ints<n>& colour) {
         alignas(64) std::array<std::int32_t, n> places;
         alignas(64) std::array<std::uint32_t, n> depths, colours;
-        const Ints<n> bits = std::bit_cast<Ints<n>>(z) & is_here, seen = colour & is_here;
+        const Ints<n> bits = __builtin_bit_cast(Ints<n>, z) & is_here, seen = colour & is_here;
         std::memcpy(places.data(), &at, sizeof(at));
         std::memcpy(depths.data(), &bits, sizeof(bits));
         std::memcpy(colours.data(), &seen, sizeof(seen));
