@@ -85,6 +85,9 @@ void* aligned(std::size_t alignment, std::size_t size) {
 
 }  // namespace
 
+// Seen by the libraries, too, whose operator new calls them: a GCC that hides names leaves those of glibc's
+// headers alone, Clang does not.
+#pragma GCC visibility push(default)
 extern "C" {
 void* malloc(std::size_t size) noexcept {
     return has_room(size) ? counted(__libc_malloc(size)) : refused();
@@ -116,6 +119,7 @@ void free(void* memory) noexcept {
     __libc_free(memory);
 }
 }
+#pragma GCC visibility pop
 
 #endif
 
