@@ -1,0 +1,144 @@
+#include "engine/scene/plane_memory.hpp"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <iterator>
+#include <map>
+#include <mutex>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define TOUCHABLE_POISON_PLANES
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define TOUCHABLE_POISON_PLANES
+#endif
+#endif
+#ifdef TOUCHABLE_POISON_PLANES
+#include <sanitizer/asan_interface.h>
+#else
+#define ASAN_POISON_MEMORY_REGION(data, bytes) static_cast<void>(data)
+#define ASAN_UNPOISON_MEMORY_REGION(data, bytes) static_cast<void>(data)
+#endif
+
+namespace touchable {
+namespace {
+
+constexpr std::size_t most_free_bytes = std::size_t{256} << 20;
+/// Free blocks are unmapped when none of so many leases had their size. A frame takes a lease for each plane
+/// and for each step of its decoding, so this is a few frames of the richest clip.
+constexpr std::uint64_t recent_leases = 64;
+
+class MappedBlock final : public PlaneBlock {
+public:
+    MappedBlock(void* pages, std::size_t bytes, std::uint64_t id)
+        : PlaneBlock(static_cast<std::uint8_t*>(pages), bytes, id) {}
+    ~MappedBlock() {
+        ASAN_UNPOISON_MEMORY_REGION(data(), bytes());
+        munmap(data(), bytes());
+    }
+};
+using BlockPtr = std::shared_ptr<MappedBlock>;
+
+class PlanePool {
+public:
+    /// Null where there is no memory.
+    std::uint8_t* take(std::size_t bytes, PlaneContent content) {
+        static const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+        const std::size_t size = aligned_bytes(std::max<std::size_t>(bytes, 1), page);
+        if (size < bytes) return nullptr;
+        BlockPtr block = free_block(size);
+        const bool is_used = block != nullptr;
+        if (!block) {
+            void* const pages =
+                mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+            if (pages == MAP_FAILED) return nullptr;
+            block = std::make_shared<MappedBlock>(pages, size, ++ids_);
+        }
+        std::uint8_t* const data = block->data();
+        ASAN_POISON_MEMORY_REGION(data, size);
+        ASAN_UNPOISON_MEMORY_REGION(data, bytes);
+        if (is_used && content == PlaneContent::zero) std::memset(data, 0, bytes);
+        const std::lock_guard lock(mutex_);
+        leased_.emplace(data, std::move(block));
+        return data;
+    }
+
+    void give_back(std::uint8_t* data) {
+        BlockPtr block;  // declared first, so that it is unmapped after the lock
+        const std::lock_guard lock(mutex_);
+        const auto lease = leased_.find(data);
+        block = std::move(lease->second);
+        leased_.erase(lease);
+        const auto shelf = shelves_.find(block->bytes());
+        if (shelf == shelves_.end() || free_bytes_ + block->bytes() > most_free_bytes) return;
+        ASAN_POISON_MEMORY_REGION(data, block->bytes());
+        free_bytes_ += block->bytes();
+        shelf->second.free.push_back(std::move(block));
+    }
+
+    BlockPtr leased_block(const std::uint8_t* data, std::size_t bytes) {
+        const std::lock_guard lock(mutex_);
+        const auto after = leased_.upper_bound(data);
+        if (after == leased_.begin()) return nullptr;
+        const BlockPtr& block = std::prev(after)->second;
+        const auto offset = static_cast<std::size_t>(data - block->data());
+        return offset <= block->bytes() && bytes <= block->bytes() - offset ? block : nullptr;
+    }
+
+private:
+    struct Shelf {
+        std::vector<BlockPtr> free;  ///< the newest last: its samples may be in a cache
+        std::uint64_t newest_lease = 0;
+    };
+
+    /// Null where no block of this size is free.
+    BlockPtr free_block(std::size_t size) {
+        std::vector<BlockPtr> old;  // declared first, so that they are unmapped after the lock
+        const std::lock_guard lock(mutex_);
+        Shelf& shelf = shelves_[size];
+        shelf.newest_lease = ++leases_;
+        std::erase_if(shelves_, [&](auto& entry) {
+            auto& [bytes, other] = entry;
+            if (leases_ - other.newest_lease <= recent_leases) return false;
+            free_bytes_ -= bytes * other.free.size();
+            std::ranges::move(other.free, std::back_inserter(old));
+            return true;
+        });
+        if (shelf.free.empty()) return nullptr;
+        BlockPtr block = std::move(shelf.free.back());
+        shelf.free.pop_back();
+        free_bytes_ -= size;
+        return block;
+    }
+
+    std::atomic<std::uint64_t> ids_ = 0;
+    std::mutex mutex_;
+    std::map<const std::uint8_t*, BlockPtr, std::less<>> leased_;  // guarded by mutex_, as are all below
+    std::map<std::size_t, Shelf> shelves_;                         // by size
+    std::size_t free_bytes_ = 0;
+    std::uint64_t leases_ = 0;
+};
+
+/// Never destroyed, because static objects may hold leases.
+PlanePool& pool() {
+    static auto* const pool = new PlanePool;
+    return *pool;
+}
+
+}  // namespace
+
+std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent content) {
+    std::uint8_t* const data = pool().take(bytes, content);
+    if (!data) return nullptr;
+    return {data, [](std::uint8_t* leased) { pool().give_back(leased); }};
+}
+
+std::shared_ptr<const PlaneBlock> plane_block_of(const void* data, std::size_t bytes) {
+    return pool().leased_block(static_cast<const std::uint8_t*>(data), bytes);
+}
+
+}  // namespace touchable
