@@ -1,6 +1,9 @@
 #include "engine/scene/frames.hpp"
 
 #include <limits>
+#include <new>
+
+#include "engine/scene/plane_memory.hpp"
 
 namespace touchable {
 
@@ -42,20 +45,24 @@ RawFrame kept_frame(const RawFrame& frame) {
     RawFrame kept = frame;
     std::size_t bytes = 0;
     PlaneView* const planes[] = {&kept.depth, &kept.colour, &kept.haptic, &kept.height};
-    // Samples of two bytes stay at even places.
-    const auto room = [&](const PlaneView& plane) {
-        return plane.empty() ? 0 : (row_bytes(plane) * static_cast<std::size_t>(plane.height) + 1) / 2 * 2;
+    const auto stride = [](const PlaneView& plane) {
+        return aligned_bytes(row_bytes(plane), plane_row_alignment);
     };
-    for (const PlaneView* plane : planes) bytes += room(*plane);
-    const auto storage = std::make_shared<std::vector<std::uint8_t>>(bytes);
-    std::uint8_t* to = storage->data();
+    const auto room = [&](const PlaneView& plane) {
+        return aligned_bytes(stride(plane) * static_cast<std::size_t>(plane.height), plane_alignment);
+    };
+    for (const PlaneView* plane : planes)
+        if (!plane->empty()) bytes += room(*plane);
+    const auto storage = take_plane_memory(bytes);
+    if (!storage) throw std::bad_alloc();
+    std::uint8_t* to = storage.get();
     for (PlaneView* plane : planes) {
         if (plane->empty()) continue;
         const PlaneView from = *plane;
         plane->data = to;
-        plane->stride = static_cast<std::ptrdiff_t>(row_bytes(from));
+        plane->stride = static_cast<std::ptrdiff_t>(stride(from));
         for (int y = 0; y < from.height; ++y)
-            std::memcpy(to + static_cast<std::size_t>(y) * row_bytes(from), from.row(y), row_bytes(from));
+            std::memcpy(to + static_cast<std::size_t>(y) * stride(from), from.row(y), row_bytes(from));
         to += room(from);
     }
     kept.storage = storage;

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "engine/scene/plane_memory.hpp"
+
 namespace touchable::test {
 namespace {
 
@@ -26,6 +28,11 @@ TEST(RawFrame, IsKeptBeyondTheMemoryItWasGivenIn) {
     EXPECT_FALSE(same_touch_planes(given, then));
     EXPECT_EQ(kept.number, 7);
     EXPECT_TRUE(kept.colour.empty());
+    for (const PlaneView& plane : {kept.depth, kept.height}) {
+        EXPECT_NE(plane_block_of(plane.data, static_cast<std::size_t>(plane.stride * 2)), nullptr);
+        EXPECT_EQ(reinterpret_cast<std::uintptr_t>(plane.data) % plane_alignment, 0U);
+        EXPECT_EQ(static_cast<std::size_t>(plane.stride) % plane_row_alignment, 0U);
+    }
     EXPECT_EQ(kept_frame(kept).depth.data, kept.depth.data) << "copied once more";
 }
 
