@@ -511,10 +511,10 @@ private:
         };
         if (!is_grey(high) || !is_grey(below) || high.width != below.width || high.height != below.height)
             return input_error(where + ": its high and low bits are not two grey pictures of one size");
-        TRY_ASSIGN(track.newest,
-                   fit_plane(track.pictures->role(),
-                             plane_from(joined_bytes(high, below, track.low_bits), 8 + track.low_bits),
-                             scene_, where));
+        FramePtr joined = joined_bytes(high, below, track.low_bits);
+        if (!joined) return memory_error();
+        TRY_ASSIGN(track.newest, fit_plane(track.pictures->role(),
+                                           plane_from(std::move(joined), 8 + track.low_bits), scene_, where));
         return {};
     }
 

@@ -40,11 +40,7 @@ private:
     CodecPtr codec_;
 };
 
-struct PoolDeleter {
-    void operator()(AVBufferPool* pool) const { av_buffer_pool_uninit(&pool); }
-};
-
-/// Each packet is a picture of 16 bits. Memory goes back to a pool when a picture is not used any more.
+/// Each packet is a picture of 16 bits.
 class RankZstdPackets final : public PacketDecoder {
 public:
     RankZstdPackets(RankZstdDecoder::Version version, int width, int height)
@@ -56,11 +52,10 @@ public:
         const std::size_t samples = pixel_count(width_, height_);
         const std::span<const std::uint8_t> bytes(packet->data, static_cast<std::size_t>(packet->size));
         if (!decoder_.promises(bytes, samples)) return AVERROR_INVALIDDATA;
-        if (!pool_) pool_.reset(av_buffer_pool_init(2 * samples, nullptr));
-        FramePtr frame = pool_ ? blank() : nullptr;
+        FramePtr frame = plane_picture(AV_PIX_FMT_GRAY16, width_, height_);
         if (!frame) return AVERROR(ENOMEM);
         if (!decoder_.decode(bytes, width_, height_, reinterpret_cast<std::uint16_t*>(frame->data[0]),
-                             width_))
+                             frame->linesize[0] / 2))
             return AVERROR_INVALIDDATA;
         frame->best_effort_timestamp = frame->pts = packet->pts;
         decoded_ = std::move(frame);
@@ -81,22 +76,7 @@ public:
     bool is_one_packet_each() const override { return true; }
 
 private:
-    /// A picture of any content.
-    FramePtr blank() const {
-        FramePtr frame(av_frame_alloc());
-        if (!frame) return nullptr;
-        frame->buf[0] = av_buffer_pool_get(pool_.get());
-        if (!frame->buf[0]) return nullptr;
-        frame->format = AV_PIX_FMT_GRAY16;
-        frame->width = width_;
-        frame->height = height_;
-        frame->data[0] = frame->buf[0]->data;
-        frame->linesize[0] = 2 * width_;
-        return frame;
-    }
-
     const int width_, height_;
-    std::unique_ptr<AVBufferPool, PoolDeleter> pool_;
     RankZstdDecoder decoder_;
     FramePtr decoded_;  // not given yet
     bool ended_ = false;
@@ -134,6 +114,17 @@ Error undecodable(const std::string& where, int status) {
 
 }  // namespace
 
+Plane plane_from(FramePtr picture, int bits) {
+    const int channels = picture->format == AV_PIX_FMT_RGB24 ? 3 : 1;
+    const PlaneView view{picture->data[0],
+                         picture->linesize[0],
+                         picture->width,
+                         picture->height,
+                         sample_bits(*picture) > 8 ? 2 : 1,
+                         channels};
+    return {view, std::shared_ptr<const AVFrame>(std::move(picture)), bits};
+}
+
 Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& stream, const std::string& where,
                                                            std::int64_t most_pixels, std::size_t tracks) {
     const AVCodecParameters& stored = *stream.codecpar;
@@ -157,6 +148,7 @@ Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& strea
     codec->pkt_timebase = stream.time_base;
     codec->err_recognition = AV_EF_CRCCHECK | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_EXPLODE;
     codec->max_pixels = most_pixels;
+    codec->get_buffer2 = give_plane_memory;
     if (status >= 0) status = avcodec_open2(codec.get(), decoder, nullptr);
     if (status < 0) return damaged_header(where, ffmpeg_text(status));
     return std::make_unique<FfmpegDecoder>(std::move(codec));
@@ -309,15 +301,15 @@ Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
     high.height /= 2;
     PlaneView low = high;
     low.data = bytes->row(high.height);
-    return plane_from(joined_bytes(high, low), stated_bits_);
+    FramePtr joined = joined_bytes(high, low);
+    if (!joined) return memory_error();
+    return plane_from(std::move(joined), stated_bits_);
 }
 
 Result<Plane> TrackDecoder::rgb(const AVFrame& frame) {
     auto rgb = converter_.converted(frame);
     if (!rgb) return input_error(where() + ": " + rgb.error().message);
-    const AVFrame& made = **rgb;
-    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
-    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+    return plane_from(std::move(*rgb));
 }
 
 Result<Plane> TrackDecoder::plane(FramePtr frame) {

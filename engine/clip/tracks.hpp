@@ -145,6 +145,9 @@ Result<void> add_plane_stream(AVFormatContext& muxer, const TrackEncoder& encode
                               TrackCoding coding, const FrameCheck& check, const Scene& scene);
 Result<void> attach_text(AVFormatContext& muxer, const char* name, const char* type, const std::string& text);
 
+/// A plane that shows a picture of grey or RGB24 and owns it. `bits`: of a grey sample as stored.
+Plane plane_from(FramePtr picture, int bits = 0);
+
 /// Turns the packets of a track into pictures: FFmpeg's decoders, and one of our own, which takes packets and
 /// gives pictures as FFmpeg's do, with FFmpeg's error numbers.
 class PacketDecoder {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "engine/base/try.hpp"
+#include "engine/clip/tracks.hpp"
 
 namespace touchable {
 namespace {
@@ -146,9 +147,7 @@ Result<Plane> VideoPicture::rgb() {
     if (rgb_) return *rgb_;
     auto made = converter_.converted(*frame_);
     if (!made) return input_error(where_ + ": " + made.error().message);
-    const AVFrame& rgb = **made;
-    const PlaneView view{rgb.data[0], rgb.linesize[0], rgb.width, rgb.height, 1, 3};
-    rgb_ = Plane{view, std::shared_ptr<const AVFrame>(std::move(*made))};
+    rgb_ = plane_from(std::move(*made));
     return *rgb_;
 }
 

@@ -8,6 +8,7 @@ extern "C" {
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/scene/plane_memory.hpp"
 
 namespace touchable {
 
@@ -177,7 +178,8 @@ std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
     return size * 8 * 64;
 }
 
-/// Gives a decoder the memory of its picture, unless that is larger than the file can hold.
+/// Gives a decoder the memory of its picture, unless that is larger than the file can hold. This is FFmpeg's
+/// memory, not plane memory: the picture is gathered into an Image, and drop_rows gives its pages back.
 class PictureMemory {
 public:
     PictureMemory(std::int64_t held_pixels, const LastRow* last_row)
@@ -437,6 +439,18 @@ auto rgb_of(const AVFrame& frame) {
     };
 }
 
+/// Not in plane memory: a GPU may have imported that, and drop_rows would take its pages away.
+Result<FramePtr> rgb_to_gather(const AVFrame& frame) {
+    FramePtr rgb(av_frame_alloc());
+    if (!rgb) return memory_error();
+    rgb->format = AV_PIX_FMT_RGB24;
+    rgb->width = frame.width;
+    rgb->height = frame.height;
+    if (av_frame_get_buffer(rgb.get(), plane_row_alignment) < 0) return memory_error();
+    TRY(RgbConverter().convert(frame, *rgb));
+    return rgb;
+}
+
 /// Nothing of kinds that are not read.
 Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr frame) {
     if (frame->format == AV_PIX_FMT_MONOBLACK) return gathered(*frame, 1, 1, black_and_white(*frame));
@@ -446,7 +460,7 @@ Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr fra
     if (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->comp[0].depth != 8)
         return std::optional<Image>{};
     if (!is_rgb8(*frame)) {
-        auto rgb = unless_stopped([frame = std::move(frame)] { return RgbConverter().converted(*frame); });
+        auto rgb = unless_stopped([frame = std::move(frame)] { return rgb_to_gather(*frame); });
         if (!rgb) return interrupted_error();
         if (!*rgb) return input_error(where + ": " + rgb->error().message);
         frame = std::move(**rgb);
@@ -520,19 +534,18 @@ std::optional<PlaneView> luma_samples(const AVFrame& frame) {
     return first_plane(frame);
 }
 
-Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits) {
-    const std::size_t row_bytes = static_cast<std::size_t>(high.width) * 2;
-    Image image{high.width, high.height, 2, 1, {}};
-    image.samples.resize(row_bytes * static_cast<std::size_t>(high.height));
+FramePtr joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits) {
+    FramePtr joined = plane_picture(AV_PIX_FMT_GRAY16, high.width, high.height);
+    if (!joined) return nullptr;
     for (int y = 0; y < high.height; ++y) {
         const std::uint8_t *above = high.row(y), *below = low.row(y);
-        std::uint8_t* to = image.samples.data() + row_bytes * static_cast<std::size_t>(y);
+        std::uint8_t* to = joined->data[0] + std::ptrdiff_t{joined->linesize[0]} * y;
         for (int x = 0; x < high.width; ++x) {
             const auto sample = static_cast<std::uint16_t>(above[x] << low_bits | below[x]);
             std::memcpy(to + 2 * x, &sample, 2);
         }
     }
-    return image;
+    return joined;
 }
 
 void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb) {

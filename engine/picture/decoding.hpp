@@ -40,9 +40,9 @@ std::optional<PlaneView> grey_samples(const AVFrame& frame);
 /// The same, or the luma of a YUV format, which is how some decoders return what was stored as grey.
 std::optional<PlaneView> luma_samples(const AVFrame& frame);
 
-/// Samples of two bytes, from a grey picture of their high bytes and one, as large, of their `low_bits` low
-/// bits.
-Image joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits = 8);
+/// Grey of two bytes, from a grey picture of their high bytes and one, as large, of their `low_bits` low
+/// bits. Null: out of memory.
+FramePtr joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits = 8);
 
 /// A row of 8-bit RGB by moving bytes; the frame is_rgb8. Alpha is dropped.
 void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb);
@@ -59,8 +59,10 @@ void take_channels(VectorUnit unit, const std::uint8_t* pixels, const std::array
 /// set up for frames of one kind.
 class RgbConverter {
 public:
-    /// A frame of format RGB24.
+    /// A frame of format RGB24, in plane memory.
     Result<FramePtr> converted(const AVFrame& frame);
+    /// The same into an RGB24 frame of this size, whose rows may be written up to 64 bytes past their end.
+    Result<void> convert(const AVFrame& frame, AVFrame& rgb);
 
     /// What YUV of 8 bits counts for in red, green and blue, in 8192ths.
     struct YuvFactors {
@@ -81,11 +83,9 @@ private:
     bool is_set_up_for(const AVFrame& frame) const;
     bool set_up_for(const AVFrame& frame);
     bool set_up_scaler(const AVFrame& frame);
-    FramePtr new_rgb() const;
 
-    ScalerPtr scaler_;                    // null: bytes are only moved, or there are
-    std::optional<YuvFactors> factors_;   // what swscale's arithmetic is done with, without it
-    std::shared_ptr<AVBufferPool> pool_;  // of RGB pictures: fresh memory costs a page fault every 4096 bytes
+    ScalerPtr scaler_;                   // null: bytes are only moved, or there are
+    std::optional<YuvFactors> factors_;  // what swscale's arithmetic is done with, without it
     int width_ = 0, height_ = 0, format_ = AV_PIX_FMT_NONE;
     AVColorRange range_ = AVCOL_RANGE_UNSPECIFIED;
     AVColorSpace space_ = AVCOL_SPC_UNSPECIFIED;

@@ -2,16 +2,20 @@
 
 extern "C" {
 #include <libavutil/base64.h>
+#include <libavutil/imgutils.h>
 }
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
 
 #include "engine/base/threads.hpp"
 #include "engine/picture/input.hpp"
+#include "engine/scene/plane_memory.hpp"
 
 namespace touchable {
 
@@ -142,6 +146,17 @@ constexpr std::int64_t pictures_reserved = 4;
 // Around a packet, and in the index.
 constexpr std::int64_t bytes_beside_packet = 48;
 
+/// Null: out of memory.
+AVBufferRef* plane_buffer(std::size_t bytes, PlaneContent content) {
+    using Lease = std::shared_ptr<std::uint8_t>;
+    auto lease = std::make_unique<Lease>(take_plane_memory(bytes, content));
+    if (!*lease) return nullptr;
+    const auto end = [](void* ended, std::uint8_t*) { delete static_cast<Lease*>(ended); };
+    AVBufferRef* const buffer = av_buffer_create(lease->get(), bytes, end, lease.get(), 0);
+    if (buffer) static_cast<void>(lease.release());
+    return buffer;
+}
+
 }  // namespace
 
 std::string ffmpeg_text(int error) {
@@ -159,6 +174,64 @@ const AVIOInterruptCB stops_with_thread{[](void*) { return stop_requested() ? 1 
 void silence_ffmpeg() {
     static std::once_flag once;
     std::call_once(once, [] { av_log_set_level(AV_LOG_QUIET); });
+}
+
+FramePtr plane_picture(AVPixelFormat format, int width, int height) {
+    const int row_bytes = av_image_get_linesize(format, width, 0);
+    FramePtr picture(av_frame_alloc());
+    if (!picture || row_bytes < 0) return nullptr;
+    const std::size_t stride = aligned_bytes(static_cast<std::size_t>(row_bytes), plane_row_alignment);
+    picture->buf[0] =
+        plane_buffer(stride * static_cast<std::size_t>(height) + plane_row_alignment, PlaneContent::any);
+    if (!picture->buf[0]) return nullptr;
+    picture->format = format;
+    picture->width = width;
+    picture->height = height;
+    picture->data[0] = picture->buf[0]->data;
+    picture->linesize[0] = static_cast<int>(stride);
+    return picture;
+}
+
+int give_plane_memory(AVCodecContext* decoder, AVFrame* picture, int flags) {
+    const auto format = static_cast<AVPixelFormat>(picture->format);
+    const AVPixFmtDescriptor* const kind = av_pix_fmt_desc_get(format);
+    if (decoder->codec_type != AVMEDIA_TYPE_VIDEO || (decoder->codec->capabilities & AV_CODEC_CAP_DR1) == 0 ||
+        !kind || (kind->flags & (AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_PAL)) != 0)
+        return avcodec_default_get_buffer2(decoder, picture, flags);
+    int width = picture->width, height = picture->height;
+    std::array<int, AV_NUM_DATA_POINTERS> alignments{};  // powers of two, at most that of our rows
+    avcodec_align_dimensions2(decoder, &width, &height, alignments.data());
+    // All strides are those of one width, because some decoders rely on their ratio.
+    std::array<int, 4> strides{};
+    do {
+        if (const int status = av_image_fill_linesizes(strides.data(), format, width); status < 0)
+            return status;
+        width += width & -width;
+    } while (!std::ranges::all_of(strides, [](int stride) { return stride % plane_row_alignment == 0; }));
+    std::array<std::size_t, 4> sizes{};
+    const std::array<std::ptrdiff_t, 4> wide{strides[0], strides[1], strides[2], strides[3]};
+    if (const int status = av_image_fill_plane_sizes(sizes.data(), format, height, wide.data()); status < 0)
+        return status;
+    // Some decoders write past the end of a plane: FFmpeg's own function leaves them this much room.
+    constexpr std::size_t overrun = 16 + 64 - 1;
+    std::size_t bytes = 0;
+    std::array<std::size_t, 4> begins{};
+    for (std::size_t plane = 0; plane < sizes.size() && sizes[plane] > 0; ++plane) {
+        if (sizes[plane] > INT_MAX - overrun) return AVERROR(EINVAL);
+        begins[plane] = bytes;
+        bytes += aligned_bytes(sizes[plane] + overrun, plane_alignment);
+    }
+    // Where data are missing, some decoders leave samples as they are. These must not be another picture's.
+    const AVCodecDescriptor* const codec = avcodec_descriptor_get(decoder->codec_id);
+    const bool is_on_its_own = codec && (codec->props & AV_CODEC_PROP_INTRA_ONLY) != 0;
+    picture->buf[0] = plane_buffer(bytes, is_on_its_own ? PlaneContent::zero : PlaneContent::any);
+    if (!picture->buf[0]) return AVERROR(ENOMEM);
+    for (std::size_t plane = 0; plane < sizes.size() && sizes[plane] > 0; ++plane) {
+        picture->data[plane] = picture->buf[0]->data + begins[plane];
+        picture->linesize[plane] = strides[plane];
+    }
+    picture->extended_data = picture->data;
+    return 0;
 }
 
 bool is_key_frame(const AVFrame& frame) {

@@ -3,10 +3,10 @@
 // FFmpeg's C API with owners, the files that it reads and writes, and base64 by it.
 //
 // FramePtr, PacketPtr, CodecPtr, ScalerPtr and InputPtr own FFmpeg's objects; what differs between FFmpeg's
-// versions is here and nowhere else. A Demuxer takes a video file apart into packets by stream: what a
-// container claims of itself is checked first (its boxes, its Matroska elements, where it ends), before
-// FFmpeg believes it, and FFmpeg reads by our own reads, so that a stop is obeyed meanwhile. ReservedOutput
-// writes a container with room kept for its end.
+// versions is here and nowhere else. plane_picture and give_plane_memory put pictures into plane memory. A
+// Demuxer takes a video file apart into packets by stream: what a container claims of itself is checked first
+// (its boxes, its Matroska elements, where it ends), before FFmpeg believes it, and FFmpeg reads by our own
+// reads, so that a stop is obeyed meanwhile. ReservedOutput writes a container with room kept for its end.
 //
 // Include it in .cpp files and in private headers: it brings FFmpeg's own. Errors are lines about the named
 // file (ErrorKind::input), or ErrorKind::interrupted. Each object is used by one thread at a time.
@@ -70,6 +70,15 @@ using MuxedBytes = const std::uint8_t;
 #else
 using MuxedBytes = std::uint8_t;
 #endif
+
+/// A picture of one plane, grey or packed colours, in plane memory (plane_memory.hpp), with any content.
+/// Whole vectors of 64 bytes may be written past the end of a row. Null: out of memory.
+FramePtr plane_picture(AVPixelFormat format, int width, int height);
+
+/// An AVCodecContext::get_buffer2 that allocates a decoder's pictures in plane memory, with the layout of
+/// avcodec_default_get_buffer2. It calls that function for hardware, palettes, sound, and decoders that must
+/// have FFmpeg's own memory.
+int give_plane_memory(AVCodecContext* decoder, AVFrame* picture, int flags);
 
 /// Whether a decoder needs no earlier frame for this one (a flag from FFmpeg 6.1 on).
 bool is_key_frame(const AVFrame& frame);

@@ -88,12 +88,6 @@ struct ChromaRow {
     }
 }
 
-/// swscale may write whole vectors past a row's end, so rows have room for that.
-constexpr int vector_bytes = 64;
-int rgb_stride(int width) {
-    return (3 * width + vector_bytes - 1) / vector_bytes * vector_bytes;
-}
-
 bool is_yuv420(const AVFrame& frame) {
     return (frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUVJ420P) &&
            frame.width % 2 == 0 && frame.height % 2 == 0 && frame.width >= 10 && frame.height >= 10;
@@ -177,23 +171,18 @@ void RgbConverter::convert_yuv420(VectorUnit unit, const AVFrame& frame, const Y
 }
 
 bool RgbConverter::is_set_up_for(const AVFrame& frame) const {
-    return pool_ && frame.width == width_ && frame.height == height_ && frame.format == format_ &&
+    return frame.width == width_ && frame.height == height_ && frame.format == format_ &&
            frame.color_range == range_ && frame.colorspace == space_;
 }
 
 bool RgbConverter::set_up_for(const AVFrame& frame) {
-    pool_.reset();  // nothing is set up where this fails
+    format_ = AV_PIX_FMT_NONE;  // nothing is set up where this fails
     scaler_.reset();
     factors_.reset();
     if (is_yuv420(frame))
         factors_ = yuv_factors(sws_getCoefficients(frame.colorspace), is_full_range(frame));
     else if (!is_rgb8(frame) && !set_up_scaler(frame))
         return false;
-    pool_.reset(av_buffer_pool_init(static_cast<std::size_t>(rgb_stride(frame.width)) *
-                                            static_cast<std::size_t>(frame.height) +
-                                        vector_bytes,
-                                    nullptr),
-                [](AVBufferPool* pool) { av_buffer_pool_uninit(&pool); });
     width_ = frame.width;
     height_ = frame.height;
     format_ = frame.format;
@@ -222,37 +211,27 @@ bool RgbConverter::set_up_scaler(const AVFrame& frame) {
     return true;
 }
 
-/// Null: out of memory.
-FramePtr RgbConverter::new_rgb() const {
-    FramePtr rgb(av_frame_alloc());
-    if (!rgb || !pool_) return nullptr;
-    rgb->format = AV_PIX_FMT_RGB24;
-    rgb->width = width_;
-    rgb->height = height_;
-    rgb->linesize[0] = rgb_stride(width_);
-    rgb->buf[0] = av_buffer_pool_get(pool_.get());
-    if (rgb->buf[0] == nullptr) return nullptr;
-    rgb->data[0] = rgb->buf[0]->data;
-    rgb->extended_data = rgb->data;
+Result<FramePtr> RgbConverter::converted(const AVFrame& frame) {
+    FramePtr rgb = plane_picture(AV_PIX_FMT_RGB24, frame.width, frame.height);
+    if (!rgb) return memory_error();
+    TRY(convert(frame, *rgb));
     return rgb;
 }
 
-Result<FramePtr> RgbConverter::converted(const AVFrame& frame) {
+Result<void> RgbConverter::convert(const AVFrame& frame, AVFrame& rgb) {
     const Error unsupported =
         input_error("pixel format " + format_name(frame) + " cannot be turned into RGB");
     if (!is_set_up_for(frame) && !set_up_for(frame)) return unsupported;
-    FramePtr rgb = new_rgb();
-    if (!rgb) return memory_error();
     if (factors_) {
-        convert_yuv420(usable_vector_units().front(), frame, *factors_, rgb->data[0], rgb->linesize[0]);
+        convert_yuv420(usable_vector_units().front(), frame, *factors_, rgb.data[0], rgb.linesize[0]);
     } else if (!scaler_) {
         for (int y = 0; y < frame.height; ++y)
-            move_rgb_row(frame, y, rgb->data[0] + std::ptrdiff_t{rgb->linesize[0]} * y);
-    } else if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rgb->data,
-                         rgb->linesize) != frame.height) {
+            move_rgb_row(frame, y, rgb.data[0] + std::ptrdiff_t{rgb.linesize[0]} * y);
+    } else if (sws_scale(scaler_.get(), frame.data, frame.linesize, 0, frame.height, rgb.data,
+                         rgb.linesize) != frame.height) {
         return unsupported;
     }
-    return rgb;
+    return {};
 }
 
 Result<Image> rgb_converted(const AVFrame& frame) {

@@ -148,9 +148,7 @@ SaidOf messages_in(const AVFrame& frame) {
 std::optional<Plane> rgb_plane(RgbConverter& converter, const AVFrame& frame) {
     auto rgb = converter.converted(frame);
     if (!rgb) return std::nullopt;
-    const AVFrame& made = **rgb;
-    const PlaneView view{made.data[0], made.linesize[0], made.width, made.height, 1, 3};
-    return Plane{view, std::shared_ptr<const AVFrame>(std::move(*rgb))};
+    return plane_from(std::move(*rgb));
 }
 
 /// Exact samples of three channels, of one, or none.
@@ -163,10 +161,12 @@ std::optional<Plane> exact_plane(RgbConverter& converter, FramePtr frame, const 
     return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame)), 8};
 }
 
-/// Joins the high part and the low one; nothing where they cannot belong together.
+/// Joins the high part and the low one; nothing where they cannot belong together, or memory runs out.
 std::optional<Plane> joined_plane(const PlaneView& high, const PlaneView& low, int bits) {
     if (high.width != low.width || high.height != low.height) return std::nullopt;
-    return plane_from(joined_bytes(high, low, bits - 8), bits);
+    FramePtr joined = joined_bytes(high, low, bits - 8);
+    if (!joined) return std::nullopt;
+    return plane_from(std::move(joined), bits);
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/formats/formats_written.hpp"
+#include "engine/scene/plane_memory.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/video/clip_remux.hpp"
@@ -43,6 +45,37 @@ TEST(Clip, EveryBitDepthComesBackExactly) {
         expect_round_trip(folder, small_scene(53, 37, bits), 3, all_planes);
         expect_round_trip(folder, small_scene(53, 37, bits), 2, {true, true, true, false});
     }
+}
+
+void expect_in_plane_memory(const PlaneView& plane, const std::string& which) {
+    ASSERT_FALSE(plane.empty()) << which;
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(plane.data) % plane_alignment, 0U) << which;
+    EXPECT_EQ(static_cast<std::size_t>(plane.stride) % plane_row_alignment, 0U) << which;
+    EXPECT_NE(plane_block_of(plane.data, static_cast<std::size_t>(plane.stride * plane.height)), nullptr)
+        << which;
+}
+
+TEST(Clip, PlanesLieInPlaneMemory) {
+    const TemporaryFolder folder;
+    const auto file = folder / "clip.mkv";
+    std::set<std::string> codecs;
+    for (const Archive archive : {Archive::fast, Archive::small})
+        for (const int bits : {8, 16})
+            for (const bool noisy : {true, false}) {
+                const Planes planes{true, true, true, noisy};
+                ASSERT_EQ(message(write_clip(file, small_scene(53, 37, bits), 2, planes, {archive, true})),
+                          "");
+                auto reader = open_clip(file);
+                ASSERT_EQ(message(reader), "");
+                const auto read = read_all(**reader);
+                ASSERT_EQ(message(read), "");
+                for (const TrackInfo& track : (*reader)->tracks()) codecs.insert(track.codec);
+                for (const RawFrame& frame : *read)
+                    for (const PlaneRole role : all_roles)
+                        expect_in_plane_memory(plane_of(frame, role), std::string(role_name(role)) + " of " +
+                                                                          std::to_string(bits) + " bits");
+            }
+    EXPECT_EQ(codecs, (std::set<std::string>{"ffv1", "h264", "t3d2"}));
 }
 
 TEST(Clip, EverySizeComesBackExactly) {
