@@ -47,21 +47,60 @@ public:
     double built_share() const override { return (first_ ? *first_ : *second_).built_share(); }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
-        if (!first_) return second_->build(raw, out);
-        Result<void> built = first_->build(raw, out);
-        if (built || built.error().kind != ErrorKind::gpu) return built;
-        told_("frame " + std::to_string(raw.number) + ": " + built.error().message + "; the " +
-              std::string(second_->name()) + " builder goes on");
-        first_.reset();  // frames it built keep what they need
+        if (first_) {
+            Result<void> built = first_->build(raw, out);
+            if (!has_failed(built, raw)) return built;
+        }
+        return second_->build(raw, out);
+    }
+
+    int frames_in_flight() const override { return first_ ? first_->frames_in_flight() : 1; }
+
+    Result<void> begin(const RawFrame& raw) override {
+        if (first_) {
+            Result<void> begun = first_->begin(raw);
+            if (!begun && !has_failed(begun, raw)) return begun;
+        }
+        begun_.push_back(raw);
+        return {};
+    }
+
+    Result<void> finish(SurfaceFrame& out) override {
+        const RawFrame raw = std::move(begun_.front());
+        begun_.pop_front();
+        if (first_) {
+            Result<void> finished = first_->finish(out);
+            if (!has_failed(finished, raw)) return finished;
+        }
         return second_->build(raw, out);
     }
 
 private:
+    /// Then the first builder is gone, and frames that it began are the second one's to build.
+    bool has_failed(const Result<void>& done, const RawFrame& raw) {
+        if (done || done.error().kind != ErrorKind::gpu) return false;
+        told_("frame " + std::to_string(raw.number) + ": " + done.error().message + "; the " +
+              std::string(second_->name()) + " builder goes on");
+        first_.reset();  // frames it built keep what they need
+        return true;
+    }
+
     std::unique_ptr<SurfaceBuilder> first_, second_;
     std::function<void(const std::string&)> told_;
+    std::deque<RawFrame> begun_;
 };
 
 }  // namespace
+
+Result<void> SurfaceBuilder::begin(const RawFrame& raw) {
+    begun_ = raw;
+    return {};
+}
+
+Result<void> SurfaceBuilder::finish(SurfaceFrame& out) {
+    const RawFrame raw = std::exchange(begun_, {});
+    return build(raw, out);
+}
 
 FilterPlan::FilterPlan(const Scene& scene) : stored(scene.depth) {
     const FilterSettings& asked = scene.filter;

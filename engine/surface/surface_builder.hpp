@@ -106,9 +106,19 @@ public:
     /// `out` may be a recycled slot of any earlier size; its memory is reused. Refused, and `out` left as it
     /// was, where the raw planes do not have the scene's size and form.
     virtual Result<void> build(const RawFrame& raw, SurfaceFrame& out) = 0;
+
+    /// The same in two steps: frames that are begun are finished in that order, and another may be begun
+    /// before the first of so many is finished, which a builder on a GPU works at side by side. Planes last
+    /// (`storage`) until their frame is finished. None may be begun where one is built.
+    virtual int frames_in_flight() const { return 1; }
+    virtual Result<void> begin(const RawFrame& raw);
+    virtual Result<void> finish(SurfaceFrame& out);
     /// Of the last frame's tiles the share that was built, 0 to 1: the others were in the slot already, or
     /// are built when they are asked for.
     virtual double built_share() const { return 1; }
+
+private:
+    RawFrame begun_;  // where they are not built side by side
 };
 
 /// The obvious code: the definition that the others are tested against.

@@ -245,7 +245,24 @@ void SurfaceFeed::note_built(const RawFrame& raw) {
     ++built_.back().count;
 }
 
+/// What a filter that remembers makes of it is another surface, all the same.
+bool SurfaceFeed::is_unchanged(const std::optional<RawFrame>& before, const RawFrame& raw) const {
+    return !settles_ && before && before->epoch == raw.epoch && same_touch_planes(*before, raw) &&
+           same_filled(*before, raw);
+}
+
+void SurfaceFeed::note_newest(std::optional<RawFrame>& newest, const RawFrame& raw) const {
+    if (!settles_ && raw.storage)
+        newest = raw;
+    else
+        newest.reset();
+}
+
 Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
+    return publish(frame, is_unchanged(newest_, frame.raw), false);
+}
+
+Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, bool begun) {
     const RawFrame& raw = frame.raw;
     const auto start = std::chrono::steady_clock::now();
     if (raw.epoch != built_epoch_) {
@@ -254,9 +271,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
         newest_.reset();
     }
     if (frame.shown && eye_ != SurfaceTimeline::Eye::none) stored_planes_.put(raw);
-    const bool unchanged =
-        !settles_ && newest_ && same_touch_planes(*newest_, raw) && same_filled(*newest_, raw);
-    const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame);
+    const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame, begun);
     if (!done || !*done) return done;
     const double took_ms = milliseconds_since(start);
     build_ms_.add(took_ms);
@@ -276,17 +291,14 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
 }
 
 /// One that is not shown stays in the writer's slot, where the next one takes its place.
-Result<bool> SurfaceFeed::build(const FedFrame& frame) {
+Result<bool> SurfaceFeed::build(const FedFrame& frame, bool begun) {
     const RawFrame& raw = frame.raw;
     SurfaceFrame* slot = timeline_.acquire();
     if (!slot) return false;
-    TRY(builder_->build(raw, *slot));
+    TRY(begun ? builder_->finish(*slot) : builder_->build(raw, *slot));
     if (!frame.shown) return true;
     TRY(timeline_.publish(raw.number, raw.time_ns));
-    if (!settles_ && raw.storage)
-        newest_ = raw;
-    else
-        newest_.reset();
+    note_newest(newest_, raw);
     return true;
 }
 
@@ -300,20 +312,59 @@ FeedFigures SurfaceFeed::figures() const {
     return figures_;
 }
 
+/// Reads and begins as many frames as the builder works at side by side. A frame whose planes last only until
+/// the next is read has to be finished first.
+Result<void> SurfaceFeed::begin_ahead() {
+    const std::size_t most = works_ahead_ ? static_cast<std::size_t>(builder_->frames_in_flight()) : 1;
+    while (!all_read_ && ahead_.size() < most && (ahead_.empty() || ahead_.back().fed.raw.storage)) {
+        auto frame = read_next();
+        all_read_ = !frame || !*frame;
+        if (!frame) unread_ = frame.error();
+        if (all_read_) return {};
+        const RawFrame& raw = (*frame)->raw;
+        const bool unchanged = is_unchanged(newest_ahead_, raw);
+        if (!unchanged) {
+            TRY(builder_->begin(raw));
+            if ((*frame)->shown) note_newest(newest_ahead_, raw);
+        }
+        ahead_.push_back({std::move(**frame), unchanged});
+    }
+    return {};
+}
+
+/// For the next epoch. What has been begun is finished in a slot where that of the next frame takes its
+/// place.
+Result<void> SurfaceFeed::forget_ahead() {
+    for (; !ahead_.empty(); ahead_.pop_front()) {
+        if (ahead_.front().unchanged) continue;
+        SurfaceFrame* slot = timeline_.acquire();
+        assert(slot && "the reader of virtual time never holds more than two pairs");
+        TRY(builder_->finish(*slot));
+    }
+    newest_ahead_.reset();
+    all_read_ = false;
+    unread_.reset();
+    return {};
+}
+
 Result<void> SurfaceFeed::feed_next() {
-    TRY_ASSIGN(const auto frame, read_next());
-    if (!frame) {
+    TRY(begin_ahead());
+    if (ahead_.empty()) {
+        if (unread_) return *unread_;
         ended_ = true;
         timeline_.end_epoch();
         return {};
     }
-    TRY_ASSIGN([[maybe_unused]] const auto published, publish(*frame));
+    const FrameAhead frame = std::move(ahead_.front());
+    ahead_.pop_front();
+    TRY_ASSIGN([[maybe_unused]] const auto published, publish(frame.fed, frame.unchanged, true));
     assert(published && "the reader of virtual time never holds more than two pairs");
     return {};
 }
 
 Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     if (moment.epoch > place_.epoch) {
+        TRY(forget_ahead());
         TRY(read_from(moment.epoch, moment.start_ns));
         ended_ = false;
     }

@@ -194,6 +194,10 @@ public:
     /// Of epoch 0.
     Result<FramePair> pair_at(std::int64_t time_ns) { return pair_at(MediaMoment{0, time_ns, 0}); }
 
+    /// From now on frames are begun before they are asked for, as many as the builder works at side by side:
+    /// of a run in virtual time, which asks for all of them by `pair_at` and `pair_of`.
+    void work_ahead() { works_ahead_ = !reader_->is_live(); }
+
     /// The pair of these frames (the same, or neighbours) at a blend: what a live tick found in an epoch,
     /// whatever its time.
     Result<FramePair> pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
@@ -265,10 +269,20 @@ public:
     void leave_out_hash() { hashed_ = false; }
 
 private:
+    /// A frame that the builder has begun, or that is the one before once more.
+    struct FrameAhead {
+        FedFrame fed;
+        bool unchanged = false;
+    };
     Result<void> feed_next();
+    Result<void> begin_ahead();
+    Result<void> forget_ahead();
+    bool is_unchanged(const std::optional<RawFrame>& before, const RawFrame& raw) const;
+    void note_newest(std::optional<RawFrame>& newest, const RawFrame& raw) const;
     void note_built(const RawFrame& raw);
     void note_dropped(std::int64_t frames);
-    Result<bool> build(const FedFrame& frame);
+    Result<bool> publish(const FedFrame& frame, bool unchanged, bool begun);
+    Result<bool> build(const FedFrame& frame, bool begun);
 
     std::unique_ptr<ClipReader> reader_;
     std::unique_ptr<SurfaceBuilder> builder_;
@@ -296,6 +310,11 @@ private:
     std::int64_t frames_ = 0, unchanged_frames_ = 0;
     double skipped_frames_ = 0;  // and parts of frames
     bool any_valid_ = false, ended_ = false;
+    // In virtual time, of what is read before its turn.
+    std::deque<FrameAhead> ahead_;
+    std::optional<RawFrame> newest_ahead_;
+    bool works_ahead_ = false, all_read_ = false;
+    std::optional<Error> unread_;  // why there is no more, where the clip has not ended
     TimeSpread read_ms_, build_ms_;
 };
 

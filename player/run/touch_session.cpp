@@ -145,6 +145,7 @@ bool TouchSession::is_over(std::int64_t tick) {
 }
 
 Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
+    feed_.work_ahead();
     for (std::int64_t tick = 0; !is_over(tick); ++tick) {
         if (stop_requested()) return interrupted_error();
         TRY(this->tick(tick, sinks));

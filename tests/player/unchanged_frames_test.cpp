@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -10,7 +11,8 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
-// A frame in which nothing that can be touched has changed is the one before once more.
+// A frame in which nothing that can be touched has changed is the one before once more; and in virtual time
+// frames are begun before they are asked for, where their builder works at several.
 namespace touchable::test {
 namespace {
 
@@ -36,7 +38,9 @@ Scene small_scene() {
 
 class Planned final : public ClipReader {
 public:
-    explicit Planned(std::vector<Planes> frames) : scene_(small_scene()), frames_(std::move(frames)) {}
+    /// `fails_at`: the frame that cannot be read.
+    explicit Planned(std::vector<Planes> frames, std::int64_t fails_at = -1)
+        : scene_(small_scene()), frames_(std::move(frames)), fails_at_(fails_at) {}
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
     std::optional<std::int64_t> frame_count() const override {
@@ -49,6 +53,7 @@ public:
     }
     Result<std::optional<RawFrame>> next() override {
         if (number_ == static_cast<std::int64_t>(frames_.size())) return std::optional<RawFrame>();
+        if (number_ == fails_at_) return input_error("the disk is out");
         // Each frame in memory of its own, which is gone once nobody holds it.
         auto planes = std::make_shared<Planes>(frames_[static_cast<std::size_t>(number_)]);
         RawFrame raw;
@@ -68,6 +73,7 @@ private:
     std::vector<Planes> frames_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
+    const std::int64_t fails_at_;
     std::int64_t number_ = 0;
 };
 
@@ -158,6 +164,90 @@ TEST(UnchangedFrames, WaitForTheHandLikeOthers) {
     ASSERT_TRUE(feed.timeline().pair_at((*raw)->raw.time_ns, pair));
     const auto later = feed.publish(**raw);
     EXPECT_TRUE(later && *later);
+}
+
+/// Works at three frames, which it builds when they are finished.
+class ThreeAtOnce final : public SurfaceBuilder {
+public:
+    explicit ThreeAtOnce(std::size_t& most) : most_(most) {}
+    std::string_view name() const override { return "three"; }
+    int frames_in_flight() const override { return 3; }
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        EXPECT_TRUE(begun_.empty());
+        return builder_->build(raw, out);
+    }
+    Result<void> begin(const RawFrame& raw) override {
+        begun_.push_back(raw);
+        most_ = std::max(most_, begun_.size());
+        return {};
+    }
+    Result<void> finish(SurfaceFrame& out) override {
+        const RawFrame raw = std::move(begun_.front());
+        begun_.pop_front();
+        return builder_->build(raw, out);
+    }
+
+private:
+    std::size_t& most_;
+    std::unique_ptr<SurfaceBuilder> builder_ = make_reference_builder(small_scene());
+    std::deque<RawFrame> begun_;
+};
+
+/// Frames of which the first are each the one before once more or another one in turn.
+std::vector<Planes> some_frames() {
+    std::vector<Planes> frames(9);
+    for (std::size_t n = 0; n < frames.size(); ++n)
+        frames[n].depth.back() = static_cast<std::uint8_t>(100 + 3 * (n < 4 ? n / 2 : n));
+    return frames;
+}
+
+TEST(FramesAhead, GiveTheSamePairsInEveryEpoch) {
+    const Scene scene = small_scene();
+    std::size_t most = 0;
+    int built = 0;
+    SurfaceFeed ahead(std::make_unique<Planned>(some_frames()), std::make_unique<ThreeAtOnce>(most), scene),
+        plain(std::make_unique<Planned>(some_frames()), std::make_unique<Counting>(built), scene);
+    ahead.work_ahead();
+    const auto compare = [&](const MediaMoment& moment) {
+        const auto a = ahead.pair_at(moment), b = plain.pair_at(moment);
+        ASSERT_TRUE(a && b);
+        EXPECT_EQ(a->prev.number, b->prev.number);
+        EXPECT_EQ(a->next.number, b->next.number);
+        EXPECT_EQ(a->epoch, b->epoch);
+        EXPECT_EQ(a->prev.frame->codes, b->prev.frame->codes) << b->prev.number;
+        EXPECT_EQ(a->next.frame->codes, b->next.frame->codes) << b->next.number;
+    };
+    const auto time = [&](std::int64_t frame) { return scene.rate.time_ns(frame); };
+    for (std::int64_t n = 0; n < 4; ++n) compare({0, time(n), 0});
+    for (std::int64_t n = 2; n < 12; ++n) compare({1, time(n), time(2)});
+    for (std::int64_t n = 7; n < 12; ++n) compare({2, time(n), time(7)});
+    for (std::int64_t n = 0; n < 3; ++n) compare({3, time(n), 0});
+    EXPECT_EQ(most, 3U);
+    EXPECT_EQ(ahead.frames(), plain.frames());
+    EXPECT_EQ(ahead.unchanged_frames(), plain.unchanged_frames());
+    EXPECT_EQ(ahead.built(), plain.built());
+    EXPECT_EQ(ahead.planes_hash(), plain.planes_hash());
+}
+
+TEST(FramesAhead, AreNotBegunByAFeedWhoseFramesThreadsAskFor) {
+    std::size_t most = 0;
+    SurfaceFeed feed(std::make_unique<Planned>(some_frames()), std::make_unique<ThreeAtOnce>(most),
+                     small_scene());
+    ASSERT_TRUE(feed.pair_at(0));
+    EXPECT_EQ(most, 1U);
+    EXPECT_EQ(feed.place().next_number, 2);
+}
+
+TEST(FramesAhead, AnErrorIsToldWhenItsFrameIsAskedFor) {
+    std::size_t most = 0;
+    SurfaceFeed feed(std::make_unique<Planned>(some_frames(), 5), std::make_unique<ThreeAtOnce>(most),
+                     small_scene());
+    feed.work_ahead();
+    const FrameRate rate = small_scene().rate;
+    for (std::int64_t n = 0; n < 4; ++n) EXPECT_TRUE(feed.pair_at(rate.time_ns(n))) << n;
+    const auto pair = feed.pair_at(rate.time_ns(4));
+    ASSERT_FALSE(pair);
+    EXPECT_EQ(pair.error().message, "the disk is out");
 }
 
 TEST(UnchangedFrames, AreToldInTheReport) {
