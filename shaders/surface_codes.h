@@ -76,6 +76,32 @@ struct CurvePush {
     uint constant, linear, quadratic, falls, last, shift, from_last;
 };
 
+/// Of block.comp: a lane has 4 rows of 8 pixels.
+const uint block_lanes_x = 32u, block_lanes_y = 8u;
+const uint block_width = 8u * block_lanes_x, block_height = 4u * block_lanes_y;
+
+struct BlockPush {
+    uint width, height;        // pixels
+    uint in_pitch, out_pitch;  // texels from one row to the next
+    uint validity_words;       // of a row
+    uint tiles_x, tiles_y;
+    uint factor;  // as in StripPush
+    ValidCodes valid;
+};
+
+/// Its specialisation constants, in order; as those of strips.
+struct BlockConstants {
+    uint side;  // of the median's window; 1: codes are only decoded
+    uint sample_bytes, may_be_invalid, may_be_excluded, to_finer, looked_up;
+};
+
+/// Of pack_rows.
+struct PackRowsPush {
+    uint width, count;  // codes of a row, and of all
+    uint pitch;         // words of 4 bytes from one row to the next
+};
+const uint pack_rows_group = 256u;
+
 /// Of terraces; width to along_x as in StripPush, but that a lane has one row.
 struct TerracesPush {
     uint width, height, pitch;

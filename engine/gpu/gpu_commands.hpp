@@ -19,6 +19,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/gpu/gpu_device.hpp"
+#include "engine/scene/plane_memory.hpp"
 
 namespace touchable {
 
@@ -42,6 +43,11 @@ public:
     /// memory of that sort cannot be had; the name says which buffer in errors and debuggers.
     static Result<GpuBuffer> create(const GpuDevice& device, std::string name, std::size_t bytes,
                                     GpuMemory memory);
+
+    /// The CPU's own memory, to be copied from: no byte of it is copied here. It stays where it is as long as
+    /// the buffer. Fails (ErrorKind::gpu) where the device imports no memory.
+    static Result<GpuBuffer> import(const GpuDevice& device, std::string name,
+                                    std::shared_ptr<const PlaneBlock> block);
 
     explicit operator bool() const { return state_ != nullptr; }
     const std::string& name() const { return state_->name; }
@@ -77,10 +83,12 @@ private:
         VkDeviceMemory memory = VK_NULL_HANDLE;
         VkBufferView texels = VK_NULL_HANDLE, words = VK_NULL_HANDLE;
         void* mapped = nullptr;
+        std::shared_ptr<const PlaneBlock> imported;
     };
     static Result<std::shared_ptr<State>> make_state(const GpuDevice& device, std::string name,
-                                                     std::size_t bytes);
-    static Result<void> bind(State& state, std::uint32_t memory_type, std::size_t bytes);
+                                                     std::size_t bytes, bool imported = false);
+    static Result<void> allocate(State& state, std::uint32_t memory_type, std::size_t bytes);
+    static Result<void> make_views(State& state);
 
     std::shared_ptr<const State> state_;
 };

@@ -37,6 +37,7 @@ constexpr Feature optional_features[] = {
 
 constexpr const char* needed_extensions[] = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
 constexpr const char* optional_extensions[] = {
+    VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME,
     // Where a device has it, it is Vulkan on top of something else, not all of Vulkan, and has to be told
     // that this is known. Nothing of what may be missing then is used here.
     "VK_KHR_portability_subset",
@@ -221,6 +222,9 @@ Result<void> create_device(VulkanDevice& gpu, bool shows_pictures) {
     vkGetPhysicalDeviceMemoryProperties(gpu.physical, &gpu.memory);
     gpu.push_descriptors =
         function_of<PFN_vkCmdPushDescriptorSetKHR>(gpu.device, "vkCmdPushDescriptorSetKHR");
+    if (gpu.facts.import_alignment > 0)
+        gpu.host_memory_types = function_of<PFN_vkGetMemoryHostPointerPropertiesEXT>(
+            gpu.device, "vkGetMemoryHostPointerPropertiesEXT");
     if (gpu.instance->validates())
         gpu.set_name =
             function_of<PFN_vkSetDebugUtilsObjectNameEXT>(gpu.device, "vkSetDebugUtilsObjectNameEXT");

@@ -63,7 +63,7 @@ struct GpuFacts {
     bool draws_triangles = false;  ///< its queue also does graphics
     bool int64_atomics = false;    ///< 64-bit atomics on storage buffers
     bool float64 = false;          ///< doubles in kernels
-    std::uint64_t import_alignment = 0;  ///< of host memory that it could import (unused here); 0: it cannot
+    std::uint64_t import_alignment = 0;  ///< of host memory that it imports; 0: it cannot
     std::vector<std::string> missing;    ///< what this engine needs and it lacks, in words; empty: usable
 
     bool usable() const { return missing.empty(); }
@@ -96,6 +96,7 @@ struct VulkanDevice : NonCopyable {
     // Functions of extensions; null where the extension is optional and absent.
     PFN_vkCmdPushDescriptorSetKHR push_descriptors = nullptr;
     PFN_vkSetDebugUtilsObjectNameEXT set_name = nullptr;
+    PFN_vkGetMemoryHostPointerPropertiesEXT host_memory_types = nullptr;
 
     /// Sticky: once true, every submission and every wait fails.
     std::atomic<bool> lost = false;

@@ -150,12 +150,12 @@ GpuBuffer::State::~State() {
     for (VkBufferView view : {texels, words})
         if (view) vkDestroyBufferView(vulkan->device, view, nullptr);
     if (buffer) vkDestroyBuffer(vulkan->device, buffer, nullptr);
-    if (memory) vkFreeMemory(vulkan->device, memory, nullptr);  // and its mapping
+    if (memory) vkFreeMemory(vulkan->device, memory, nullptr);  // and its mapping; what is imported stays
 }
 
 /// The buffer without its memory.
 Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice& device, std::string name,
-                                                                std::size_t bytes) {
+                                                                std::size_t bytes, bool imported) {
     auto state = std::make_shared<State>();
     state->vulkan = device.vulkan();
     state->name = std::move(name);
@@ -174,28 +174,43 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
                  VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    VkExternalMemoryBufferCreateInfo external{};
+    external.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO;
+    external.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
+    if (imported) {
+        info.pNext = &external;
+        info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    }
     TRY(checked(gpu, state->name, bytes, "vkCreateBuffer",
                 vkCreateBuffer(gpu.device, &info, nullptr, &state->buffer)));
     gpu.name_object(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<std::uint64_t>(state->buffer), state->name);
     return state;
 }
 
-/// Gives the buffer memory of this type, and views of its texels where those are not larger than a view may
-/// be.
-Result<void> GpuBuffer::bind(State& state, std::uint32_t memory_type, std::size_t bytes) {
+/// Gives the buffer memory of this type.
+Result<void> GpuBuffer::allocate(State& state, std::uint32_t memory_type, std::size_t bytes) {
     VulkanDevice& gpu = *state.vulkan;
     if (bytes > heap_bytes(gpu, memory_type))
         return refusal(gpu, state.name, state.bytes,
                        "the memory has only " + std::to_string(heap_bytes(gpu, memory_type)));
+    VkImportMemoryHostPointerInfoEXT import{};
+    import.sType = VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT;
+    import.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
+    import.pHostPointer = state.imported ? state.imported->data() : nullptr;
     VkMemoryAllocateInfo memory{};
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    memory.pNext = state.imported ? &import : nullptr;
     memory.allocationSize = bytes;
     memory.memoryTypeIndex = memory_type;
     TRY(checked(gpu, state.name, state.bytes, "vkAllocateMemory",
                 vkAllocateMemory(gpu.device, &memory, nullptr, &state.memory)));
-    TRY(checked(gpu, state.name, state.bytes, "vkBindBufferMemory",
-                vkBindBufferMemory(gpu.device, state.buffer, state.memory, 0)));
+    return checked(gpu, state.name, state.bytes, "vkBindBufferMemory",
+                   vkBindBufferMemory(gpu.device, state.buffer, state.memory, 0));
+}
 
+/// Of its texels, where those are not more than a view may have.
+Result<void> GpuBuffer::make_views(State& state) {
+    VulkanDevice& gpu = *state.vulkan;
     const struct {
         VkBufferView& view;
         VkFormat format;
@@ -223,12 +238,39 @@ Result<GpuBuffer> GpuBuffer::create(const GpuDevice& device, std::string name, s
     vkGetBufferMemoryRequirements(gpu.device, state->buffer, &needs);
     const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, memory);
     if (!type) return refusal(gpu, state->name, bytes, "no memory the CPU can see");
-    TRY(bind(*state, *type, needs.size));
+    TRY(allocate(*state, *type, needs.size));
+    TRY(make_views(*state));
 
     if (memory != GpuMemory::device) {
         TRY(checked(gpu, state->name, bytes, "vkMapMemory",
                     vkMapMemory(gpu.device, state->memory, 0, VK_WHOLE_SIZE, 0, &state->mapped)));
     }
+    GpuBuffer buffer;
+    buffer.state_ = std::move(state);
+    return buffer;
+}
+
+Result<GpuBuffer> GpuBuffer::import(const GpuDevice& device, std::string name,
+                                    std::shared_ptr<const PlaneBlock> block) {
+    TRY_ASSIGN(auto state, make_state(device, std::move(name), block->bytes(), true));
+    VulkanDevice& gpu = *state->vulkan;
+    const std::size_t alignment = gpu.facts.import_alignment;
+    if (!gpu.host_memory_types || block->bytes() % alignment != 0 ||
+        reinterpret_cast<std::uintptr_t>(block->data()) % alignment != 0)
+        return refusal(gpu, state->name, block->bytes(), "it cannot be imported");
+    state->imported = std::move(block);
+    VkMemoryHostPointerPropertiesEXT host{};
+    host.sType = VK_STRUCTURE_TYPE_MEMORY_HOST_POINTER_PROPERTIES_EXT;
+    TRY(checked(gpu, state->name, state->bytes, "vkGetMemoryHostPointerPropertiesEXT",
+                gpu.host_memory_types(gpu.device, VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT,
+                                      state->imported->data(), &host)));
+    VkMemoryRequirements needs;
+    vkGetBufferMemoryRequirements(gpu.device, state->buffer, &needs);
+    const auto type =
+        choose_memory_type(gpu.memory, needs.memoryTypeBits & host.memoryTypeBits, GpuMemory::upload);
+    if (!type || needs.size > state->bytes)
+        return refusal(gpu, state->name, state->bytes, "no memory type imports it");
+    TRY(allocate(*state, *type, state->bytes));
     GpuBuffer buffer;
     buffer.state_ = std::move(state);
     return buffer;

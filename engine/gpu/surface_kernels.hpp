@@ -30,8 +30,17 @@ struct SurfacePlan {
     bool copies = false;  ///< to and from memory of the GPU's own, instead of working on the CPU's
     /// Of a frame that has changed in part only that is built, up to this share of its blocks. 0: always all.
     double break_even = 0.6;
+    /// Decoding, medians and bounds by the one kernel for GPUs (shaders/block.comp), not along strips. It
+    /// builds frames as a whole.
+    bool blocks = false;
+
+    bool builds_in_part() const { return break_even > 0 && !blocks; }
+    /// Rows that are no whole texels lose their gaps before they are copied to the CPU.
+    bool packs_rows(int width) const { return blocks && copies && width % 8 != 0; }
 };
-/// What a device likes: few long marches on a CPU, many short ones with coalesced loads elsewhere.
+/// What a device likes: few long marches on a CPU; elsewhere blocks, and many short marches with coalesced
+/// loads for what marches there too. TOUCHABLE_GPU_PLAN=discrete in the environment asks for a GPU's plan on
+/// any device.
 SurfacePlan plan_for(const GpuFacts& facts);
 
 /// `coding`, as kernels test it. Codes at the ends of the range that are marked invalid narrow it.
@@ -44,6 +53,7 @@ public:
     const std::shared_ptr<GpuDevice>& device() const { return device_; }
 
     Result<GpuProgram> strip(StripKernel kernel, const StripConstants& constants);
+    Result<GpuProgram> block(const BlockConstants& constants);
     /// One pass of terrace removal, its taps `step` pixels away; `has_levels`: gates differ from code to
     /// code.
     Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last, bool has_levels);
@@ -52,6 +62,7 @@ public:
     Result<GpuProgram> temporal();
     Result<GpuProgram> tile_bounds();
     Result<GpuProgram> hue_codes();
+    Result<GpuProgram> pack_rows();
 
 private:
     using Constants = std::array<std::uint32_t, 7>;
@@ -61,9 +72,10 @@ private:
 
     std::shared_ptr<GpuDevice> device_;
     std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
+    std::map<std::array<std::uint32_t, 6>, GpuProgram> blocks_;
     std::map<std::array<std::uint32_t, 4>, GpuProgram> terraces_;
     GpuProgram flying_pixels_[2];
-    GpuProgram temporal_, tile_bounds_, hue_codes_;
+    GpuProgram temporal_, tile_bounds_, hue_codes_, pack_rows_;
 };
 
 /// The builder of make_vulkan_builder (vulkan_builder.hpp), and what its stages took.

@@ -1,12 +1,14 @@
 #include "engine/gpu/surface_recording.hpp"
 
 #include "engine/base/try.hpp"
+#include "shaders/block.spv.h"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
 #include "shaders/flying_pixels.spv.h"
 #include "shaders/hue_codes.spv.h"
 #include "shaders/median3.spv.h"
 #include "shaders/median5.spv.h"
+#include "shaders/pack_rows.spv.h"
 #include "shaders/temporal.spv.h"
 #include "shaders/terraces.spv.h"
 #include "shaders/tile_bounds.spv.h"
@@ -58,9 +60,14 @@ Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, cons
 }  // namespace
 
 SurfacePlan plan_for(const GpuFacts& facts) {
-    SurfacePlan plan;
-    if (facts.kind != GpuKind::software) plan = {64, 4, true};
-    plan.copies = !facts.unified_memory;
+    const char* asked = std::getenv("TOUCHABLE_GPU_PLAN");
+    const bool is_asked = asked && std::string_view(asked) == "discrete";
+    if (facts.kind == GpuKind::software && !is_asked) return {};
+    SurfacePlan plan{64, 4, true};
+    plan.copies = !facts.unified_memory || is_asked;
+    plan.blocks = facts.limits.max_group_invocations >= block_lanes_x * block_lanes_y;
+    // To compare a frame with the one before takes the CPU longer than all of it takes a GPU.
+    plan.break_even = 0;
     return plan;
 }
 
@@ -96,6 +103,14 @@ Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstant
     return made(strips_[{kernel, constants}], source.name, source.spirv, std::move(layout), constants);
 }
 
+Result<GpuProgram> SurfaceKernels::block(const BlockConstants& c) {
+    const auto constants = std::bit_cast<std::array<std::uint32_t, 6>>(c);
+    return made(
+        blocks_[constants], "block", block_spv,
+        {sizeof(BlockPush), {buffer, buffer, buffer, buffer, buffer}, {block_lanes_x, block_lanes_y, 1}},
+        constants);
+}
+
 Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last,
                                             bool has_levels) {
     const std::array<std::uint32_t, 4> constants{group_size, static_cast<std::uint32_t>(step),
@@ -124,6 +139,11 @@ Result<GpuProgram> SurfaceKernels::tile_bounds() {
 Result<GpuProgram> SurfaceKernels::hue_codes() {
     return made(hue_codes_, "hue_codes", hue_codes_spv,
                 {sizeof(HueCodesPush), {buffer, buffer}, {hue_codes_group, 1, 1}});
+}
+
+Result<GpuProgram> SurfaceKernels::pack_rows() {
+    return made(pack_rows_, "pack_rows", pack_rows_spv,
+                {sizeof(PackRowsPush), {buffer, buffer}, {pack_rows_group, 1, 1}});
 }
 
 SurfaceRecording::SurfaceRecording(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
@@ -180,12 +200,15 @@ Result<void> SurfaceRecording::make_buffers() {
                smooths = filters_.find<TemporalFilter>() != nullptr,
                lands = filters_.find<FlyingPixels>() != nullptr;
     const std::tuple<GpuBuffer&, const char*, std::size_t> buffers[] = {
-        {parts_, "parts of bounds", std::size_t{strips_} * groups_for(width_, 32) * tile_pair_bytes},
+        {parts_, "parts of bounds",
+         plan_.blocks ? 0 : std::size_t{strips_} * groups_for(width_, 32) * tile_pair_bytes},
         {between_[0], "codes between stages", is_hue() || fills || levels || lands ? codes_bytes : 0},
         {between_[1], "codes between passes", fills || levels || (is_hue() && lands) ? codes_bytes : 0},
         {finer_, "finer codes", levels || smooths ? codes_bytes : 0},
         {remembered_[0], "codes remembered", smooths ? codes_bytes : 0},
         {remembered_[1], "codes remembered before", smooths ? codes_bytes : 0},
+        {packed_, "codes without gaps",
+         plan_.packs_rows(scene_.width) ? std::size_t{2} * width_ * height_ : 0},
         {held_, "frames held", smooths ? codes_bytes / 4 : 0},
         {fill_passes_, "passes of hole filling",
          fills ? sizeof(FillPass) * static_cast<std::size_t>(filling->passes + 1) : 0}};
@@ -219,13 +242,14 @@ std::optional<int> SurfaceRecording::reach() const {
 }
 
 Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
-                                      bool begins, const VulkanVertices& slot) {
-    Frame frame{commands, list, begins, slot, stored};
+                                      bool begins, const VulkanPlanes& planes) {
+    Frame frame{commands, list, begins, planes, stored};
     if (is_hue()) TRY(record_hue(frame));
     for (const FilterPlan::Stage& stage : filters_.filters)
         TRY(std::visit([&](const auto& filter) { return record(filter, frame); }, stage.filter));
-    TRY(record_codes(frame, nullptr, slot.codes.gpu));
-    return record_bounds(frame);
+    TRY(record_codes(frame, nullptr, planes.codes.gpu));
+    if (packed_) TRY(record_packing(frame));
+    return plan_.blocks ? Result<void>() : record_bounds(frame);
 }
 
 StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t listed) const {
@@ -252,18 +276,48 @@ Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const Store
                                     working && working->table ? 1U : 0U});
 }
 
-/// The kernel that ends in codes, validity and parts of bounds. With `working` in working codes, and only
-/// validity is final.
+/// The kernel that ends in codes, validity and bounds or parts of them. With `working` in working codes, and
+/// only validity is final.
 Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
+    TRY(plan_.blocks ? record_block(frame, working, to) : record_strips(frame, working, to));
+    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
+    frame.commands.mark(frame.kernel == StripKernel::decode ? "decode" : "median");
+    return {};
+}
+
+Result<void> SurfaceRecording::record_block(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
+    const StoredRows& rows = frame.rows;
+    constexpr std::uint32_t sides[] = {1, 3, 5};  // by StripKernel
+    TRY_ASSIGN(const auto program, kernels_->block({sides[static_cast<std::size_t>(frame.kernel)],
+                                                    rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
+                                                    rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                                                    working ? 1U : 0U, working && working->table ? 1U : 0U}));
+    const BlockPush push{width_,
+                         height_,
+                         rows.pitch,
+                         pitch_,
+                         groups_for(width_, 32),
+                         static_cast<std::uint32_t>(grid_.tiles_x),
+                         static_cast<std::uint32_t>(grid_.tiles_y),
+                         working ? static_cast<std::uint32_t>(working->factor) : 1,
+                         rows.valid};
+    const VulkanPlanes& planes = frame.planes;
+    frame.commands.dispatch(
+        program, push,
+        {rows.buffer, to, planes.validity.gpu, planes.tiles.gpu, table_ ? table_ : planes.tiles.gpu},
+        {groups_for(width_, block_width), groups_for(height_, block_height)});
+    return {};
+}
+
+Result<void> SurfaceRecording::record_strips(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     TRY_ASSIGN(const auto program, program_for(frame.kernel, frame.rows, working));
     StripPush push = push_for(frame.rows, frame.list.count());
     push.factor = working ? static_cast<std::uint32_t>(working->factor) : 1;
     const GpuBuffer& list = frame.list.buffer();
     frame.commands.dispatch(
-        program, push, {frame.rows.buffer, to, frame.slot.validity.gpu, parts_, list, table_ ? table_ : list},
+        program, push,
+        {frame.rows.buffer, to, frame.planes.validity.gpu, parts_, list, table_ ? table_ : list},
         {push.groups});
-    frame.commands.barrier(GpuStage::compute, GpuStage::compute);
-    frame.commands.mark(frame.kernel == StripKernel::decode ? "decode" : "median");
     return {};
 }
 
@@ -383,8 +437,16 @@ Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Fr
     return {};
 }
 
+Result<void> SurfaceRecording::record_packing(const Frame& frame) {
+    TRY_ASSIGN(const auto program, kernels_->pack_rows());
+    const PackRowsPush push{width_, width_ * height_, 4 * pitch_};
+    frame.commands.dispatch(program, push, {frame.planes.codes.gpu, packed_},
+                            {groups_for(groups_for(push.count, 2), pack_rows_group)});
+    return {};
+}
+
 Result<void> SurfaceRecording::record_bounds(const Frame& frame) {
-    const VulkanVertices& slot = frame.slot;
+    const VulkanPlanes& planes = frame.planes;
     TRY_ASSIGN(auto program, kernels_->tile_bounds());
     const TileBoundsPush push{width_,
                               height_,
@@ -395,9 +457,9 @@ Result<void> SurfaceRecording::record_bounds(const Frame& frame) {
                               static_cast<std::uint32_t>(grid_.tiles_y),
                               frame.list.count()};
     const std::uint32_t pairs = push.listed > 0 ? push.listed : push.words * push.tiles_y;
-    frame.commands.dispatch(program, push,
-                            {parts_, slot.codes.gpu, slot.validity.gpu, slot.tiles.gpu, frame.list.buffer()},
-                            {groups_for(pairs, tile_bounds_group)});
+    frame.commands.dispatch(
+        program, push, {parts_, planes.codes.gpu, planes.validity.gpu, planes.tiles.gpu, frame.list.buffer()},
+        {groups_for(pairs, tile_bounds_group)});
     frame.commands.mark("bounds");
     return {};
 }

@@ -33,9 +33,8 @@ public:
     void done() { done_ = true; }
 
     std::uint32_t count() const { return count_; }  ///< of runs; 0 too where all are to be built
-    bool same_touch_planes(const BuildNumber& held) const {
-        return changes_ && changes_->same_touch_planes(held);
-    }
+    /// Since which frame haptic and height planes have been those of the newest.
+    BuildNumber touch_planes() const { return changes_->touch_planes(); }
     /// Of pixels, that the blocks lie in; none where nothing has changed.
     const RowRange& rows() const { return rows_; }
     double share() const { return share_; }  ///< of all blocks that are to be built
@@ -68,27 +67,48 @@ struct StoredRows {
     }
 };
 
-/// Depth planes of one builder's frames, as its kernels read them: in buffers of their own, which keep what
-/// is not taken anew.
+/// Depth planes of one builder's frames, as its kernels read them. Planes that lie in blocks of plane memory
+/// the GPU copies from there; others the CPU copies first, to buffers that keep what is not taken anew.
 class StoredPlane {
 public:
-    /// `valid`: of its values. `copies`: kernels read from the GPU's own memory.
-    StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, bool copies)
-        : device_(std::move(device)), valid_(valid), copies_(copies) {}
+    /// `valid`: of its values. `turns`: frames that may be taken before the work of the first is done. Where
+    /// frames are built in part all have the same pitch, as they have when the CPU copies them.
+    StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, const SurfacePlan& plan,
+                int turns)
+        : device_(std::move(device)),
+          valid_(valid),
+          copies_(plan.copies),
+          uploads_(static_cast<std::size_t>(turns)),
+          imports_(plan.copies && !plan.builds_in_part() && device_->facts().import_alignment > 0) {}
 
-    /// Some rows, at least one, of a frame; all of them where the frame before had another form.
-    Result<StoredRows> take(const PlaneView& depth, const RowRange& rows);
+    /// Some rows, at least one, of a frame's depth; all of them where the frame before had another form.
+    Result<StoredRows> take(const RawFrame& raw, const RowRange& rows);
     /// Records what `take` leaves to the GPU.
-    void record_reading_in(GpuCommands& commands) const;
+    void record_reading_in(GpuCommands& commands);
 
 private:
-    Result<void> make_buffers(std::size_t bytes);
+    /// Bytes that the GPU copies.
+    struct Source {
+        GpuBuffer buffer;
+        std::size_t from = 0, to = 0, bytes = 0;  // to: in the GPU's own
+        std::shared_ptr<const void> storage;      // of a frame that is read where it lies
+    };
+    bool find_block(const RawFrame& raw, std::size_t least_pitch);
+    Result<void> upload(const PlaneView& depth, const RowRange& rows, std::size_t pitch);
+    Result<void> make_own(std::size_t bytes);
+
+    /// A little more than the blocks that a reader takes in turn.
+    static constexpr std::size_t most_imported = 24;
 
     std::shared_ptr<GpuDevice> device_;
     const ValidCodes valid_;
     const bool copies_;
-    GpuBuffer upload_, stored_;  // as the CPU writes it; in the GPU's own memory where that is not the same
-    std::size_t taken_first_ = 0, taken_bytes_ = 0;  // of theirs, by the last call
+    std::vector<GpuBuffer> uploads_;  // as the CPU writes it, in turn
+    std::size_t turn_ = 0;
+    GpuBuffer own_;                                             // the GPU's, where that is not the same
+    Source source_;                                             // by the last call
+    std::deque<std::pair<std::uint64_t, GpuBuffer>> imported_;  // by block, the newest first
+    bool imports_;
 };
 
 /// A scene's kernels, one stage after the other, from stored values to codes, validity and bounds in a slot's
@@ -100,13 +120,17 @@ public:
                                            const SurfacePlan& plan);
 
     const FilterPlan& filters() const { return filters_; }
+    /// Where codes are to be read back from: of these planes, or packed.
+    const GpuBuffer& codes_of(const VulkanPlanes& planes) const {
+        return packed_ ? packed_ : planes.codes.gpu;
+    }
     /// Its reach; nothing too where stages leave something between them that is of one frame alone.
     std::optional<int> reach() const;
 
     /// Records a frame, or of one the listed blocks. `begins`: it is not the successor of the last one that
     /// was recorded, and done.
     Result<void> record(GpuCommands& commands, const StoredRows& stored, const BlockList& list, bool begins,
-                        const VulkanVertices& slot);
+                        const VulkanPlanes& planes);
 
 private:
     SurfaceRecording(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels, const SurfacePlan& plan);
@@ -125,7 +149,7 @@ private:
         GpuCommands& commands;
         const BlockList& list;
         const bool begins;
-        const VulkanVertices& slot;
+        const VulkanPlanes& planes;
         StoredRows rows;                           // what the next stage reads
         StripKernel kernel = StripKernel::decode;  // which is to end in codes; a median waits for that
         bool is_finer = false;                     // the rows are working codes
@@ -143,6 +167,9 @@ private:
     Result<void> record(const TerraceFilter& filter, Frame& frame);
     Result<void> record_finer(const WorkingCodes& working, Frame& frame);
     Result<void> record_codes(Frame& frame, const WorkingCodes* working, const GpuBuffer& to);
+    Result<void> record_block(Frame& frame, const WorkingCodes* working, const GpuBuffer& to);
+    Result<void> record_strips(Frame& frame, const WorkingCodes* working, const GpuBuffer& to);
+    Result<void> record_packing(const Frame& frame);
     Result<void> record_bounds(const Frame& frame);
 
     Scene scene_;
@@ -156,6 +183,7 @@ private:
     GpuBuffer between_[2];     // codes between stages
     GpuBuffer finer_;          // codes before they are filtered in time, or terraces are removed
     GpuBuffer remembered_[2];  // codes filtered in time, of the last frame and of the one before
+    GpuBuffer packed_;         // codes, for the CPU
     GpuBuffer held_;           // for how many frames codes have only been held
     GpuBuffer fill_passes_;    // which passes of hole filling have something to do
     GpuBuffer parts_;          // of tile bounds

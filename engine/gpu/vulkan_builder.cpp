@@ -16,6 +16,10 @@ constexpr std::size_t row_texel_bytes = 16;
 /// that one core waits for another.
 constexpr int longest_run = 8;
 
+/// Frames that are begun before the first is finished: one is copied to the GPU, one is built, one is copied
+/// back.
+constexpr int most_in_flight = 3;
+
 class Builder final : public VulkanSurfaceBuilder {
 public:
     Builder(const Scene& scene, std::shared_ptr<GpuDevice> device, const SurfacePlan& plan,
@@ -25,90 +29,156 @@ public:
           plan_(plan),
           recording_(std::move(recording)),
           list_(std::move(list)),
-          stored_(device_, valid_codes_of(scene.depth), plan.copies) {}
+          stored_(device_, valid_codes_of(scene.depth), plan, frames_in_flight()) {}
+
+    /// Makes what a frame's kernels need, which on a GPU takes longer than many frames: before the first of
+    /// them is waited for.
+    Result<void> make_programs() {
+        TRY_ASSIGN(auto planes, take_spare());
+        TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface"));
+        const std::uint32_t sample_bytes = scene_.depth_bits > 8 ? 2 : 1;
+        TRY(recording_.record(commands, {planes.codes.gpu, sample_bytes, 1, valid_codes_of(scene_.depth)},
+                              list_, true, planes));
+        keep(std::move(planes));
+        return {};  // nothing is submitted
+    }
 
     std::string_view name() const override { return "vulkan"; }
     const std::vector<GpuDevice::Time>& stages() const override { return stages_; }
-    double built_share() const override { return list_.share(); }
+    double built_share() const override { return share_; }
+    /// Blocks are listed in memory that a frame in flight may still read.
+    int frames_in_flight() const override { return plan_.builds_in_part() ? 1 : most_in_flight; }
+
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        assert(begun_.empty());
         TRY(check_raw_frame(raw, scene_));
-        TRY_ASSIGN(const auto slot, slot_of(out));
-        const BuildNumber held = std::exchange(slot->build, {});
+        if (auto* slot = dynamic_cast<VulkanVertices*>(out.vertices.get()))
+            keep(std::exchange(slot->planes, {}));
+        TRY(begin(raw));
+        return finish(out);
+    }
+
+    Result<void> begin(const RawFrame& raw) override {
+        assert(static_cast<int>(begun_.size()) < frames_in_flight());
+        TRY(check_raw_frame(raw, scene_));
+        TRY_ASSIGN(auto planes, take_spare());
+        Begun frame{raw, std::move(planes)};
+        const BuildNumber held = std::exchange(frame.planes.build, {});
         const BuildNumber newest = list_.advance(raw, held);
-        TRY(build_listed(raw, *slot));
+        frame.share = list_.share();
+        frame.touch_planes = list_.touch_planes();
+        TRY(submit(frame));
         list_.done();
-        show(*slot, out);
-        if (!list_.same_touch_planes(held)) copy_touch_planes(raw, out);
-        out.filled = raw.filled;
-        slot->build = newest;
+        frame.planes.build = newest;
+        begun_.push_back(std::move(frame));
+        return {};
+    }
+
+    Result<void> finish(SurfaceFrame& out) override {
+        assert(!begun_.empty());
+        Begun frame = std::move(begun_.front());
+        begun_.pop_front();
+        stages_.clear();
+        if (frame.submission) {
+            if (auto waited = frame.submission->wait(); !waited) {
+                last_.reset();
+                return waited;
+            }
+            stages_ = frame.submission->times();
+        }
+        share_ = frame.share;
+        VulkanVertices& slot = give(std::move(frame.planes), out);
+        show(slot.planes, out);
+        const BuildNumber held = std::exchange(slot.touch_planes, {});
+        if (!held.is_since(frame.touch_planes)) copy_touch_planes(frame.raw, out);
+        slot.touch_planes = slot.planes.build;
+        out.filled = frame.raw.filled;
         return {};
     }
 
 private:
-    /// The slot's memory, new where it has none that serves.
-    Result<VulkanVertices*> slot_of(SurfaceFrame& out) const {
-        auto* slot = dynamic_cast<VulkanVertices*>(out.vertices.get());
-        if (slot != nullptr && slot->serves(*device_, scene_.width, scene_.height, plan_.copies)) return slot;
-        TRY_ASSIGN(auto created,
-                   VulkanVertices::create(*device_, out, scene_.width, scene_.height, plan_.copies));
-        slot = created.get();
-        out.vertices = std::move(created);
-        return slot;
+    struct Begun {
+        RawFrame raw;
+        VulkanPlanes planes;
+        BuildNumber touch_planes{};  // since when they are the same
+        double share = 1;
+        std::optional<GpuCommands::Submission> submission{};  // nothing: nothing had changed
+    };
+
+    /// For a frame to come.
+    void keep(VulkanPlanes planes) {
+        if (planes.serves(*device_, scene_.width, scene_.height, plan_)) spare_.push_back(std::move(planes));
+    }
+    Result<VulkanPlanes> take_spare() {
+        if (spare_.empty()) return VulkanPlanes::create(*device_, scene_.width, scene_.height, plan_);
+        VulkanPlanes planes = std::move(spare_.back());
+        spare_.pop_back();
+        return planes;
     }
 
-    Result<void> build_listed(const RawFrame& raw, const VulkanVertices& slot) {
-        stages_.clear();
+    /// The slot has the planes from now on, and a frame to come those that it had.
+    VulkanVertices& give(VulkanPlanes planes, SurfaceFrame& slot) {
+        if (auto* const there = dynamic_cast<VulkanVertices*>(slot.vertices.get())) {
+            keep(std::exchange(there->planes, std::move(planes)));
+            return *there;
+        }
+        auto made = std::make_unique<VulkanVertices>(slot, std::move(planes));
+        VulkanVertices& vertices = *made;
+        slot.vertices = std::move(made);
+        return vertices;
+    }
+
+    Result<void> submit(Begun& frame) {
         if (list_.rows().count() == 0) return {};
-        TRY_ASSIGN(auto rows, stored_.take(raw.depth, list_.rows()));
+        TRY_ASSIGN(auto rows, stored_.take(frame.raw, list_.rows()));
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface"));
-        const bool begins = !last_ || !last_->is_before(raw);
-        last_.reset();  // until all of it is done
+        const bool begins = !last_ || !last_->is_before(frame.raw);
+        last_.reset();  // until all of it is submitted
         stored_.record_reading_in(commands);
-        TRY(recording_.record(commands, rows, list_, begins, slot));
-        if (slot.codes.is_copied()) record_reading_back(commands, slot);
-        TRY_ASSIGN(const auto submission, std::move(commands).submit());
-        TRY(submission.wait());
-        last_.emplace(raw);
-        stages_ = submission.times();
+        TRY(recording_.record(commands, rows, list_, begins, frame.planes));
+        if (frame.planes.codes.is_copied()) record_reading_back(commands, frame.planes);
+        TRY_ASSIGN(auto submission, std::move(commands).submit());
+        frame.submission.emplace(std::move(submission));
+        last_.emplace(frame.raw);
         return {};
     }
 
     /// Rows of listed blocks: what a slot holds of others in the GPU's memory it holds in the CPU's.
-    void record_reading_back(GpuCommands& commands, const VulkanVertices& slot) const {
+    void record_reading_back(GpuCommands& commands, const VulkanPlanes& planes) const {
         commands.barrier(GpuStage::compute, GpuStage::transfer);
-        const auto copy = [&](const VulkanVertices::Plane& plane, std::uint32_t rows, const RowRange& range) {
-            const std::size_t row_bytes = plane.gpu.bytes() / rows, first = range.first * row_bytes;
-            if (range.count() > 0)
-                commands.copy(plane.gpu, first, plane.host, first, range.count() * row_bytes);
+        const auto copy = [&](const GpuBuffer& from, const GpuBuffer& to, std::uint32_t rows,
+                              const RowRange& range) {
+            const std::size_t row_bytes = to.bytes() / rows, first = range.first * row_bytes;
+            if (range.count() > 0) commands.copy(from, first, to, first, range.count() * row_bytes);
         };
         const RowRange rows = list_.rows();
         const auto height = static_cast<std::uint32_t>(scene_.height),
                    tile_rows = static_cast<std::uint32_t>(TileGrid::of(scene_.width, scene_.height).tiles_y);
-        copy(slot.codes, height, rows);
-        copy(slot.validity, height, rows);
-        copy(slot.tiles, tile_rows,
+        copy(recording_.codes_of(planes), planes.codes.host, height, rows);
+        copy(planes.validity.gpu, planes.validity.host, height, rows);
+        copy(planes.tiles.gpu, planes.tiles.host, tile_rows,
              {std::min(rows.first / tile_cells, tile_rows),
               std::min(groups_for(rows.last, tile_cells), tile_rows)});
         commands.mark("read back");
     }
 
-    void show(const VulkanVertices& slot, SurfaceFrame& out) const {
+    void show(const VulkanPlanes& planes, SurfaceFrame& out) const {
         out.width = scene_.width;
         out.height = scene_.height;
         out.coding = recording_.filters().coding();
         out.raw = {};
-        const auto codes = slot.codes.host.mapped<std::uint16_t>();
+        const auto codes = planes.codes.host.mapped<std::uint16_t>();
         const auto width = static_cast<std::size_t>(scene_.width),
-                   height = static_cast<std::size_t>(scene_.height), pitch = (width + 7) / 8 * 8;
+                   height = static_cast<std::size_t>(scene_.height), pitch = codes.size() / height;
         if (width == pitch) {
-            out.codes.adopt(codes, slot.codes.host.keep_alive());
+            out.codes.adopt(codes, planes.codes.host.keep_alive());
         } else {
             out.codes.resize(width * height);
             for (std::size_t y = 0; y < height; ++y)
                 std::memcpy(out.codes.data() + y * width, codes.data() + y * pitch, 2 * width);
         }
-        out.validity.adopt(slot.validity.host.mapped<std::uint32_t>(), slot.validity.host.keep_alive());
-        out.tiles.adopt(slot.tiles.host.mapped<TileBounds>(), slot.tiles.host.keep_alive());
+        out.validity.adopt(planes.validity.host.mapped<std::uint32_t>(), planes.validity.host.keep_alive());
+        out.tiles.adopt(planes.tiles.host.mapped<TileBounds>(), planes.tiles.host.keep_alive());
     }
 
     const Scene scene_;
@@ -118,7 +188,10 @@ private:
     BlockList list_;
     StoredPlane stored_;
     std::optional<RawFrame::Place> last_;  // of the frame that is remembered
+    std::deque<Begun> begun_;
+    std::vector<VulkanPlanes> spare_;
     std::vector<GpuDevice::Time> stages_;
+    double share_ = 1;
 };
 
 }  // namespace
@@ -134,12 +207,10 @@ Result<BlockList> BlockList::create(const GpuDevice& device, int width, int heig
     list.most_ = most;
     list.run_ = run;
     // A tile's bounds are those of its own blocks and of the pixels after them, to the right and below.
-    if (reach) {
-        list.changes_ =
-            std::make_unique<FrameChanges>(width, height, *reach + 1, usable_vector_units().front());
-        list.bands_ =
-            std::make_unique<RowBands>(threads_for(long{width} * height, pixels_compared_per_thread));
-    }
+    if (reach) ++*reach;
+    list.changes_ = std::make_unique<FrameChanges>(width, height, reach, usable_vector_units().front());
+    list.bands_ =
+        std::make_unique<RowBands>(reach ? threads_for(long{width} * height, pixels_compared_per_thread) : 1);
     return list;
 }
 
@@ -148,7 +219,6 @@ BuildNumber BlockList::advance(const RawFrame& raw, const BuildNumber& held) {
     share_ = 1;
     count_ = 0;
     rows_ = {0, height_};
-    if (!changes_) return {};
     const BuildNumber newest = changes_->advance(raw, *bands_);
     const auto stale = was_done ? changes_->stale_blocks(held) : std::nullopt;
     if (!stale) return newest;
@@ -180,79 +250,130 @@ void BlockList::list(const FrameChanges::StaleBlocks& stale) {
              std::min(static_cast<std::uint32_t>(last * BlockGrid::height), height_)};
 }
 
-Result<void> StoredPlane::make_buffers(std::size_t bytes) {
-    if (upload_ && upload_.bytes() == bytes) return {};
-    TRY_ASSIGN(auto mapped, GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload));
-    GpuBuffer own = mapped;
-    if (copies_) {
-        TRY_ASSIGN(own, GpuBuffer::create(*device_, "stored values of the GPU", bytes, GpuMemory::device));
-    }
-    upload_ = mapped;
-    stored_ = own;
+Result<void> StoredPlane::make_own(std::size_t bytes) {
+    if (!copies_ || (own_ && own_.bytes() == bytes)) return {};
+    TRY_ASSIGN(own_, GpuBuffer::create(*device_, "stored values of the GPU", bytes, GpuMemory::device));
     return {};
 }
 
-/// Rows one after the other from texel to texel.
-Result<StoredRows> StoredPlane::take(const PlaneView& depth, const RowRange& rows) {
-    const std::size_t pixel_bytes =
-        static_cast<std::size_t>(depth.channels) * static_cast<std::size_t>(depth.bytes_per_sample);
-    const std::size_t row_bytes = static_cast<std::size_t>(depth.width) * pixel_bytes;
-    // Whole texels, and whole groups of 8 pixels, which is what kernels read.
-    const std::size_t groups = (static_cast<std::size_t>(depth.width) + 7) / 8;
-    const std::size_t pitch =
-        (groups * 8 * pixel_bytes + row_texel_bytes - 1) / row_texel_bytes * row_texel_bytes;
-    TRY(make_buffers(pitch * static_cast<std::size_t>(depth.height)));
-    taken_first_ = pitch * rows.first;
-    taken_bytes_ = pitch * rows.count();
-    std::byte* to = upload_.mapped<std::byte>().data() + taken_first_;
+/// Where the plane can be copied from as it lies, with rows of whole texels: its block, imported once.
+bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
+    const PlaneView& depth = raw.depth;
+    const auto pitch = static_cast<std::size_t>(std::max<std::ptrdiff_t>(depth.stride, 0));
+    const std::size_t bytes = pitch * static_cast<std::size_t>(depth.height);
+    const GpuFacts::Limits& limits = device_->facts().limits;
+    if (!imports_ || !raw.storage || pitch < least_pitch || pitch % row_texel_bytes != 0 ||
+        bytes > limits.max_storage_buffer_range || bytes / row_texel_bytes > limits.max_texel_buffer_elements)
+        return false;
+    const auto block = plane_block_of(depth.data, bytes);
+    if (!block) return false;
+    auto found = std::ranges::find(imported_, block->id(), [](const auto& each) { return each.first; });
+    if (found == imported_.end()) {
+        auto made = GpuBuffer::import(*device_, "a reader's plane", block);
+        if (!made) {
+            imports_ = false;
+            return false;
+        }
+        if (imported_.size() == most_imported) imported_.pop_back();
+        imported_.emplace_front(block->id(), *made);
+        found = imported_.begin();
+    }
+    source_.buffer = found->second;
+    source_.from = static_cast<std::size_t>(depth.data - block->data());
+    source_.storage = raw.storage;
+    return true;
+}
+
+/// Rows one after the other from texel to texel, by the CPU.
+Result<void> StoredPlane::upload(const PlaneView& depth, const RowRange& rows, std::size_t pitch) {
+    turn_ = (turn_ + 1) % uploads_.size();
+    GpuBuffer& buffer = uploads_[turn_];
+    const std::size_t bytes = pitch * static_cast<std::size_t>(depth.height);
+    if (!buffer || buffer.bytes() != bytes) {
+        TRY_ASSIGN(buffer, GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload));
+    }
+    const std::size_t row_bytes = static_cast<std::size_t>(depth.width) *
+                                  static_cast<std::size_t>(depth.channels * depth.bytes_per_sample);
+    std::byte* to = buffer.mapped<std::byte>().data() + pitch * rows.first;
     const std::uint8_t* from = depth.row(static_cast<int>(rows.first));
     if (depth.stride == static_cast<std::ptrdiff_t>(pitch)) {
-        std::memcpy(to, from, taken_bytes_ - (pitch - row_bytes));
+        std::memcpy(to, from, pitch * rows.count() - (pitch - row_bytes));
     } else {
         for (std::uint32_t n = 0; n < rows.count(); ++n, to += pitch, from += depth.stride)
             std::memcpy(to, from, row_bytes);
     }
-    return StoredRows{stored_, static_cast<std::uint32_t>(depth.bytes_per_sample),
+    source_.buffer = buffer;
+    source_.from = 0;
+    return {};
+}
+
+Result<StoredRows> StoredPlane::take(const RawFrame& raw, const RowRange& rows) {
+    const PlaneView& depth = raw.depth;
+    const auto pixel_bytes = static_cast<std::size_t>(depth.channels * depth.bytes_per_sample);
+    // Whole texels, and whole groups of 8 pixels, which is what kernels read.
+    const std::size_t groups = (static_cast<std::size_t>(depth.width) + 7) / 8;
+    std::size_t pitch = (groups * 8 * pixel_bytes + row_texel_bytes - 1) / row_texel_bytes * row_texel_bytes;
+    source_ = {};
+    if (find_block(raw, pitch)) {
+        pitch = static_cast<std::size_t>(depth.stride);
+    } else {
+        TRY(upload(depth, rows, pitch));
+    }
+    TRY(make_own(pitch * static_cast<std::size_t>(depth.height)));
+    source_.to = pitch * rows.first;
+    source_.from += source_.to;
+    source_.bytes = pitch * rows.count();
+    return StoredRows{copies_ ? own_ : source_.buffer, static_cast<std::uint32_t>(depth.bytes_per_sample),
                       static_cast<std::uint32_t>(pitch / row_texel_bytes), valid_};
 }
 
-void StoredPlane::record_reading_in(GpuCommands& commands) const {
+void StoredPlane::record_reading_in(GpuCommands& commands) {
+    const Source source = std::exchange(source_, {});
     if (!copies_) return;
-    commands.copy(upload_, taken_first_, stored_, taken_first_, taken_bytes_);
+    if (source.storage) commands.keep(source.storage);
+    commands.copy(source.buffer, source.from, own_, source.to, source.bytes);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
     commands.mark("read in");
 }
 
-Result<VulkanVertices::Plane> VulkanVertices::Plane::create(const GpuDevice& device, const std::string& name,
-                                                            std::size_t bytes, bool copied) {
+Result<VulkanPlanes::Plane> VulkanPlanes::Plane::create(const GpuDevice& device, const std::string& name,
+                                                        std::size_t bytes,
+                                                        std::optional<std::size_t> copied_bytes) {
     TRY_ASSIGN(auto gpu,
-               GpuBuffer::create(device, name, bytes, copied ? GpuMemory::device : GpuMemory::shared));
-    if (!copied) return Plane{gpu, gpu};
-    TRY_ASSIGN(auto host, GpuBuffer::create(device, name + " read back", bytes, GpuMemory::readback));
+               GpuBuffer::create(device, name, bytes, copied_bytes ? GpuMemory::device : GpuMemory::shared));
+    if (!copied_bytes) return Plane{gpu, gpu};
+    TRY_ASSIGN(auto host, GpuBuffer::create(device, name + " read back", *copied_bytes, GpuMemory::readback));
     return Plane{gpu, host};
 }
 
-Result<std::unique_ptr<VulkanVertices>> VulkanVertices::create(const GpuDevice& device,
-                                                               const SurfaceFrame& frame, int width,
-                                                               int height, bool copied) {
-    std::unique_ptr<VulkanVertices> made(new VulkanVertices(device, frame, width, height));
+Result<VulkanPlanes> VulkanPlanes::create(const GpuDevice& device, int width, int height,
+                                          const SurfacePlan& plan) {
+    VulkanPlanes made{device.vulkan(), width, height, plan.packs_rows(width)};
     const auto rows = static_cast<std::size_t>(height), columns = static_cast<std::size_t>(width);
     const TileGrid grid = TileGrid::of(width, height);
-    const std::tuple<Plane&, const char*, std::size_t> planes[] = {
-        {made->codes, "codes", rows * ((columns + 7) / 8) * 16},
-        {made->validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t)},
-        {made->tiles, "tiles",
-         static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y) *
-             sizeof(TileBounds)}};
-    for (const auto& [plane, name, bytes] : planes) {
-        TRY_ASSIGN(auto created, Plane::create(device, name, bytes, copied));
-        plane = created;
+    const std::size_t codes_bytes = rows * ((columns + 7) / 8) * 16;
+    const struct {
+        Plane& plane;
+        const char* name;
+        std::size_t bytes, copied_bytes;
+    } planes[] = {
+        {made.codes, "codes", codes_bytes, made.packed ? 2 * rows * columns : codes_bytes},
+        {made.validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t), 0},
+        {made.tiles, "tiles",
+         static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y) * sizeof(TileBounds),
+         0}};
+    for (const auto& each : planes) {
+        const std::size_t copied = each.copied_bytes > 0 ? each.copied_bytes : each.bytes;
+        TRY_ASSIGN(each.plane, Plane::create(device, each.name, each.bytes,
+                                             plan.copies ? std::optional(copied) : std::nullopt));
     }
     return made;
 }
 
-bool VulkanVertices::serves(const GpuDevice& device, int width, int height, bool copied) const {
-    return codes.is_copied() == copied && is_on(device) && width_ == width && height_ == height;
+bool VulkanPlanes::serves(const GpuDevice& device, int for_width, int for_height,
+                          const SurfacePlan& plan) const {
+    return is_on(device) && width == for_width && height == for_height && codes.is_copied() == plan.copies &&
+           packed == plan.packs_rows(width);
 }
 
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
@@ -263,9 +384,11 @@ Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& s
     const int run =
         plan.segment_texels > 0 ? static_cast<int>(groups_for(plan.segment_texels, 4)) : longest_run;
     TRY_ASSIGN(auto list, BlockList::create(*device, scene.width, scene.height,
-                                            plan.break_even > 0 ? recording.reach() : std::nullopt,
+                                            plan.builds_in_part() ? recording.reach() : std::nullopt,
                                             plan.break_even, run));
-    return std::make_unique<Builder>(scene, device, plan, std::move(recording), std::move(list));
+    auto builder = std::make_unique<Builder>(scene, device, plan, std::move(recording), std::move(list));
+    TRY(builder->make_programs());
+    return builder;
 }
 
 Result<std::unique_ptr<SurfaceBuilder>> make_vulkan_builder(const Scene& scene,

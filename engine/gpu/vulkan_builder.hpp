@@ -22,41 +22,50 @@
 
 namespace touchable {
 
-/// What a slot of the Vulkan builder keeps: the memory of its frame, which its vertices read.
-class VulkanVertices final : public FilteredVertices {
-public:
+struct SurfacePlan;  // surface_kernels.hpp
+
+/// The memory of a built frame.
+struct VulkanPlanes {
     /// An array that kernels write and the CPU reads: one buffer, or one that is copied to another.
     struct Plane {
         GpuBuffer gpu, host;
 
         static Result<Plane> create(const GpuDevice& device, const std::string& name, std::size_t bytes,
-                                    bool copied);
+                                    std::optional<std::size_t> copied_bytes);
         bool is_copied() const { return gpu.handle() != host.handle(); }
     };
 
-    /// Codes with rows of whole texels; validity and bounds as in a SurfaceFrame.
-    static Result<std::unique_ptr<VulkanVertices>> create(const GpuDevice& device, const SurfaceFrame& frame,
-                                                          int width, int height, bool copied);
-    bool is_on(const GpuDevice& device) const { return vulkan_ == device.vulkan(); }
-    /// Whether its memory serves frames of this size on this device.
-    bool serves(const GpuDevice& device, int width, int height, bool copied) const;
+    /// Codes with rows of whole texels, in what is copied without gaps where the plan packs rows; validity
+    /// and bounds as in a SurfaceFrame.
+    static Result<VulkanPlanes> create(const GpuDevice& device, int width, int height,
+                                       const SurfacePlan& plan);
+    /// Whether it serves frames of this size on this device.
+    bool serves(const GpuDevice& device, int width, int height, const SurfacePlan& plan) const;
+    bool is_on(const GpuDevice& device) const { return vulkan == device.vulkan(); }
 
-    Plane codes, validity, tiles;
-    BuildNumber build;  ///< that the memory holds
-
-private:
-    VulkanVertices(const GpuDevice& device, const SurfaceFrame& frame, int width, int height)
-        : FilteredVertices(frame), vulkan_(device.vulkan()), width_(width), height_(height) {}
-
-    std::shared_ptr<VulkanDevice> vulkan_;
-    int width_, height_;
+    std::shared_ptr<VulkanDevice> vulkan;
+    int width = 0, height = 0;
+    bool packed = false;
+    Plane codes{}, validity{}, tiles{};
+    BuildNumber build{};  ///< that it holds
 };
 
-/// Frames by kernels: one submission each, which `build` waits for. The codes, validity and bounds of a frame
-/// stay in the GPU's mapped memory where that is the CPU's too, and are read back to mapped memory elsewhere;
-/// only rows that are no multiple of 8 codes are copied. A recycled slot keeps its memory. `build` fails with
-/// ErrorKind::gpu where the device is lost, has too little memory or does not answer; `out` then holds no
-/// frame.
+/// What a slot of the Vulkan builder keeps: the memory of its frame, which its vertices read.
+class VulkanVertices final : public FilteredVertices {
+public:
+    VulkanVertices(const SurfaceFrame& frame, VulkanPlanes memory)
+        : FilteredVertices(frame), planes(std::move(memory)) {}
+
+    VulkanPlanes planes;
+    BuildNumber touch_planes;  ///< of the frame whose haptic and height planes the slot has
+};
+
+/// Frames by kernels: one submission each. On a GPU with memory of its own three may be begun before the
+/// first is finished. The codes, validity and bounds of a frame stay in the GPU's mapped memory where that is
+/// the CPU's too, and are read back to mapped memory elsewhere. There the CPU copies nothing; where memory is
+/// shared, rows that are no multiple of 8 codes. `build` keeps the memory of a recycled slot; `finish` gives
+/// it the frame's own, and a frame to come the slot's. They fail with ErrorKind::gpu where the device is
+/// lost, has too little memory or does not answer; `out` then holds no frame.
 ///
 /// Refused (ErrorKind::gpu) where the scene's frames are larger than the device's buffers may be, or with a
 /// temporal filter where depth.invalid names some of 65536 codes, but neither 0 nor 65535.

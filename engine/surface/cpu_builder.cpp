@@ -80,7 +80,7 @@ public:
         else
             build_all(raw, out);
         if (is_large(scene_) && stop_requested()) return interrupted_error();
-        if (!changes_ || !changes_->same_touch_planes(held)) copy_touch_planes(raw, out);
+        if (!changes_ || !held.is_since(changes_->touch_planes())) copy_touch_planes(raw, out);
         out.filled = raw.filled;
         vertices.build = newest;
         return {};

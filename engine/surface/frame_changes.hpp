@@ -38,6 +38,9 @@ struct BlockGrid {
 /// which are its own, takes it off before it changes the slot and puts it back, newer, when it has done.
 struct BuildNumber {
     std::uint64_t builder = 0, frame = 0;
+
+    /// Whether it is of the same builder, and that frame or a later one.
+    bool is_since(const BuildNumber& other) const { return builder == other.builder && frame >= other.frame; }
 };
 
 /// What has changed from frame to frame of one builder, so that it can build only that again, even in a slot
@@ -64,8 +67,9 @@ public:
         std::uint64_t since_;
     };
 
-    /// `reach`: pixels as far from one another as this, along x and y, may depend on each other.
-    FrameChanges(int width, int height, int reach, VectorUnit unit);
+    /// `reach`: pixels as far from one another as this, along x and y, may depend on each other. Nothing:
+    /// depth is not compared, and all of it is new in each frame.
+    FrameChanges(int width, int height, std::optional<int> reach, VectorUnit unit);
 
     /// The next frame, which is compared with the one before, if that keeps its planes alive (`storage`):
     /// after one that does not everything is new.
@@ -76,10 +80,8 @@ public:
     std::optional<StaleBlocks> stale_blocks(const BuildNumber& held) const;
     /// Called where a frame was built as a whole though its blocks were known: the next few are not compared.
     void comparing_was_in_vain();
-    /// Whether `held` had the newest frame's haptic and height planes.
-    bool same_touch_planes(const BuildNumber& held) const {
-        return held.builder == builder_ && held.frame >= touch_planes_;
-    }
+    /// Since which frame haptic and height planes have been those of the newest.
+    BuildNumber touch_planes() const { return {builder_, touch_planes_}; }
 
 private:
     bool compare_depth(const PlaneView& after, RowBands& bands);
@@ -89,7 +91,7 @@ private:
     void mark(const PixelBox& changed);
 
     const std::uint64_t builder_;
-    const int reach_;
+    const std::optional<int> reach_;
     const VectorUnit unit_;
     const BlockGrid grid_;
     int rest_ = 0;                                    // frames that will not be compared

@@ -192,9 +192,9 @@ Result<GpuProgram> SurfaceUnproject::program_for(const Constants& constants) {
 Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame& frame) {
     Planes planes;
     const auto* built = dynamic_cast<const VulkanVertices*>(frame.vertices.get());
-    if (built != nullptr && built->is_on(*device_)) {
-        planes.codes = built->codes.gpu;
-        planes.validity = built->validity.gpu;
+    if (built != nullptr && built->planes.is_on(*device_)) {
+        planes.codes = built->planes.codes.gpu;
+        planes.validity = built->planes.validity.gpu;
     } else {
         TRY_ASSIGN(planes.codes, upload_pixels(uploads_, "view codes", frame.codes.data(), frame));
         const std::size_t bytes = frame.validity.size() * sizeof(std::uint32_t);

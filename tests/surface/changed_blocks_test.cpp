@@ -208,7 +208,7 @@ TEST_F(Changes, AreKnownOfEveryFrameOfTheSameBuilder) {
     const BuildNumber other = others.advance(kept_frame(codes_), bands_), first = repeat();
     EXPECT_EQ(stale({}), "all");
     EXPECT_EQ(stale(other), "all");
-    EXPECT_FALSE(changes_.same_touch_planes(other));
+    EXPECT_FALSE(other.is_since(changes_.touch_planes()));
     for (int n = 0; n < 100; ++n) {
         EXPECT_EQ(stale(first), n == 0 ? "" : "00 ") << n;
         change(8, 8);
@@ -265,16 +265,16 @@ TEST_F(Changes, TellHapticAndHeightPlanesApart) {
     };
     const BuildNumber none = advance(nullptr, nullptr);
     const BuildNumber both = advance(planes->data(), planes->data());
-    EXPECT_FALSE(changes_.same_touch_planes(none));
+    EXPECT_FALSE(none.is_since(changes_.touch_planes()));
     const BuildNumber again = advance(planes->data(), planes->data());
-    EXPECT_TRUE(changes_.same_touch_planes(both));
+    EXPECT_TRUE(both.is_since(changes_.touch_planes()));
     const BuildNumber rougher = advance(other->data(), planes->data());
-    EXPECT_FALSE(changes_.same_touch_planes(both));
-    EXPECT_FALSE(changes_.same_touch_planes(again));
-    EXPECT_TRUE(changes_.same_touch_planes(rougher));
+    EXPECT_FALSE(both.is_since(changes_.touch_planes()));
+    EXPECT_FALSE(again.is_since(changes_.touch_planes()));
+    EXPECT_TRUE(rougher.is_since(changes_.touch_planes()));
     advance(other->data(), nullptr);
-    EXPECT_FALSE(changes_.same_touch_planes(rougher));
-    EXPECT_FALSE(changes_.same_touch_planes({}));
+    EXPECT_FALSE(rougher.is_since(changes_.touch_planes()));
+    EXPECT_FALSE(BuildNumber{}.is_since(changes_.touch_planes()));
     EXPECT_EQ(stale(none), "");
 }
 

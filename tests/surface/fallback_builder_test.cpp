@@ -99,6 +99,31 @@ TEST(FallbackBuilder, GoesOnWhereTheGpuIsLost) {
     EXPECT_EQ(told[0].rfind("frame 4: ", 0), 0U) << told[0];
 }
 
+/// Three are in flight when the GPU is lost, and none is.
+TEST(FallbackBuilder, BuildsWhatWasInFlightWithTheSecond) {
+    auto opened = GpuDevice::open();
+    ASSERT_TRUE(opened) << opened.error().message;
+    auto vulkan = make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(*opened), all_plans[2]);
+    ASSERT_TRUE(vulkan) << vulkan.error().message;
+    std::vector<std::string> told;
+    const auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
+                                               [&](const std::string& line) { told.push_back(line); });
+    EXPECT_EQ(builder->frames_in_flight(), 3);
+    SurfaceFrame slot, reference;
+    std::int64_t begun = 0;
+    for (std::int64_t number = 0; number < 9; ++number) {
+        for (; begun < number + builder->frames_in_flight() && begun < 9; ++begun)
+            ASSERT_TRUE(builder->begin(stored(begun)));
+        if (number == 4) (*opened)->lose();
+        ASSERT_TRUE(make_reference_builder(scene)->build(stored(number), reference));
+        ASSERT_TRUE(builder->finish(slot));
+        EXPECT_EQ(first_difference(reference, slot), "") << number;
+        EXPECT_EQ(builder->name(), number < 4 ? "vulkan" : "cpu");
+    }
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0].rfind("frame 4: ", 0), 0U) << told[0];
+}
+
 TEST(FallbackBuilder, GoesOnWhereTheGpuHangs) {
     auto opened = GpuDevice::open();
     ASSERT_TRUE(opened) << opened.error().message;

@@ -123,6 +123,89 @@ TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
             }
 }
 
+/// More frames than are in flight, some of them in slots that hold another builder's; filters that remember
+/// see them in order.
+TEST(VulkanBuilder, GivesFramesThatAreInFlightInTheirOrder) {
+    FilterSettings remembering{3, 1, TerraceRemoval::on};
+    remembering.temporal = true;
+    remembering.temporal_noise = {4, 0};
+    for (const FilterSettings& filter : {FilterSettings{3, 0}, FilterSettings{0, 2}, remembering})
+        for (const SurfacePlan& plan : all_plans) {
+            const Scene scene = depth_scene(83, 45, 16, Marking::zero, filter);
+            auto made = make_vulkan_builder(scene, test_kernels(), plan);
+            ASSERT_TRUE(made) << made.error().message;
+            SurfaceBuilder& builder = **made;
+            EXPECT_EQ(builder.frames_in_flight(), plan.builds_in_part() ? 1 : 3);
+            const auto twin = make_reference_builder(scene);
+            std::vector<std::shared_ptr<StoredPlane>> planes;
+            for (std::uint64_t n = 0; n < 12; ++n) {
+                planes.push_back(std::make_shared<StoredPlane>(noisy_plane(scene, Fill::blob, n)));
+            }
+            const auto frame = [&](std::size_t n) {
+                RawFrame raw = planes[n]->frame();
+                raw.number = static_cast<std::int64_t>(n);
+                raw.storage = planes[n];
+                return raw;
+            };
+            SurfaceFrame slots[4];
+            ASSERT_TRUE(make_cpu_builder(scene)->build(frame(0), slots[1]));
+            std::size_t begun = 0;
+            for (std::size_t n = 0; n < planes.size(); ++n) {
+                for (; begun < planes.size() &&
+                       begun < n + static_cast<std::size_t>(builder.frames_in_flight());
+                     ++begun)
+                    ASSERT_TRUE(builder.begin(frame(begun)));
+                SurfaceFrame reference;
+                ASSERT_TRUE(twin->build(frame(n), reference));
+                const auto finished = builder.finish(slots[n % 4]);
+                ASSERT_TRUE(finished) << finished.error().message;
+                EXPECT_EQ(first_difference(reference, slots[n % 4]), "")
+                    << plan_text(plan) << ", frame " << n;
+                // The frames before are not written over.
+                if (n == 0) continue;
+                ASSERT_TRUE(make_reference_builder(scene)->build(frame(n - 1), reference));
+                if (!FilterPlan(scene).remembers()) {
+                    EXPECT_EQ(first_difference(reference, slots[(n - 1) % 4]), "") << plan_text(plan);
+                }
+            }
+        }
+}
+
+/// Of more blocks than a builder keeps imported, and with rows of every padding. A block that is imported has
+/// an owner more.
+TEST(VulkanBuilder, CopiesPlanesFromTheMemoryThatTheyLieIn) {
+    for (const int width : {83, 96}) {
+        const Scene scene = depth_scene(width, 31, 16, Marking::zero, {3, 0});
+        auto made = make_vulkan_builder(scene, test_kernels(), all_plans[2]);
+        ASSERT_TRUE(made) << made.error().message;
+        std::vector<std::shared_ptr<std::uint8_t>> leases;
+        for (std::uint64_t n = 0; n < 40; ++n) {
+            const StoredPlane plane = noisy_plane(scene, Fill::few_holes, n);
+            const std::size_t row = std::size_t{2} * static_cast<std::size_t>(width),
+                              stride = aligned_bytes(row, 64) + 64 * (n % 3) + (n % 5 == 4 ? 2 : 0),
+                              bytes = 31 * stride;
+            leases.push_back(take_plane_memory(bytes));
+            RawFrame raw = plane.frame();
+            raw.storage = leases.back();
+            raw.depth.data = leases.back().get();
+            raw.depth.stride = static_cast<std::ptrdiff_t>(stride);
+            for (int y = 0; y < 31; ++y)
+                std::memcpy(leases.back().get() + static_cast<std::size_t>(y) * stride, plane.view.row(y),
+                            row);
+            const auto owners = [&] { return plane_block_of(raw.depth.data, bytes).use_count(); };
+            const long before = owners();
+            SurfaceFrame reference, frame;
+            ASSERT_TRUE(make_reference_builder(scene)->build(raw, reference));
+            ASSERT_TRUE((*made)->build(raw, frame));
+            EXPECT_EQ(first_difference(reference, frame), "") << width << " wide, stride " << stride;
+            // Rows that are not whole texels the CPU copies.
+            EXPECT_EQ(owners() > before, n % 5 != 4) << stride;
+        }
+        for (std::size_t n = 0; n < leases.size(); ++n)
+            EXPECT_EQ(plane_block_of(leases[n].get(), 1).use_count() > 2, n >= 10 && n % 5 != 4) << n;
+    }
+}
+
 /// For every plan: a device whose limits just suffice makes the builder; one less of any limit refuses it.
 TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
     auto device = GpuDevice::open();
