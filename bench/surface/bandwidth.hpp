@@ -8,8 +8,13 @@
 
 namespace touchable {
 
-/// What a copy between two buffers of the device moves, read and written, GB/s: the most of a few.
-Result<double> copy_bandwidth(const std::shared_ptr<GpuDevice>& device);
+/// What a copy from one buffer of the device to another moves, read and written, GB/s: the most of a few.
+struct CopyBandwidth {
+    double by_kernel = 0;   ///< 16 bytes a lane
+    double by_command = 0;  ///< vkCmdCopyBuffer
+};
+/// An error of kind check where the bytes do not arrive.
+Result<CopyBandwidth> copy_bandwidth(const std::shared_ptr<GpuDevice>& device);
 
 /// Bytes that codes of a frame cannot do without: stored values in, codes, validity and bounds out.
 double least_bytes(const SurfaceCase& c);

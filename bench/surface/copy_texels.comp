@@ -1,0 +1,12 @@
+#version 460
+
+// Copies a buffer, 16 bytes a lane: what the device's memory can do at most.
+
+layout(local_size_x = 256) in;
+layout(set = 0, binding = 0, std430) readonly buffer From { uvec4 from[]; };
+layout(set = 0, binding = 1, std430) writeonly buffer To { uvec4 to[]; };
+
+void main() {
+    const uint lane = gl_GlobalInvocationID.x;
+    if (lane < from.length()) to[lane] = from[lane];
+}

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/base/try.hpp"
+#include "engine/gpu/surface_kernels.hpp"
+
+namespace touchable {
+
+/// One device and its kernels for all cases of a suite, opened when the first case needs them.
+class KernelShelf {
+public:
+    Result<std::shared_ptr<SurfaceKernels>> take() {
+        if (!kernels_) {
+            TRY_ASSIGN(auto device, GpuDevice::open());
+            kernels_ = std::make_shared<SurfaceKernels>(device);
+        }
+        return kernels_;
+    }
+
+private:
+    std::shared_ptr<SurfaceKernels> kernels_;
+};
+
+}  // namespace touchable
