@@ -24,6 +24,8 @@ constexpr std::array suites{
                touch_cases, conclude_touch},
     BenchSuite{"surface", "frames by kernels, by the CPU and by others: time per frame", surface_cases,
                conclude_surface},
+    BenchSuite{"gpu", "a Vulkan device: its memory, its frames beside the CPU's, and which way costs least",
+               gpu_cases},
     BenchSuite{"loop", "hand, device and surface in a closed loop: up to which stiffness it is stable",
                loop_cases},
     BenchSuite{"paper", "the paper's own experiments: spectrum of the force, time of a tick", paper_cases,

@@ -45,6 +45,7 @@ struct BenchSuite {
 
 std::vector<BenchCase> touch_cases(bool quick);
 std::vector<BenchCase> surface_cases(bool quick);
+std::vector<BenchCase> gpu_cases(bool quick);
 std::vector<BenchCase> loop_cases(bool quick);
 std::vector<BenchCase> paper_cases(bool quick);
 std::vector<BenchCase> media_cases(bool quick);

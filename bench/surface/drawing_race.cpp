@@ -6,8 +6,10 @@
 #include <functional>
 #include <string>
 
+#include "bench/clocks.hpp"
 #include "bench/surface/race.hpp"
 #include "bench/surface/surface_case.hpp"
+#include "engine/base/try.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/gpu/surface_kernels.hpp"
@@ -18,7 +20,9 @@
 namespace touchable {
 namespace {
 
-constexpr int picture_width = 1280, picture_height = 720;
+struct PictureSize {
+    int width = 1280, height = 720;
+};
 
 /// Two frames in a row, as their clip gives them.
 struct TwoFrames {
@@ -32,6 +36,15 @@ Result<TwoFrames> planet_frames() {
     auto globe = make_scene("globe", options);
     if (!globe) return globe.error();
     return TwoFrames{(*globe)->scene(), (*globe)->frame(0), (*globe)->frame(1)};
+}
+
+/// Of which every pixel differs.
+Result<TwoFrames> moving_frames(const PictureSize& size) {
+    SceneOptions options;
+    options.width = size.width;
+    options.height = size.height;
+    TRY_ASSIGN(const auto moving, make_scene("moving", options));
+    return TwoFrames{moving->scene(), moving->frame(0), moving->frame(1)};
 }
 
 Result<TwoFrames> recorded_frames(const std::filesystem::path& clip) {
@@ -65,14 +78,14 @@ std::vector<FingerMark> five_fingers(const Viewpoint::Subject& subject, double s
 /// One surface, two views of it, and pictures of it by one painter after the other.
 class Gallery {
 public:
-    Gallery(TwoFrames frames, std::shared_ptr<GpuDevice> device)
-        : frames_(std::move(frames)), device_(std::move(device)) {}
+    Gallery(TwoFrames frames, std::shared_ptr<GpuDevice> device, PictureSize size = {})
+        : frames_(std::move(frames)), device_(std::move(device)), size_(size) {}
 
-    Result<void> open(const std::shared_ptr<SurfaceKernels>& kernels) {
-        auto builder = make_vulkan_builder(frames_.scene, kernels, plan_for(device_->facts()));
-        if (!builder) return builder.error();
+    const Scene& scene() const { return frames_.scene; }
+
+    Result<void> open(SurfaceBuilder& builder) {
         for (const auto& [raw, frame] : {std::pair{&frames_.first, &prev_}, {&frames_.second, &next_}})
-            if (auto built = (*builder)->build(*raw, *frame); !built) return built;
+            if (auto built = builder.build(*raw, *frame); !built) return built;
         field_.emplace(frames_.scene, pair());
         subject_ = subject_of(*field_);
         sizes_ = mark_sizes(frames_.scene, subject_.middle);
@@ -84,9 +97,9 @@ public:
         }
         for (const double azimuth : {20.0, 20.1})
             views_.push_back(make_view({false, azimuth, 8, 1, std::nullopt}, frames_.scene, subject_.middle,
-                                       picture_width, picture_height));
+                                       size_.width, size_.height));
         auto target =
-            GpuImage::create(*device_, "picture", picture_width, picture_height, VK_FORMAT_R8G8B8A8_UNORM);
+            GpuImage::create(*device_, "picture", size_.width, size_.height, VK_FORMAT_R8G8B8A8_UNORM);
         if (!target) return target.error();
         target_ = std::move(*target);
         return {};
@@ -101,6 +114,19 @@ public:
     Result<void> draw(SurfaceDrawing& drawing, bool moves) {
         view_ = moves ? 1 - view_ : view_;
         return submit([&](GpuCommands& commands) {
+            return drawing.draw(commands, views_[view_], fingers_, sizes_, target_);
+        });
+    }
+    /// In place of the later frame the one or the other, in turn.
+    Result<void> build_next(SurfaceBuilder& builder) {
+        builds_second_ = !builds_second_;
+        return builder.build(builds_second_ ? frames_.second : frames_.first, next_);
+    }
+    /// A surface that has not been shown, and a picture of it from another point, in one submission.
+    Result<void> show_and_draw(SurfaceDrawing& drawing) {
+        view_ = 1 - view_;
+        return submit([&](GpuCommands& commands) -> Result<void> {
+            TRY(drawing.show(commands, *field_, pair(), frames_.first.colour, Lighting::lit));
             return drawing.draw(commands, views_[view_], fingers_, sizes_, target_);
         });
     }
@@ -126,8 +152,7 @@ public:
         return {};
     }
     Result<void> make_file_picture(SurfacePainter& painter) const {
-        const SurfacePainter::Settings settings{
-            {false, 20, 8, 1, std::nullopt}, picture_width, picture_height};
+        const SurfacePainter::Settings settings{{false, 20, 8, 1, std::nullopt}, size_.width, size_.height};
         const auto made =
             make_picture(settings, frames_.scene, surface_, subject_, fingers_, sizes_, painter);
         if (!made) return made.error();
@@ -137,15 +162,16 @@ public:
     /// The target's picture against the one put together on the CPU, from the same view. Edges of fingers
     /// differ.
     Result<void> compare(const std::string& painter) const {
-        auto back =
-            GpuBuffer::create(*device_, "picture", 4 * picture_width * picture_height, GpuMemory::readback);
+        auto back = GpuBuffer::create(*device_, "picture", 4 * pixel_count(size_.width, size_.height),
+                                      GpuMemory::readback);
         if (!back) return back.error();
         auto copied = submit([&](GpuCommands& commands) -> Result<void> {
             record_transition(commands, target_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                               VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
             VkBufferImageCopy region{};
             region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-            region.imageExtent = {picture_width, picture_height, 1};
+            region.imageExtent = {static_cast<std::uint32_t>(size_.width),
+                                  static_cast<std::uint32_t>(size_.height), 1};
             vkCmdCopyImageToBuffer(commands.handle(), target_.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                    back->handle(), 1, &region);
             commands.keep(back->keep_alive());
@@ -180,7 +206,9 @@ private:
 
     TwoFrames frames_;
     std::shared_ptr<GpuDevice> device_;
+    const PictureSize size_;
     SurfaceFrame prev_, next_;
+    bool builds_second_ = true;  // in `next_`
     std::optional<HeightField> field_;
     Viewpoint::Subject subject_;
     MarkSizes sizes_;
@@ -197,7 +225,8 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
     if (!frames) return frames.error();
     const auto& device = kernels->device();
     Gallery gallery(std::move(*frames), device);
-    if (auto opened = gallery.open(kernels); !opened) return opened;
+    TRY_ASSIGN(const auto builder, make_vulkan_builder(gallery.scene(), kernels, plan_for(device->facts())));
+    if (auto opened = gallery.open(*builder); !opened) return opened;
     const auto painter = make_raster_painter(device);
     if (!painter) return painter.error();
     std::vector<Racer> racers{
@@ -230,7 +259,50 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
     return {};
 }
 
+/// Pictures by each GPU painter of frames that this builder makes.
+Result<void> measure_pictures_of(SurfaceBuilder& builder, Gallery& gallery, const std::string& name,
+                                 double seconds, const std::shared_ptr<GpuDevice>& device, Figures& figures) {
+    TRY(gallery.open(builder));
+    TRY_ASSIGN(const auto painter, make_raster_painter(device));
+    std::vector<std::unique_ptr<SurfaceDrawing>> drawings;
+    std::vector<Racer> racers;
+    for (const char* by : {"raster", "mesh"}) {
+        TRY_ASSIGN(auto made, SurfaceDrawing::create(device, by));
+        SurfaceDrawing& drawing = *drawings.emplace_back(std::move(made));
+        TRY(gallery.show(drawing));
+        TRY(gallery.draw(drawing, true));
+        TRY(gallery.make_surface(*painter));
+        TRY(gallery.put_together(*painter));
+        TRY(gallery.compare(by));
+        const std::string what = by + ("_" + name);
+        racers.push_back({what, [&] { return gallery.show_and_draw(drawing); }});
+        racers.push_back({what + "_frame", [&]() -> Result<void> {
+                              TRY(gallery.build_next(builder));
+                              return gallery.show_and_draw(drawing);
+                          }});
+    }
+    TRY(race(racers, 1));
+    const std::int64_t end = monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
+    do {
+        TRY(race(racers, 1));
+    } while (monotonic_ns() < end);
+    for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
+    return {};
+}
+
 }  // namespace
+
+Result<void> measure_pictures_by_builder(int width, int height, double seconds,
+                                         const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
+    const auto& device = kernels->device();
+    TRY_ASSIGN(auto frames, moving_frames({width, height}));
+    Gallery gallery(std::move(frames), device, {width, height});
+    const auto by_cpu = make_cpu_builder(gallery.scene());
+    TRY(measure_pictures_of(*by_cpu, gallery, "cpu", seconds, device, figures));
+    TRY_ASSIGN(const auto by_vulkan,
+               make_vulkan_builder(gallery.scene(), kernels, plan_for(device->facts())));
+    return measure_pictures_of(*by_vulkan, gallery, "vulkan", seconds, device, figures);
+}
 
 std::vector<BenchCase> drawing_cases(
     bool quick, const std::function<Result<std::shared_ptr<SurfaceKernels>>()>& kernels) {

@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/gpu/bus.hpp"
+#include "bench/gpu/frames_in_turn.hpp"
+#include "bench/gpu/live_touch.hpp"
+#include "bench/gpu/ways.hpp"
+#include "bench/suite.hpp"
+#include "bench/surface/drawing_race.hpp"
+#include "bench/surface/kernel_shelf.hpp"
+#include "engine/base/try.hpp"
+
+namespace touchable {
+namespace {
+
+struct TurnSize {
+    int width, height;
+};
+
+/// The frames of one size, which all its filters are measured on; those of another size are gone by then.
+class RingShelf {
+public:
+    Result<const FrameRing*> take(const TurnSize& size) {
+        if (!ring_ || ring_->scene().width != size.width) {
+            ring_.reset();
+            TRY_ASSIGN(auto made, ring_of_noise(size.width, size.height));
+            ring_ = std::make_unique<FrameRing>(std::move(made));
+        }
+        return ring_.get();
+    }
+    void clear() { ring_.reset(); }
+
+private:
+    std::unique_ptr<FrameRing> ring_;
+};
+
+}  // namespace
+
+std::vector<BenchCase> gpu_cases(bool quick) {
+    const auto kernels = std::make_shared<KernelShelf>();
+    const auto rings = std::make_shared<RingShelf>();
+    std::vector<BenchCase> cases;
+    cases.push_back({"memory", [kernels](Figures& figures) -> Result<void> {
+                         TRY_ASSIGN(const auto taken, kernels->take());
+                         return measure_device_memory(taken->device(), figures);
+                     }});
+    cases.push_back({"bus-3840x2160", [kernels](Figures& figures) -> Result<void> {
+                         TRY_ASSIGN(const auto taken, kernels->take());
+                         return measure_bus(taken->device(), figures);
+                     }});
+    for (const TurnSize& size : {TurnSize{1920, 1080}, {3840, 2160}})
+        for (const TimedFilter& filter : timed_filters()) {
+            if (quick && size.width > 1920 && filter.name != "m3") continue;
+            cases.push_back({"turns-" + std::to_string(size.width) + "x" + std::to_string(size.height) + "-" +
+                                 std::string(filter.name),
+                             [=](Figures& figures) -> Result<void> {
+                                 TRY_ASSIGN(const auto taken, kernels->take());
+                                 TRY_ASSIGN(const FrameRing* ring, rings->take(size));
+                                 return measure_in_turn(*ring, filter, quick, taken, figures);
+                             }});
+        }
+    cases.push_back({"jitter-1920x1080-m3", [=](Figures& figures) -> Result<void> {
+                         rings->clear();
+                         TRY_ASSIGN(const auto taken, kernels->take());
+                         return measure_jitter(1920, 1080, timed_filters()[1], quick ? 2 : 10, taken,
+                                               figures);
+                     }});
+    cases.push_back({"pictures-1920x1080", [=](Figures& figures) -> Result<void> {
+                         TRY_ASSIGN(const auto taken, kernels->take());
+                         return measure_pictures_by_builder(1920, 1080, quick ? 0.5 : 3, taken, figures);
+                     }});
+    for (BenchCase& c : ways_cases(quick, [kernels] { return kernels->take(); }))
+        cases.push_back(std::move(c));
+    return cases;
+}
+
+}  // namespace touchable
