@@ -4,6 +4,7 @@
 plot.py pareto TOUCH.json OUT.png      run time against error of every option of the touch solver
 plot.py stability LOOP.json OUT.png    up to which stiffness a closed loop is stable, beside theory
 plot.py spectrum PAPER.json OUT.png    power spectral density of the force by filter, as the paper's Fig. 19
+plot.py gpu GPU.json PAGE.html         a page: what a GPU, its builder and three ways to touch cost
 plot.py delay STREAM.json OUT.png      force error by transport, loss and delay, beside forces that are sent
 """
 
@@ -15,6 +16,7 @@ sys.dont_write_bytecode = True  # a plot leaves nothing in the source tree
 sys.path.append(str(Path(__file__).resolve().parents[1] / "player" / "plot"))
 
 from plots.delay import draw_delay
+from plots.gpu import draw_gpu
 from plots.pareto import draw_pareto
 from plots.spectrum import draw_spectrum
 from plots.stability import draw_stability
@@ -23,7 +25,7 @@ from style import BadInput
 
 def main():
     parser = argparse.ArgumentParser(description="Draws what touchable-bench wrote.")
-    commands = parser.add_subparsers(required=True, metavar="pareto|stability|spectrum|delay")
+    commands = parser.add_subparsers(required=True, metavar="pareto|stability|spectrum|delay|gpu")
     pareto = commands.add_parser("pareto", help="run time against error of the touch solver's options")
     pareto.add_argument("results", metavar="TOUCH.json")
     pareto.set_defaults(draw=draw_pareto)
@@ -38,6 +40,10 @@ def main():
     delay.set_defaults(draw=draw_delay)
     for command in (pareto, stability, spectrum, delay):
         command.add_argument("out", metavar="OUT.png")
+    gpu = commands.add_parser("gpu", help="a page: what a GPU, its builder and three ways to touch cost")
+    gpu.add_argument("results", metavar="GPU.json")
+    gpu.add_argument("out", metavar="PAGE.html")
+    gpu.set_defaults(draw=draw_gpu)
     arguments = parser.parse_args()
     try:
         arguments.draw(arguments)

@@ -20,9 +20,18 @@ def read_figures(file):
 
 def save(figure, out):
     """The picture appears whole or not at all."""
-    part = f"{out}.part.png"
+    save_by(lambda part: figure.savefig(part, dpi=130), out, ".png")
+
+
+def save_text(text, out):
+    """The file appears whole or not at all."""
+    save_by(lambda part: Path(part).write_text(text, encoding="utf-8"), out, "")
+
+
+def save_by(write, out, suffix):
+    part = f"{out}.part{suffix}"
     try:
-        figure.savefig(part, dpi=130)
+        write(part)
         os.replace(part, out)
     except OSError as fault:
         raise BadInput(f"{out}: cannot be written: {fault}") from None
