@@ -128,8 +128,8 @@ TEST(Targets, NameCasesThatTheirSuiteHas) {
 
 TEST(Suites, NameNoCaseTwice) {
     for (const bool quick : {false, true})
-        for (const auto& cases :
-             {touch_cases(quick), loop_cases(quick), surface_cases(quick), target_cases(quick)}) {
+        for (const auto& cases : {touch_cases(quick), loop_cases(quick), surface_cases(quick),
+                                  gpu_cases(quick), target_cases(quick)}) {
             std::set<std::string> names;
             for (const BenchCase& c : cases) EXPECT_TRUE(names.insert(c.name).second) << c.name;
             EXPECT_GT(names.size(), 8U);
