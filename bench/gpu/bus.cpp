@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -72,6 +73,9 @@ Result<void> measure_upload(const std::shared_ptr<GpuDevice>& device, const std:
 }  // namespace
 
 Result<void> measure_device_memory(const std::shared_ptr<GpuDevice>& device, Figures& figures) {
+    const GpuFacts& facts = device->facts();
+    std::fprintf(stderr, "device %s, %s %s, Vulkan %s\n", facts.name.c_str(), facts.driver.c_str(),
+                 facts.driver_info.c_str(), facts.api.c_str());
     TRY_ASSIGN(const auto bandwidth, copy_bandwidth(device));
     figures.push_back({"kernel_copy_gb_s", bandwidth.by_kernel, "GB/s"});
     figures.push_back({"copy_gb_s", bandwidth.by_command, "GB/s"});
@@ -83,7 +87,6 @@ Result<void> measure_device_memory(const std::shared_ptr<GpuDevice>& device, Fig
         least = std::min(least, ms_since(begin));
     }
     figures.push_back({"empty_submission_us", 1000 * least, "us"});
-    const GpuFacts& facts = device->facts();
     figures.push_back({"on_gpu", facts.kind != GpuKind::software ? 1.0 : 0.0, ""});
     figures.push_back({"unified_memory", facts.unified_memory ? 1.0 : 0.0, ""});
     figures.push_back({"imports_memory", facts.import_alignment > 0 ? 1.0 : 0.0, ""});

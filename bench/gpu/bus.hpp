@@ -7,7 +7,7 @@
 
 namespace touchable {
 
-/// What the device's memory does (bandwidth.hpp), and what an empty submission takes.
+/// Measures the bandwidth of the device's memory (bandwidth.hpp) and the time of an empty submission.
 Result<void> measure_device_memory(const std::shared_ptr<GpuDevice>& device, Figures& figures);
 
 /// Between the host and the device: a frame of 3840x2160 and 16 bits from each kind of host memory, and back.

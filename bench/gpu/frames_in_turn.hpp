@@ -12,7 +12,7 @@
 
 namespace touchable {
 
-/// What a frame costs a builder, milliseconds. A round is all frames of a ring.
+/// The cost of a frame for a builder, milliseconds. A round is all frames of a ring.
 struct FrameCost {
     double ms = HUGE_VAL;          ///< wall time of the fastest round, over its frames
     double median_ms = 0;          ///< the same of the median round
@@ -29,7 +29,7 @@ public:
         : builder_(builder), ring_(ring), in_flight_(in_flight) {}
 
     Result<void> round();
-    /// Of all rounds but the first, which pays for memory and pages.
+    /// The cost over all rounds but the first, which pays for memory and pages.
     FrameCost cost() const;
 
 private:

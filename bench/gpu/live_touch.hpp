@@ -21,7 +21,7 @@ struct LiveTouch {
     double seconds = 1;
 };
 
-/// How that went.
+/// The times of a live touch.
 struct LiveTimes {
     std::vector<double> late_us;  ///< of every tick, from when it was due until it began; ascending
     double cpu_ms_per_s = 0;      ///< CPU time of the process
@@ -33,7 +33,7 @@ struct LiveTimes {
     double late_us_at(double share) const;
 };
 
-/// Without a builder nothing is touched: the ticks alone.
+/// Runs ticks and frames side by side. If `builder` is null, the ticks run alone and touch nothing.
 Result<LiveTimes> touch_live(const LiveTouch& set_up, SurfaceBuilder* builder);
 
 /// How late ticks of five fingers begin: alone, beside the CPU builder, and beside the Vulkan builder, each

@@ -136,7 +136,7 @@ Result<std::vector<std::unique_ptr<SurfaceFrame>>> MovingForce::built(const Time
     return frames;
 }
 
-Result<MovingForce::Off> MovingForce::off(const TimedFilter& filter, const Frames& how) const {
+Result<std::optional<MovingForce::Off>> MovingForce::off(const TimedFilter& filter, const Frames& how) const {
     const int stride = most_rate / static_cast<int>(how.rate);
     const Scene scene = with_filter(scene_, filter);
     TRY_ASSIGN(const auto frames, built(filter, stride));
@@ -162,13 +162,12 @@ Result<MovingForce::Off> MovingForce::off(const TimedFilter& filter, const Frame
         age += 1000 * (now - n / how.rate);
         ++counted;
     }
-    if (counted == 0)
-        return Error{ErrorKind::check, "no frame of the moving surface is built within a second"};
+    if (counted == 0) return std::optional<Off>();
     Off off;
     off.n = std::sqrt(squared / counted);
     off.pct = 100 * off.n / true_n_;
     off.age_ms = age / counted;
-    return off;
+    return std::optional(off);
 }
 
 Result<double> MovingForce::off_by_filter(const TimedFilter& filter) const {

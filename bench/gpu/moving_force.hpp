@@ -2,6 +2,7 @@
 
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "bench/gpu/frame_ring.hpp"
@@ -26,13 +27,14 @@ public:
         double latency_ms = 0;   ///< from when a frame is taken until it is built
         double interval_ms = 0;  ///< from one frame that the builder makes to the next one, at least
     };
-    /// Over all ticks in which a frame is there.
+    /// The force error over all ticks that have a frame. Nothing is felt if no frame is built within the
+    /// second.
     struct Off {
         double n = 0;       ///< length of felt less true force, N, RMS
         double pct = 0;     ///< over the RMS of the true force
         double age_ms = 0;  ///< of the frame that is felt, mean
     };
-    Result<Off> off(const TimedFilter& filter, const Frames& frames) const;
+    Result<std::optional<Off>> off(const TimedFilter& filter, const Frames& frames) const;
     /// The same on frames without age: each at the moment that it was taken.
     Result<double> off_by_filter(const TimedFilter& filter) const;
     /// RMS of the true force, N.

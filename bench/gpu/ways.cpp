@@ -31,8 +31,8 @@ std::string name_of(const WaySize& size) {
     return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-/// What a frame costs each way; nothing where it refuses the filter. `latency_ms` is of a frame that is alone
-/// in flight.
+/// The cost of a frame by each way; no value if the way refuses the filter. `latency_ms` is that of a frame
+/// alone in flight.
 using WayFrames = std::array<std::optional<FrameCost>, 3>;
 
 struct TickCost {
@@ -68,7 +68,7 @@ public:
         taken_ = -1;
     }
     void prepare(int, int end) override {
-        // It was right in the run that compared forces, with the same frames.
+        // The run that compared forces took the same frames without an error.
         while (lazy_ && taken_ < number_at(end - 1)) static_cast<void>(take(taken_ + 1));
     }
     void tick(int k) override {
@@ -78,7 +78,7 @@ public:
             std::span(goals_).subspan(static_cast<std::size_t>(k) * fingers_.size(), fingers_.size());
         solver_.tick(HeightField(scene_, {newest, newest, 0}), goals, fingers_, contacts_);
     }
-    /// By the lazy builder, into its slot.
+    /// The lazy builder takes a frame into its slot.
     Result<void> take(std::int64_t number) {
         TRY(lazy_->build(ring_.frame(number), slot(number)));
         taken_ = number;
@@ -123,7 +123,7 @@ Result<void> check_same_forces(HeldRun& a, HeldRun& b, const std::string& what) 
     return Error{ErrorKind::check, what + ": no finger touches, so there is nothing to time"};
 }
 
-/// One size and filter: a builder of each way, and the ring's frames built by it.
+/// The builders of one size and filter, one for each way, and the ring's frames that they have built.
 class WayBench {
 public:
     static Result<std::unique_ptr<WayBench>> make(const FrameRing& ring, const TimedFilter& filter,
@@ -188,7 +188,7 @@ private:
         for (const Way way : {lazy, by_cpu, by_vulkan}) {
             if (!builder(way) || slots_[way]) continue;
             slots_[way] = std::make_unique<Slots>(static_cast<std::size_t>(ring_.count()));
-            // Anew from the first: a temporal filter remembers.
+            // A new epoch: the temporal filter must not remember the timed frames.
             for (int n = 0; n < ring_.count(); ++n) {
                 RawFrame raw = ring_.frame(n);
                 raw.epoch = 1;
@@ -304,9 +304,10 @@ Result<void> Comparison::measure_frames(const WaySize& size, std::size_t filter,
         for (const int rate : way_rates) {
             TRY_ASSIGN(const auto off,
                        moving->off(choice, {static_cast<double>(rate), cost.latency_ms, cost.ms}));
-            figures.push_back({name + "_error_n_" + rate_name(rate), off.n, "N"});
-            figures.push_back({name + "_error_pct_" + rate_name(rate), off.pct, "%", false});
-            figures.push_back({name + "_age_ms_" + rate_name(rate), off.age_ms, "ms", false});
+            if (!off) continue;
+            figures.push_back({name + "_error_n_" + rate_name(rate), off->n, "N"});
+            figures.push_back({name + "_error_pct_" + rate_name(rate), off->pct, "%", false});
+            figures.push_back({name + "_age_ms_" + rate_name(rate), off->age_ms, "ms", false});
         }
     }
     figures.push_back({"lazy_possible", costs[lazy] ? 1.0 : 0.0, ""});
@@ -328,7 +329,7 @@ Result<void> Comparison::measure_fingers(const Cell& cell, Figures& figures) {
     return {};
 }
 
-/// Where two ways cost most nearly the same, of those that keep up with the rate.
+/// Finds the cell and rate at which the two cheapest ways that keep up cost most nearly the same.
 Result<Comparison::Crossover> Comparison::nearest_crossover(const WaySize& size) {
     Crossover nearest;
     for (std::size_t filter = 0; filter < timed_filters().size(); ++filter)

@@ -292,7 +292,8 @@ def draw_errors(figures):
                     axes.plot(RATES, values, "osD"[index], linestyle=("-", "--", ":")[index], color=fill,
                               markersize=5 - index, linewidth=1.5, label=WAYS[way])
                 elif metrics:
-                    axes.annotate(f"{way}: not possible", (0.04, 0.4), xycoords="axes fraction", fontsize=8, color=fill)
+                    fault = "a frame takes over 1 s" if f"{way}_frame_ms" in metrics else "not possible"
+                    axes.annotate(f"{way}: {fault}", (0.04, 0.4 - 0.1 * index), xycoords="axes fraction", fontsize=8, color=fill)
             if "filter_error_n" in metrics:
                 axes.axhline(metrics["filter_error_n"], color="#666666", linewidth=0.9)
             axes.set(xscale="log", yscale="log")

@@ -8,7 +8,8 @@
 
 namespace touchable {
 
-/// What a copy from one buffer of the device to another moves, read and written, GB/s: the most of a few.
+/// The bandwidth of a copy from one buffer of the device to another, bytes read and written, GB/s: the best
+/// of a few.
 struct CopyBandwidth {
     double by_kernel = 0;   ///< 16 bytes a lane
     double by_command = 0;  ///< vkCmdCopyBuffer

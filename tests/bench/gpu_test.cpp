@@ -83,7 +83,7 @@ TEST(FrameRing, ChangesEveryPixelInPlaneMemory) {
     }
 }
 
-/// Of a surface whose speed is at most 63 mm/s, felt at 0.6 N/mm.
+/// The surface moves at most 63 mm/s, and its stiffness is 0.6 N/mm.
 TEST(MovingForce, IsOffByTheAgeOfTheFrame) {
     const auto moving = MovingForce::make(320, 240);
     ASSERT_TRUE(moving) << moving.error().message;
@@ -91,7 +91,8 @@ TEST(MovingForce, IsOffByTheAgeOfTheFrame) {
     const auto off = [&](double rate, double latency_ms, double interval_ms) {
         const auto result = moving->off(none, {rate, latency_ms, interval_ms});
         EXPECT_TRUE(result) << result.error().message;
-        return *result;
+        EXPECT_TRUE(*result);
+        return (*result).value_or(MovingForce::Off{});
     };
     const auto fast = off(120, 0, 0), slow = off(30, 0, 0), late = off(30, 20, 1), overrun = off(120, 30, 30);
     EXPECT_NEAR(fast.age_ms, 0.5 * 1000 / 120, 1);
@@ -105,8 +106,11 @@ TEST(MovingForce, IsOffByTheAgeOfTheFrame) {
     ASSERT_TRUE(by_filter);
     EXPECT_LT(*by_filter, fast.n);
     const auto by_median = moving->off(timed_filters()[1], {60, 0, 0});
-    ASSERT_TRUE(by_median);
-    EXPECT_NEAR(by_median->n, off(60, 0, 0).n, 0.05);
+    ASSERT_TRUE(by_median && *by_median);
+    EXPECT_NEAR((*by_median)->n, off(60, 0, 0).n, 0.05);
+    const auto never = moving->off(none, {30, 2000, 1});
+    ASSERT_TRUE(never);
+    EXPECT_FALSE(*never) << "no frame is there within the second";
 }
 
 }  // namespace
