@@ -335,8 +335,12 @@ def draw_runs(figures):
         return None
     figure, axes = plt.subplots(figsize=(9, 0.36 * len(runs) + 1.3), layout="constrained")
     for y, run in enumerate(runs):
-        axes.plot([run["computed"], run["ms_per_s"]], [y, y], color="#bbbbbb", linewidth=2, zorder=1)
         axes.plot(run["computed"], y, "o", color="white", markeredgecolor=WAY_COLOURS[run["way"]], markersize=7)
+        if run["ms_per_s"] <= 0:  # the empty ticks beside it cost more: other programs ran
+            axes.annotate("run: lost in noise", (run["computed"], y), xytext=(8, -3), textcoords="offset points",
+                          fontsize=8, color="#666666")
+            continue
+        axes.plot([run["computed"], run["ms_per_s"]], [y, y], color="#bbbbbb", linewidth=2, zorder=0)
         axes.plot(run["ms_per_s"], y, "o", color=WAY_COLOURS[run["way"]], markersize=7)
     axes.set_yticks(range(len(runs)), [f"{run['where']}: {run['way']}" for run in runs], fontsize=8.5)
     axes.invert_yaxis()
