@@ -97,8 +97,8 @@ private:
     Result<void> upload(const PlaneView& depth, const RowRange& rows, std::size_t pitch);
     Result<void> make_own(std::size_t bytes);
 
-    /// A little more than the blocks that a reader takes in turn.
-    static constexpr std::size_t most_imported = 24;
+    /// More than the frames of 4K that a reader, a timeline and a window hold.
+    static constexpr std::size_t most_imported_bytes = std::size_t{768} << 20;
 
     std::shared_ptr<GpuDevice> device_;
     const ValidCodes valid_;
@@ -107,7 +107,8 @@ private:
     std::size_t turn_ = 0;
     GpuBuffer own_;                                             // the GPU's, where that is not the same
     Source source_;                                             // by the last call
-    std::deque<std::pair<std::uint64_t, GpuBuffer>> imported_;  // by block, the newest first
+    std::deque<std::pair<std::uint64_t, GpuBuffer>> imported_;  // by block, the last used first
+    std::size_t imported_bytes_ = 0;
     bool imports_;
 };
 

@@ -267,18 +267,23 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
         return false;
     const auto block = plane_block_of(depth.data, bytes);
     if (!block) return false;
-    auto found = std::ranges::find(imported_, block->id(), [](const auto& each) { return each.first; });
-    if (found == imported_.end()) {
+    const auto found = std::ranges::find(imported_, block->id(), [](const auto& each) { return each.first; });
+    if (found != imported_.end()) {
+        auto used = std::move(*found);
+        imported_.erase(found);
+        imported_.push_front(std::move(used));
+    } else {
         auto made = GpuBuffer::import(*device_, "a reader's plane", block);
         if (!made) {
             imports_ = false;
             return false;
         }
-        if (imported_.size() == most_imported) imported_.pop_back();
         imported_.emplace_front(block->id(), *made);
-        found = imported_.begin();
+        imported_bytes_ += made->bytes();
+        for (; imported_bytes_ > most_imported_bytes && imported_.size() > 1; imported_.pop_back())
+            imported_bytes_ -= imported_.back().second.bytes();
     }
-    source_.buffer = found->second;
+    source_.buffer = imported_.front().second;
     source_.from = static_cast<std::size_t>(depth.data - block->data());
     source_.storage = raw.storage;
     return true;

