@@ -3,6 +3,7 @@
 #include "engine/surface/surface_builder.hpp"
 
 #include <cstdlib>
+#include <deque>
 
 #include "engine/base/threads.hpp"
 
@@ -61,13 +62,13 @@ public:
             Result<void> begun = first_->begin(raw);
             if (!begun && !has_failed(begun, raw)) return begun;
         }
-        begun_.push_back(raw);
+        in_flight_.push_back(raw);
         return {};
     }
 
     Result<void> finish(SurfaceFrame& out) override {
-        const RawFrame raw = std::move(begun_.front());
-        begun_.pop_front();
+        const RawFrame raw = std::move(in_flight_.front());
+        in_flight_.pop_front();
         if (first_) {
             Result<void> finished = first_->finish(out);
             if (!has_failed(finished, raw)) return finished;
@@ -87,7 +88,7 @@ private:
 
     std::unique_ptr<SurfaceBuilder> first_, second_;
     std::function<void(const std::string&)> told_;
-    std::deque<RawFrame> begun_;
+    std::deque<RawFrame> in_flight_;
 };
 
 }  // namespace
