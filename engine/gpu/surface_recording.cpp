@@ -186,8 +186,9 @@ Result<void> SurfaceRecording::check_limits() const {
     if (most_bytes / 16 > limits.max_texel_buffer_elements || most_bytes > limits.max_storage_buffer_range)
         return more_than_the_device_can(scene_, device(), "a buffer");
     const std::uint32_t most_groups = std::max(
-        groups_for((filters_.find<TerraceFilter>() ? height_ : strips_) * segments_, plan_.group_size),
-        groups_for(pitch_, hue_codes_group));
+        {groups_for((filters_.find<TerraceFilter>() ? height_ : strips_) * segments_, plan_.group_size),
+         groups_for(pitch_, hue_codes_group),
+         plan_.packs_rows(scene_.width) ? groups_for(width_ * height_, 2 * pack_rows_group) : 0U});
     if (most_groups > limits.max_group_count[0] || height_ > limits.max_group_count[1])
         return more_than_the_device_can(scene_, device(), "a dispatch");
     return {};

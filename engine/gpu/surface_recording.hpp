@@ -93,6 +93,10 @@ private:
         std::size_t from = 0, to = 0, bytes = 0;  // to: in the GPU's own
         std::shared_ptr<const void> storage;      // of a frame that is read where it lies
     };
+    struct Imported {
+        std::shared_ptr<const PlaneBlock> block;
+        GpuBuffer buffer;
+    };
     bool find_block(const RawFrame& raw, std::size_t least_pitch);
     Result<void> upload(const PlaneView& depth, const RowRange& rows, std::size_t pitch);
     Result<void> make_own(std::size_t bytes);
@@ -105,10 +109,9 @@ private:
     const bool copies_;
     std::vector<GpuBuffer> uploads_;  // as the CPU writes it, in turn
     std::size_t turn_ = 0;
-    GpuBuffer own_;                                             // the GPU's, where that is not the same
-    Source source_;                                             // by the last call
-    std::deque<std::pair<std::uint64_t, GpuBuffer>> imported_;  // by block, the last used first
-    std::size_t imported_bytes_ = 0;
+    GpuBuffer own_;                  // the GPU's, where that is not the same
+    Source source_;                  // by the last call
+    std::deque<Imported> imported_;  // the last used first
     bool imports_;
 };
 

@@ -16,8 +16,8 @@ constexpr std::size_t row_texel_bytes = 16;
 /// that one core waits for another.
 constexpr int longest_run = 8;
 
-/// Frames that are begun before the first is finished: one is copied to the GPU, one is built, one is copied
-/// back.
+/// Frames that are begun before the first is finished: one that the CPU reads or takes, one that the GPU
+/// works at, and one that is ready for it.
 constexpr int most_in_flight = 3;
 
 class Builder final : public VulkanSurfaceBuilder {
@@ -251,7 +251,7 @@ void BlockList::list(const FrameChanges::StaleBlocks& stale) {
 }
 
 Result<void> StoredPlane::make_own(std::size_t bytes) {
-    if (!copies_ || (own_ && own_.bytes() == bytes)) return {};
+    if (!copies_ || (own_ && own_.bytes() >= bytes)) return {};
     TRY_ASSIGN(own_, GpuBuffer::create(*device_, "stored values of the GPU", bytes, GpuMemory::device));
     return {};
 }
@@ -267,9 +267,11 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
         return false;
     const auto block = plane_block_of(depth.data, bytes);
     if (!block) return false;
-    const auto found = std::ranges::find(imported_, block->id(), [](const auto& each) { return each.first; });
+    if (block->bytes() > most_imported_bytes / 3) return false;  // it would not be lent again
+    const auto found =
+        std::ranges::find(imported_, block->id(), [](const auto& each) { return each.block->id(); });
     if (found != imported_.end()) {
-        auto used = std::move(*found);
+        Imported used = std::move(*found);
         imported_.erase(found);
         imported_.push_front(std::move(used));
     } else {
@@ -278,12 +280,15 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
             imports_ = false;
             return false;
         }
-        imported_.emplace_front(block->id(), *made);
-        imported_bytes_ += made->bytes();
-        for (; imported_bytes_ > most_imported_bytes && imported_.size() > 1; imported_.pop_back())
-            imported_bytes_ -= imported_.back().second.bytes();
+        // Of blocks that are not lent again the import is the only owner, by two handles.
+        std::erase_if(imported_, [](const Imported& each) { return each.block.use_count() <= 2; });
+        imported_.push_front({block, *made});
+        std::size_t bytes_of_all = 0;
+        for (const Imported& each : imported_) bytes_of_all += each.block->bytes();
+        for (; bytes_of_all > most_imported_bytes; imported_.pop_back())
+            bytes_of_all -= imported_.back().block->bytes();
     }
-    source_.buffer = imported_.front().second;
+    source_.buffer = imported_.front().buffer;
     source_.from = static_cast<std::size_t>(depth.data - block->data());
     source_.storage = raw.storage;
     return true;

@@ -149,8 +149,9 @@ constexpr std::int64_t bytes_beside_packet = 48;
 /// Null: out of memory.
 AVBufferRef* plane_buffer(std::size_t bytes, PlaneContent content) {
     using Lease = std::shared_ptr<std::uint8_t>;
-    auto lease = std::make_unique<Lease>(take_plane_memory(bytes, content));
-    if (!*lease) return nullptr;
+    // FFmpeg, which may be the caller, knows no exceptions.
+    std::unique_ptr<Lease> lease(new (std::nothrow) Lease(take_plane_memory(bytes, content)));
+    if (!lease || !*lease) return nullptr;
     const auto end = [](void* ended, std::uint8_t*) { delete static_cast<Lease*>(ended); };
     AVBufferRef* const buffer = av_buffer_create(lease->get(), bytes, end, lease.get(), 0);
     if (buffer) static_cast<void>(lease.release());
@@ -221,10 +222,8 @@ int give_plane_memory(AVCodecContext* decoder, AVFrame* picture, int flags) {
         begins[plane] = bytes;
         bytes += aligned_bytes(sizes[plane] + overrun, plane_alignment);
     }
-    // Where data are missing, some decoders leave samples as they are. These must not be another picture's.
-    const AVCodecDescriptor* const codec = avcodec_descriptor_get(decoder->codec_id);
-    const bool is_on_its_own = codec && (codec->props & AV_CODEC_PROP_INTRA_ONLY) != 0;
-    picture->buf[0] = plane_buffer(bytes, is_on_its_own ? PlaneContent::zero : PlaneContent::any);
+    // Where data are missing, decoders leave samples as they are. These must not be another picture's.
+    picture->buf[0] = plane_buffer(bytes, PlaneContent::zero);
     if (!picture->buf[0]) return AVERROR(ENOMEM);
     for (std::size_t plane = 0; plane < sizes.size() && sizes[plane] > 0; ++plane) {
         picture->data[plane] = picture->buf[0]->data + begins[plane];

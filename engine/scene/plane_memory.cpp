@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <new>
 
 #if defined(__SANITIZE_ADDRESS__)
 #define TOUCHABLE_POISON_PLANES
@@ -75,9 +76,13 @@ public:
         leased_.erase(lease);
         const auto shelf = shelves_.find(block->bytes());
         if (shelf == shelves_.end() || free_bytes_ + block->bytes() > most_free_bytes) return;
+        try {
+            shelf->second.free.push_back(block);
+        } catch (const std::bad_alloc&) {
+            return;  // it is unmapped, which helps
+        }
         ASAN_POISON_MEMORY_REGION(data, block->bytes());
         free_bytes_ += block->bytes();
-        shelf->second.free.push_back(std::move(block));
     }
 
     BlockPtr leased_block(const std::uint8_t* data, std::size_t bytes) {
@@ -132,9 +137,19 @@ PlanePool& pool() {
 }  // namespace
 
 std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent content) {
-    std::uint8_t* const data = pool().take(bytes, content);
-    if (!data) return nullptr;
-    return {data, [](std::uint8_t* leased) { pool().give_back(leased); }};
+    const auto count = [](std::int64_t counted) { return !count_planes || count_planes(counted); };
+    const auto size = static_cast<std::int64_t>(bytes);
+    if (!count(size)) return nullptr;
+    try {
+        if (std::uint8_t* const data = pool().take(bytes, content))
+            return {data, [=](std::uint8_t* leased) {
+                        pool().give_back(leased);
+                        count(-size);
+                    }};
+    } catch (const std::bad_alloc&) {  // of what keeps account of it
+    }
+    count(-size);
+    return nullptr;
 }
 
 std::shared_ptr<const PlaneBlock> plane_block_of(const void* data, std::size_t bytes) {

@@ -56,6 +56,11 @@ enum class PlaneContent { any, zero };
 /// Null where there is no memory.
 std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent content = PlaneContent::any);
 
+/// Takes the bytes of each lease, and the same as a negative number at its end. False: the lease is refused.
+/// Only tests define it, which count what an input makes the program take: malloc knows nothing of these
+/// pages.
+[[gnu::weak]] bool count_planes(std::int64_t bytes);
+
 /// The leased block that all these bytes lie in; null for other memory. Holding the block keeps its pages
 /// mapped; only the plane's own storage keeps the samples.
 std::shared_ptr<const PlaneBlock> plane_block_of(const void* data, std::size_t bytes);

@@ -259,10 +259,10 @@ void SurfaceFeed::note_newest(std::optional<RawFrame>& newest, const RawFrame& r
 }
 
 Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
-    return publish(frame, is_unchanged(newest_, frame.raw), false);
+    return publish(frame, is_unchanged(newest_, frame.raw), std::nullopt);
 }
 
-Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, bool begun) {
+Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, std::optional<double> began_ms) {
     const RawFrame& raw = frame.raw;
     const auto start = std::chrono::steady_clock::now();
     if (raw.epoch != built_epoch_) {
@@ -271,9 +271,10 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, bool be
         newest_.reset();
     }
     if (frame.shown && eye_ != SurfaceTimeline::Eye::none) stored_planes_.put(raw);
-    const auto done = unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame, begun);
+    const auto done =
+        unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame, began_ms.has_value());
     if (!done || !*done) return done;
-    const double took_ms = milliseconds_since(start);
+    const double took_ms = began_ms.value_or(0) + milliseconds_since(start);
     build_ms_.add(took_ms);
     note_built(raw);
     if (!frame.shown) return true;
@@ -314,22 +315,26 @@ FeedFigures SurfaceFeed::figures() const {
 
 /// Reads and begins as many frames as the builder works at side by side. A frame whose planes last only until
 /// the next is read has to be finished first.
-Result<void> SurfaceFeed::begin_ahead() {
+void SurfaceFeed::begin_ahead() {
     const std::size_t most = works_ahead_ ? static_cast<std::size_t>(builder_->frames_in_flight()) : 1;
     while (!all_read_ && ahead_.size() < most && (ahead_.empty() || ahead_.back().fed.raw.storage)) {
         auto frame = read_next();
         all_read_ = !frame || !*frame;
         if (!frame) unread_ = frame.error();
-        if (all_read_) return {};
+        if (all_read_) return;
         const RawFrame& raw = (*frame)->raw;
         const bool unchanged = is_unchanged(newest_ahead_, raw);
+        const auto start = std::chrono::steady_clock::now();
         if (!unchanged) {
-            TRY(builder_->begin(raw));
+            if (auto begun = builder_->begin(raw); !begun) {
+                unread_ = begun.error();
+                all_read_ = true;
+                return;
+            }
             if ((*frame)->shown) note_newest(newest_ahead_, raw);
         }
-        ahead_.push_back({std::move(**frame), unchanged});
+        ahead_.push_back({std::move(**frame), unchanged, milliseconds_since(start)});
     }
-    return {};
 }
 
 /// For the next epoch. What has been begun is finished in a slot where that of the next frame takes its
@@ -348,7 +353,7 @@ Result<void> SurfaceFeed::forget_ahead() {
 }
 
 Result<void> SurfaceFeed::feed_next() {
-    TRY(begin_ahead());
+    begin_ahead();
     if (ahead_.empty()) {
         if (unread_) return *unread_;
         ended_ = true;
@@ -357,7 +362,7 @@ Result<void> SurfaceFeed::feed_next() {
     }
     const FrameAhead frame = std::move(ahead_.front());
     ahead_.pop_front();
-    TRY_ASSIGN([[maybe_unused]] const auto published, publish(frame.fed, frame.unchanged, true));
+    TRY_ASSIGN([[maybe_unused]] const auto published, publish(frame.fed, frame.unchanged, frame.began_ms));
     assert(published && "the reader of virtual time never holds more than two pairs");
     return {};
 }

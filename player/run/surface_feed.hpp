@@ -260,7 +260,8 @@ public:
     const std::vector<DroppedFrames>& dropped() const { return dropped_; }
     bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
-    /// Of a frame, milliseconds: of all that were read or built since `forget_times`.
+    /// Of a frame, milliseconds: of all that were read or built since `forget_times`. Where frames are built
+    /// side by side that is what the thread of the run spends on one, its waits included.
     const TimeSpread& read_ms() const { return read_ms_; }
     const TimeSpread& build_ms() const { return build_ms_; }
     void forget_times() { read_ms_ = build_ms_ = {}; }
@@ -273,15 +274,17 @@ private:
     struct FrameAhead {
         FedFrame fed;
         bool unchanged = false;
+        double began_ms = 0;  ///< what it took to begin it
     };
     Result<void> feed_next();
-    Result<void> begin_ahead();
+    void begin_ahead();
     Result<void> forget_ahead();
     bool is_unchanged(const std::optional<RawFrame>& before, const RawFrame& raw) const;
     void note_newest(std::optional<RawFrame>& newest, const RawFrame& raw) const;
     void note_built(const RawFrame& raw);
     void note_dropped(std::int64_t frames);
-    Result<bool> publish(const FedFrame& frame, bool unchanged, bool begun);
+    /// `began_ms`: nothing: the builder has not begun it.
+    Result<bool> publish(const FedFrame& frame, bool unchanged, std::optional<double> began_ms);
     Result<bool> build(const FedFrame& frame, bool begun);
 
     std::unique_ptr<ClipReader> reader_;

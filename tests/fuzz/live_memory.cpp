@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <cstdint>
 
+#include "engine/scene/plane_memory.hpp"
+
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
 #define SANITIZER_COUNTS
@@ -122,6 +124,19 @@ void free(void* memory) noexcept {
 #pragma GCC visibility pop
 
 #endif
+
+namespace touchable {
+
+bool count_planes(std::int64_t bytes) {
+    if (bytes > 0 && !has_room(static_cast<std::size_t>(bytes))) return false;
+    if (bytes > 0)
+        add(static_cast<std::size_t>(bytes));
+    else
+        take_away(static_cast<std::size_t>(-bytes));
+    return true;
+}
+
+}  // namespace touchable
 
 namespace touchable::fuzz {
 
