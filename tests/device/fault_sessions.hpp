@@ -18,8 +18,8 @@ class FaultyDevice {
 public:
     using Fault = FaultyLine::Fault;
 
-    FaultyDevice(std::string name, const FaultyLine::Manner& manner)
-        : name(std::move(name)), line(manner, time, chance) {}
+    FaultyDevice(std::string its_name, const FaultyLine::Manner& manner)
+        : name(std::move(its_name)), line(manner, time, chance) {}
     FaultyDevice(const FaultyDevice&) = delete;
     FaultyDevice& operator=(const FaultyDevice&) = delete;
     virtual ~FaultyDevice() = default;

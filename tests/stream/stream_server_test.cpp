@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "engine/stream/listeners.hpp"
 #include "engine/stream/receiving.hpp"
 #include "tests/stream/stream_of_frames.hpp"
 #include "tests/stream/stream_peer.hpp"

@@ -70,9 +70,9 @@ TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {
 // Goals that come from a thousand pictures away: a way that long ended a rounding of its own beside its foot.
 // And a goal a billion units below, so far that no step seemed to bring the proxy nearer.
 TEST(Stress, RunsWithGoalsFarAwayEndAtTheirFoot) {
-    for (const auto& [seed, ticks] : {std::pair{164, 6000}, {296, 11000}, {602, 19300}, {918, 16200}}) {
+    for (const auto& [seed, length] : {std::pair{164, 6000}, {296, 11000}, {602, 19300}, {918, 16200}}) {
         const Watched watched =
-            watch(*find_suite("camera-plane")->run(static_cast<std::uint64_t>(seed)), {ticks, 1, 16});
+            watch(*find_suite("camera-plane")->run(static_cast<std::uint64_t>(seed)), {length, 1, 16});
         EXPECT_EQ(watched.violation_count, 0) << seed;
     }
 }

@@ -259,8 +259,8 @@ TEST_F(Blender, OrdinarySceneIsGuessedAndTouches) {
 
 TEST_F(Blender, WithoutTheProgramItIsAFolderThatConvertsToTheSameClip) {
     const std::string out = folder / "pictures", later = folder / "later.mkv";
-    const BlenderRun run = export_scene("moving", {out, "--no-colour"});
-    ASSERT_EQ(run.code, 0) << run.error;
+    const BlenderRun folder_run = export_scene("moving", {out, "--no-colour"});
+    ASSERT_EQ(folder_run.code, 0) << folder_run.error;
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"pictures"});
     ASSERT_EQ(run_touchable({"convert", out, later}).code, 0);
     const Exported clip = exported("moving"), converted = open_exported(later);
