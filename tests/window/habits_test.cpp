@@ -116,15 +116,15 @@ TEST(Habits, AFingerThatTouchesNothingIsNotDrawnWhileThePointerIsOnTheBar) {
         return shot_of(some_clips() / "b-still.mkv", "0 nearer 1.6\n" + script, "1").image;
     };
     // Just within the bar, whose upper side cuts the ring.
-    const std::string there = "0.1 move 160 100\n0.5 move 160 183\n";
+    const std::string onto_bar = "0.1 move 160 100\n0.5 move 160 183\n";
     const PicturePart above{130, 150, 190, 178};
     const Image bare = at("0.1 leave\n0.2 move 20 183\n");
-    EXPECT_EQ(differences(bare, at(there), above), 0) << "it looks as if it were behind the bar";
+    EXPECT_EQ(differences(bare, at(onto_bar), above), 0) << "it looks as if it were behind the bar";
     EXPECT_GT(differences(bare, at("0.1 move 160 100\n0.1 wheel 16\n0.5 move 160 183\n"), above), 20)
         << "it is pressed by the wheel, and felt";
     EXPECT_GT(differences(bare, at("0.1 move 160 100\n0.5 move 160 170\n"), above), 20)
         << "beside the bar it is drawn";
-    EXPECT_GT(differences(bare, at(there + "0.6 key w\n0.7 key w\n0.75 key w\n"), above), 20)
+    EXPECT_GT(differences(bare, at(onto_bar + "0.6 key w\n0.7 key w\n0.75 key w\n"), above), 20)
         << "keys have moved it away from the bar";
 }
 
@@ -207,12 +207,12 @@ TEST(Habits, VolumeIsOfAllThatIsHeardAndHalfOfItAnEighth) {
     };
     const auto full = heard(1), half = heard(0.125F);
     ASSERT_EQ(full.size(), half.size());
-    float most = 0;
+    float loudest_full = 0;
     for (std::size_t k = 0; k < full.size(); ++k) {
         EXPECT_EQ(half[k].left, 0.125F * full[k].left) << k;
-        most = std::max(most, std::abs(full[k].left));
+        loudest_full = std::max(loudest_full, std::abs(full[k].left));
     }
-    EXPECT_GT(most, 0.01F) << "nothing was heard";
+    EXPECT_GT(loudest_full, 0.01F) << "nothing was heard";
 
     const auto loudest = [](const std::string& volume) {
         const TemporaryFolder folder;
