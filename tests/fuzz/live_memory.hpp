@@ -4,8 +4,8 @@
 
 namespace touchable::fuzz {
 
-/// Bytes that the heap and planes have for the program, whoever in it asked for them: libraries and all
-/// threads. What lies in files that are mapped does not count.
+/// Bytes of the heap and of planes that this program holds, its libraries and all its threads included. Bytes
+/// of files that are mapped do not count.
 ///
 /// Begins anew: what is there already is none of it. More than `most` at a time are refused where this
 /// program's own malloc counts (glibc's), which is no memory for whoever asked; sanitizers' only count.
