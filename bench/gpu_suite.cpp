@@ -3,10 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/gpu/bus.hpp"
 #include "bench/gpu/frames_in_turn.hpp"
+#include "bench/gpu/gpu_cases.hpp"
 #include "bench/gpu/live_touch.hpp"
-#include "bench/gpu/ways.hpp"
 #include "bench/suite.hpp"
 #include "bench/surface/drawing_race.hpp"
 #include "bench/surface/kernel_shelf.hpp"

@@ -1,4 +1,4 @@
-#include "bench/gpu/bus.hpp"
+#include "bench/gpu/gpu_cases.hpp"
 
 #include <algorithm>
 #include <cmath>

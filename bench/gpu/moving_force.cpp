@@ -1,4 +1,4 @@
-#include "bench/gpu/moving_force.hpp"
+#include "bench/gpu/gpu_cases.hpp"
 
 #include <algorithm>
 #include <cmath>

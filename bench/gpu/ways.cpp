@@ -1,4 +1,4 @@
-#include "bench/gpu/ways.hpp"
+#include "bench/gpu/gpu_cases.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,6 @@
 
 #include "bench/gpu/frames_in_turn.hpp"
 #include "bench/gpu/live_touch.hpp"
-#include "bench/gpu/moving_force.hpp"
 #include "bench/tick_times.hpp"
 #include "engine/base/try.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "bench/gpu/frame_ring.hpp"
-#include "bench/gpu/moving_force.hpp"
+#include "bench/gpu/gpu_cases.hpp"
 #include "bench/report.hpp"
 #include "bench/suite.hpp"
 #include "engine/gpu/gpu_device.hpp"

@@ -1,14 +1,24 @@
 #pragma once
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "bench/gpu/frame_ring.hpp"
+#include "bench/suite.hpp"
 #include "engine/content/scenes.hpp"
+#include "engine/gpu/surface_kernels.hpp"
 
 namespace touchable {
+
+/// Measures the bandwidth of the device's memory (bandwidth.hpp) and the time of an empty submission.
+Result<void> measure_device_memory(const std::shared_ptr<GpuDevice>& device, Figures& figures);
+
+/// Between the host and the device: a frame of 3840x2160 and 16 bits from each kind of host memory, and back.
+/// An error of kind check where it does not come back as it was.
+Result<void> measure_bus(const std::shared_ptr<GpuDevice>& device, Figures& figures);
 
 /// How far a force is off that is felt on frames of a surface that moves, because a frame shows the surface
 /// as it was when it was taken, and because it is filtered.
@@ -57,5 +67,12 @@ private:
     std::vector<std::vector<std::uint16_t>> planes_;  // of 120 frames a second
     double true_n_ = 0;
 };
+
+/// Cases that compare three ways from stored frames to forces: lazy (the paper's: pixels are filtered where
+/// and when they are touched), whole frames by the CPU builder, whole frames by the Vulkan builder. A case
+/// for each size and filter has what a frame costs and the force error; one for each number of fingers what a
+/// tick and a second cost; one for each size runs the way of each cell that is nearest to a crossover.
+std::vector<BenchCase> ways_cases(bool quick,
+                                  const std::function<Result<std::shared_ptr<SurfaceKernels>>()>& kernels);
 
 }  // namespace touchable
