@@ -16,8 +16,9 @@ namespace touchable {
 /// Measures the bandwidth of the device's memory (bandwidth.hpp) and the time of an empty submission.
 Result<void> measure_device_memory(const std::shared_ptr<GpuDevice>& device, Figures& figures);
 
-/// Between the host and the device: a frame of 3840x2160 and 16 bits from each kind of host memory, and back.
-/// An error of kind check where it does not come back as it was.
+/// Between the host and the device: frames of 3840x2160 and 16 bits from each kind of host memory, and back.
+/// They take turns and are together larger than any cache. An error of kind check where one does not come
+/// back as it was.
 Result<void> measure_bus(const std::shared_ptr<GpuDevice>& device, Figures& figures);
 
 /// How far a force is off that is felt on frames of a surface that moves, because a frame shows the surface

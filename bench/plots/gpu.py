@@ -358,8 +358,8 @@ def draw_runs(figures):
 
 SECTIONS = [
     ("Memory and bus", draw_memory,
-     "How fast bytes move. On the device the bytes of both directions count; between host and device those of one. A frame of "
-     "3840x2160 has 16.6 MB."),
+     "How fast bytes move. On the device the bytes of both directions count; between host and device those of one. Frames of "
+     "3840x2160 have 16.6 MB each; 16 different ones are copied in turn, so that no cache has them."),
     ("Frames in turn", draw_turns,
      "What a frame costs each builder when frames follow each other without a pause and every pixel of each is new. Wall and "
      "CPU time are those of the best round, latency is the median. CPU time is that of all threads; a software Vulkan spends "
