@@ -55,13 +55,22 @@ double load_average() {
     return getloadavg(&load, 1) == 1 ? load : -1;
 }
 
-/// What the times of this run were taken on.
+/// What the times of this run were taken on. The GPU is the one that `auto` takes; left out without Vulkan.
 Figures machine_figures(double load_at_start) {
-    return {{"cores", static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), ""},
-            {"load_1m_begin", load_at_start, ""},
-            {"load_1m_end", load_average(), ""},
-            {"clock_overhead_ns", clock_costs().monotonic, "ns"},
-            {"thread_clock_overhead_ns", clock_costs().thread_cpu, "ns"}};
+    Figures figures{{"cores", static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), ""},
+                    {"load_1m_begin", load_at_start, ""},
+                    {"load_1m_end", load_average(), ""},
+                    {"clock_overhead_ns", clock_costs().monotonic, "ns"},
+                    {"thread_clock_overhead_ns", clock_costs().thread_cpu, "ns"}};
+    const auto gpus = list_gpus();
+    if (!gpus) return figures;
+    const auto chosen = choose_gpu(*gpus, "auto");
+    if (!chosen) return figures;
+    const GpuFacts& gpu = (*gpus)[*chosen];
+    figures.push_back(named("gpu", gpu.name));
+    figures.push_back(named("gpu_driver", gpu.driver + " " + gpu.driver_info));
+    figures.push_back(named("vulkan", gpu.api));
+    return figures;
 }
 
 Result<const BenchSuite*> find_suite(const std::string& name) {

@@ -37,7 +37,9 @@ std::vector<std::string> broken(const std::string& name) {
     return lines;
 }
 
-std::string text_of(double value) {
+std::string text_of(const Figure& figure) {
+    if (figure.name) return *figure.name;
+    const double value = figure.value;
     const bool whole = value == std::floor(value) && std::fabs(value) < 1e9;
     return formatted(whole ? "%.0f" : "%.4g", value);
 }
@@ -89,8 +91,7 @@ std::string row_per_case(const CaseFigures* first, const CaseFigures* last) {
         const Figure& figure = first->figures[m];
         Column column{broken(figure.metric), {}};
         if (!figure.unit.empty()) column.heading.push_back(with_unit("", figure.unit, ""));
-        for (const CaseFigures* c = first; c != last; ++c)
-            column.values.push_back(text_of(c->figures[m].value));
+        for (const CaseFigures* c = first; c != last; ++c) column.values.push_back(text_of(c->figures[m]));
         columns.push_back(std::move(column));
     }
     return table_of(rows, columns);
@@ -119,7 +120,7 @@ std::string row_per_metric(std::span<const CaseFigures> cases) {
         for (const std::string& metric : metrics) {
             const auto figure = std::find_if(c.figures.begin(), c.figures.end(),
                                              [&](const Figure& f) { return f.metric == metric; });
-            column.values.push_back(figure == c.figures.end() ? "" : text_of(figure->value));
+            column.values.push_back(figure == c.figures.end() ? "" : text_of(*figure));
         }
         columns.push_back(std::move(column));
     }
@@ -164,11 +165,12 @@ Result<void> write_report(const std::filesystem::path& file, std::string_view su
     const char* separator = "[\n";
     for (const CaseFigures& c : cases)
         for (const Figure& figure : c.figures) {
-            const nlohmann::ordered_json row{{"suite", suite},
-                                             {"case", c.name},
-                                             {"metric", figure.metric},
-                                             {"value", figure.value},
-                                             {"unit", figure.unit}};
+            nlohmann::ordered_json row{{"suite", suite},
+                                       {"case", c.name},
+                                       {"metric", figure.metric},
+                                       {"value", figure.value},
+                                       {"unit", figure.unit}};
+            if (figure.name) row["value"] = *figure.name;
             out << separator << row.dump();
             separator = ",\n";
         }

@@ -15,7 +15,8 @@ std::string tables_of(const std::vector<CaseFigures>& measured);
 
 /// Whether the report could be written there; leaves nothing behind. To be asked before hours of measuring.
 Result<void> check_writable(const std::filesystem::path& file);
-/// An array of {suite, case, metric, value, unit}. The file appears whole or not at all.
+/// An array of {suite, case, metric, value, unit}, where a value is a number or a name. The file appears
+/// whole or not at all.
 Result<void> write_report(const std::filesystem::path& file, std::string_view suite,
                           const std::vector<CaseFigures>& cases);
 

@@ -1,23 +1,29 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/base/result.hpp"
 
 namespace touchable {
 
-/// One measured number of a case.
+/// One measured number of a case, or a name of what it was measured on.
 struct Figure {
     std::string metric;
     double value;
     std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "KB", "MB", "MB/s",
                             ///< "GB/s", "px", "dB", or "" for a count
     bool in_tables = true;  ///< false: many of its kind, for a plot; in the JSON alone
+    std::optional<std::string> name{};  ///< stands in place of the value
 };
 using Figures = std::vector<Figure>;
+inline Figure named(std::string metric, std::string name) {
+    return {std::move(metric), 0, "", true, std::move(name)};
+}
 
 /// One set-up that is measured. Its name tells the set-up and is part of the interface.
 struct BenchCase {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -81,8 +80,6 @@ Result<double> measure_upload(const std::shared_ptr<GpuDevice>& device, const st
 
 Result<void> measure_device_memory(const std::shared_ptr<GpuDevice>& device, Figures& figures) {
     const GpuFacts& facts = device->facts();
-    std::fprintf(stderr, "device %s, %s %s, Vulkan %s\n", facts.name.c_str(), facts.driver.c_str(),
-                 facts.driver_info.c_str(), facts.api.c_str());
     TRY_ASSIGN(const auto bandwidth, copy_bandwidth(device));
     figures.push_back({"kernel_copy_gb_s", bandwidth.by_kernel, "GB/s"});
     figures.push_back({"copy_gb_s", bandwidth.by_command, "GB/s"});

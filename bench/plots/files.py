@@ -8,11 +8,12 @@ from style import BadInput
 
 
 def read_figures(file):
-    """Per case of a report, in order: its metrics."""
+    """Per case of a report, in order: its metrics, numbers and names."""
     figures = {}
     try:
         for row in json.loads(Path(file).read_text(encoding="utf-8")):
-            figures.setdefault(row["case"], {})[row["metric"]] = float(row["value"])
+            value = row["value"]
+            figures.setdefault(row["case"], {})[row["metric"]] = value if isinstance(value, str) else float(value)
     except (OSError, ValueError, KeyError, TypeError) as fault:
         raise BadInput(f"{file}: must be what touchable-bench --json wrote: {fault}") from None
     return figures

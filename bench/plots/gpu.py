@@ -432,9 +432,12 @@ def draw_gpu(arguments):
         raise BadInput(f"{arguments.results}: there is no case of the suite gpu")
     parts = ["<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
              f"<title>Vulkan, CPU and lazy</title><style>{STYLE}</style>",
-             "<h1>Vulkan, CPU and lazy: what frames and touch cost here</h1>", f"<p>{html.escape(facts_of(figures))}.</p>"]
+             f"<h1>Vulkan, CPU and lazy: what frames and touch cost on {html.escape(device)}</h1>", f"<p>{html.escape(facts_of(figures))}.</p>"]
+    if "gpu_driver" in machine:
+        words.insert(0, f"driver {machine['gpu_driver']}, Vulkan {machine['vulkan']}")
     for title, figure, words in drawn:
         parts.append(f"<h2>{title}</h2><p>{html.escape(words)}</p>{svg_of(figure, title)}")
         if title == "Computed and run":
             parts.append(run_table(figures))
     save_text("\n".join(parts) + "</html>\n", arguments.out)
+    device = figures.get("machine", {}).get("gpu", "an unnamed device")

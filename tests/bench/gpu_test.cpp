@@ -49,12 +49,16 @@ TEST(GpuSuite, MeasuresATinyCaseAndPlotsIt) {
         GTEST_SKIP() << "no matplotlib: the page is not made";
     const test::TemporaryFolder folder;
     const auto json = folder / "gpu.json", page = folder / "gpu.html";
-    ASSERT_TRUE(write_report(json, "gpu", {{"ways-320x240-m3", frames}, {"ways-320x240-m3-1f", fingers}}));
+    const CaseFigures machine{"machine",
+                              {named("gpu", "RTX <1>"), named("gpu_driver", "N"), named("vulkan", "1.3")}};
+    ASSERT_TRUE(
+        write_report(json, "gpu", {machine, {"ways-320x240-m3", frames}, {"ways-320x240-m3-1f", fingers}}));
     const std::string command =
         "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/bench/plot.py gpu " + json.string() + " " + page.string();
     ASSERT_EQ(std::system(command.c_str()), 0);
     const std::string html = text_of(page);
     EXPECT_NE(html.find("<svg"), std::string::npos);
+    EXPECT_NE(html.find("cost on RTX &lt;1&gt;</h1>"), std::string::npos);
     EXPECT_NE(html.find("Force error on a moving surface"), std::string::npos);
     EXPECT_EQ(html.find("Jitter"), std::string::npos) << "it was not measured";
 }

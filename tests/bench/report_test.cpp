@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
 #include <string>
+
+#include "tests/temporary_folder.hpp"
 
 namespace touchable {
 namespace {
@@ -43,6 +47,16 @@ TEST(Report, OfFewMetricsHasARowPerCase) {
     EXPECT_NE(tables.find("        time\n"), std::string::npos) << tables;
     EXPECT_NE(tables.find("\ncase7      7\n"), std::string::npos) << tables;
     EXPECT_NE(tables.find("\n\n       count\nother      5\n"), std::string::npos) << tables;
+}
+
+TEST(Report, HasNamesInPlaceOfValues) {
+    const CaseFigures c{"machine", {{"cores", 2, ""}, named("gpu", "llvmpipe")}};
+    EXPECT_EQ(tables_of({c}), "         cores       gpu\nmachine      2  llvmpipe\n");
+    const test::TemporaryFolder folder;
+    ASSERT_TRUE(write_report(folder / "r.json", "gpu", {c}));
+    std::stringstream text;
+    text << std::ifstream(folder / "r.json").rdbuf();
+    EXPECT_NE(text.str().find(R"("metric":"gpu","value":"llvmpipe")"), std::string::npos) << text.str();
 }
 
 TEST(Report, TablesLeaveOutWhatIsForPlots) {
