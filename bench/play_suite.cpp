@@ -16,14 +16,9 @@ std::vector<BenchCase> play_cases(bool quick) {
                 .scene = "globe", .width = width, .height = height, .frames = quick ? 120 : 600};
             const std::string name = "window-globe-" + std::to_string(width) + "x" + std::to_string(height) +
                                      "-16" + (turned == 0 ? "" : "-turned-" + std::to_string(turned));
-            // Once before: the first window of a process compiles shaders that no cache may have.
+            const WindowRun run{clip, static_cast<double>(turned)};
             cases.push_back({name, [=](Figures& figures) -> Result<void> {
-                                 LiveClip short_clip = clip;
-                                 short_clip.frames = 15;
-                                 Figures unused;
-                                 if (auto warm = measure_window(short_clip, turned, *clips, unused); !warm)
-                                     return Error{warm.error().kind, name + ": " + warm.error().message};
-                                 auto done = measure_window(clip, turned, *clips, figures);
+                                 auto done = measure_window(run, *clips, figures);
                                  if (done) return done;
                                  return Error{done.error().kind, name + ": " + done.error().message};
                              }});

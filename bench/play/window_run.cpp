@@ -1,32 +1,31 @@
 #include "bench/play/window_run.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <string>
 #include <utility>
 
-#include "bench/clocks.hpp"
 #include "engine/base/same_bits.hpp"
+#include "engine/base/try.hpp"
 #include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr int width = 1280, height = 720;
 constexpr double moves_per_s = 20;
+constexpr double warm_up_s = 0.5;
 
 /// Five fingers that press, round a pointer that goes in circles, moved at odd moments of a frame.
-std::vector<ScriptedInput> hand(double seconds, double turned) {
+std::vector<ScriptedInput> hand(const WindowRun& run, double seconds) {
+    const double x = run.width / 2.0, y = run.height / 2.0;
     using Kind = InputEvent::Kind;
-    std::vector<ScriptedInput> script{
-        {0, WindowCommand{WindowVerb::fingers, 5, ""}},
-        {0, InputEvent{.kind = Kind::moved, .x = width / 2.0, .y = height / 2.0}},
-        {0.05, InputEvent{.kind = Kind::pressed, .word = "left"}}};
-    if (turned != 0) script.insert(script.begin(), {0, WindowCommand{WindowVerb::turn, turned, ""}});
+    std::vector<ScriptedInput> script{{0, WindowCommand{WindowVerb::fingers, 5, ""}},
+                                      {0, InputEvent{.kind = Kind::moved, .x = x, .y = y}},
+                                      {0.05, InputEvent{.kind = Kind::pressed, .word = "left"}}};
+    if (run.turned != 0) script.insert(script.begin(), {0, WindowCommand{WindowVerb::turn, run.turned, ""}});
     for (double at = 0.1; at < seconds; at += 1 / moves_per_s)
-        script.push_back({at, InputEvent{.kind = Kind::moved,
-                                         .x = width / 2.0 + 60 * cosine(at),
-                                         .y = height / 2.0 + 60 * sine(at)}});
+        script.push_back(
+            {at, InputEvent{.kind = Kind::moved, .x = x + 60 * cosine(at), .y = y + 60 * sine(at)}});
     return script;
 }
 
@@ -40,27 +39,30 @@ void add_spread(Figures& figures, const std::string& what, const PlayFigures::Ne
     figures.push_back({what + "_p99", spread.p99, "ms"});
 }
 
+Result<PlayFigures> run_window(const WindowRun& run, const std::filesystem::path& file, double seconds) {
+    PlayOptions options;
+    options.session.clip.file = file;
+    options.session.builder.name = run.builder;
+    options.painter = run.painter;
+    options.headless = true;
+    options.screen.width = run.width;
+    options.screen.height = run.height;
+    options.size_is_stated = true;
+    options.seconds = seconds;
+    options.script = hand(run, seconds);
+    return play_in_window(std::move(options));
+}
+
 }  // namespace
 
-Result<void> measure_window(const LiveClip& clip, double turned, LiveClips& clips, Figures& figures) {
-    const auto file = clips.file(clip);
-    if (!file) return file.error();
-    PlayOptions options;
-    options.session.clip.file = *file;
-    options.headless = true;
-    options.screen.width = width;
-    options.screen.height = height;
-    options.size_is_stated = true;
-    options.seconds = clip.frames / 30.0;
-    options.script = hand(*options.seconds, turned);
-    const std::int64_t cpu = process_cpu_ns();
-    const auto played = play_in_window(options);
-    if (!played) return played.error();
-    const auto cpu_ms = static_cast<double>(process_cpu_ns() - cpu) * 1e-6;
-    const PlayFigures& p = *played;
-    if (p.pictures < 2 || p.frames_due < 1) return Error{ErrorKind::check, "the window showed no pictures"};
+Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& figures) {
+    TRY_ASSIGN(const auto file, clips.file(run.clip));
+    TRY(run_window(run, file, warm_up_s));
+    TRY_ASSIGN(const PlayFigures p, run_window(run, file, run.clip.frames / 30.0));
+    if (p.pictures < 1) return Error{ErrorKind::check, "the window showed no pictures"};
 
     const auto pictures = static_cast<double>(p.pictures);
+    const double counted = std::max(1.0, pictures - 1);  // without the first
     figures.push_back({"frames_in_time_pct", percent(p.frames_in_time, p.frames_due), "%"});
     figures.push_back({"pictures_per_s", pictures / p.seconds, ""});
     add_spread(figures, "picture_ms", p.draw_ms);
@@ -69,12 +71,14 @@ Result<void> measure_window(const LiveClip& clip, double turned, LiveClips& clip
         figures.push_back({stage, spread_of(values->values()).p50, "ms"});
     add_spread(figures, "input_ms", p.input_to_picture_ms);
     figures.push_back({"first_picture_ms", p.first_picture_ms, "ms"});
-    figures.push_back({"cpu_ms_per_picture", cpu_ms / pictures, "ms"});
-    figures.push_back({"window_cpu_ms", p.window_cpu_ms / pictures, "ms"});
+    figures.push_back({"cpu_ms_per_picture", p.process_cpu_ms / counted, "ms"});
+    figures.push_back({"window_cpu_ms", p.window_cpu_ms / counted, "ms"});
     figures.push_back({"least_detail_pct", 100 * p.least_detail, "%"});
     figures.push_back({"tick_late_us_p99", p.tick_late_us_p99, "us"});
     figures.push_back({"late_ticks_pct", percent(p.late_ticks, p.ticks), "%"});
     figures.push_back({"late_frames_pct", percent(p.late_frames, p.frames), "%"});
+    figures.push_back(named("painter", p.painter));
+    figures.push_back(named("builder", p.builder));
     return {};
 }
 

@@ -148,8 +148,9 @@ struct PlayFigures {
     NewestValues surface_ms, words_ms, shown_ms;
     std::int64_t frames_due = 0, frames_in_time = 0;  ///< FramesShown, of all clips
     double first_picture_ms = 0;                      ///< since the window was asked for
-    double window_cpu_ms = 0;  ///< CPU time of the thread that draws, from the first picture on
-    double least_detail = 1;   ///< PictureGovernor's
+    /// CPU time from the first picture on: of the thread that draws, of all threads of the process.
+    double window_cpu_ms = 0, process_cpu_ms = 0;
+    double least_detail = 1;  ///< PictureGovernor's
     double tick_late_us_p99 = 0;
     std::int64_t film_pictures = 0, film_left_out = 0;
     std::string painter, gpu, builder;  ///< gpu: that draws; empty: none

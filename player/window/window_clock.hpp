@@ -49,24 +49,26 @@ struct WindowTime {
 
     /// Since the first picture; 0 before it.
     double now_s() const { return begun ? WindowClock::seconds_between(*begun, WindowClock::now()) : 0; }
-    /// CPU time of this thread since the first picture.
-    double cpu_ms() const { return begun ? thread_cpu_ms() - begun_cpu_ms_ : 0; }
+    /// CPU time since the first picture: of this thread, of all threads of the process.
+    double thread_cpu_ms() const { return begun ? cpu_ms(CLOCK_THREAD_CPUTIME_ID) - begun_thread_ms_ : 0; }
+    double process_cpu_ms() const { return begun ? cpu_ms(CLOCK_PROCESS_CPUTIME_ID) - begun_process_ms_ : 0; }
     void note_event() { last_event = WindowClock::now(); }
     /// The first picture was shown then. Gives how long after the window was asked for that is, ms.
     double begin(WindowClock::time_point at) {
         begun = at;
-        begun_cpu_ms_ = thread_cpu_ms();
+        begun_thread_ms_ = cpu_ms(CLOCK_THREAD_CPUTIME_ID);
+        begun_process_ms_ = cpu_ms(CLOCK_PROCESS_CPUTIME_ID);
         return 1000 * WindowClock::seconds_between(asked_for, at);
     }
 
 private:
-    static double thread_cpu_ms() {
+    static double cpu_ms(clockid_t clock) {
         timespec time{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+        clock_gettime(clock, &time);
         return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
     }
 
-    double begun_cpu_ms_ = 0;
+    double begun_thread_ms_ = 0, begun_process_ms_ = 0;
 };
 
 }  // namespace touchable

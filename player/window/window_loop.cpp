@@ -251,7 +251,8 @@ private:
     void sum_up() {
         PlayFigures& figures = core_.figures;
         figures.seconds = core_.time.now_s();
-        figures.window_cpu_ms = core_.time.cpu_ms();
+        figures.window_cpu_ms = core_.time.thread_cpu_ms();
+        figures.process_cpu_ms = core_.time.process_cpu_ms();
         figures.frames_due = core_.picture().frames_shown().due();
         figures.frames_in_time = core_.picture().frames_shown().in_time();
         figures.relief = relief_words(core_);
