@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -6,6 +6,8 @@
 #include "bench/gpu/frames_in_turn.hpp"
 #include "bench/gpu/gpu_cases.hpp"
 #include "bench/gpu/live_touch.hpp"
+#include "bench/live/live_clip.hpp"
+#include "bench/play/window_run.hpp"
 #include "bench/suite.hpp"
 #include "bench/surface/drawing_race.hpp"
 #include "bench/surface/kernel_shelf.hpp"
@@ -34,6 +36,29 @@ public:
 private:
     std::unique_ptr<FrameRing> ring_;
 };
+
+/// A window of 1920x1080 over a clip of this size: by the painter and the builder that `auto` chooses, and by
+/// each pair, which has no figures where the device lacks what it needs.
+std::vector<BenchCase> window_cases(const LiveClip& clip, bool quick,
+                                    const std::shared_ptr<LiveClips>& clips) {
+    std::vector<BenchCase> cases;
+    const auto add = [&](const std::string& pair, const std::string& painter, const std::string& builder) {
+        const WindowRun run{clip, 30, 1920, 1080, painter, builder};
+        cases.push_back(
+            {"window-" + std::to_string(clip.width) + "x" + std::to_string(clip.height) + "-" + pair,
+             [=](Figures& figures) -> Result<void> {
+                 const auto done = measure_window(run, *clips, figures);
+                 if (done || done.error().kind != ErrorKind::gpu || painter == "auto") return done;
+                 std::cerr << "left out: " << done.error().message << std::endl;
+                 return {};
+             }});
+    };
+    add("auto", "auto", "auto");
+    if (quick) return cases;
+    for (const std::string painter : {"raster", "mesh"})
+        for (const std::string builder : {"vulkan", "cpu"}) add(painter + "-" + builder, painter, builder);
+    return cases;
+}
 
 }  // namespace
 
@@ -72,6 +97,17 @@ std::vector<BenchCase> gpu_cases(bool quick) {
                      }});
     for (BenchCase& c : ways_cases(quick, [kernels] { return kernels->take(); }))
         cases.push_back(std::move(c));
+    // Last: from the first window on the memory of this process is locked.
+    const auto clips = std::make_shared<LiveClips>(4);
+    for (const TurnSize& size : {TurnSize{1920, 1080}, {3840, 2160}}) {
+        if (quick && size.width > 1920) continue;
+        const LiveClip clip{.scene = "globe",
+                            .width = size.width,
+                            .height = size.height,
+                            .planes = {PlaneRole::depth, PlaneRole::colour},
+                            .frames = quick ? 45 : 90};
+        for (BenchCase& c : window_cases(clip, quick, clips)) cases.push_back(std::move(c));
+    }
     return cases;
 }
 

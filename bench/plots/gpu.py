@@ -25,6 +25,7 @@ TURNS = re.compile(r"turns-(?P<size>\d+x\d+)-(?P<filter>[a-z]+\d?)")
 FRAMES = re.compile(r"ways-(?P<size>\d+x\d+)-(?P<filter>none|m3|m5|terraces|temporal)")
 CELL = re.compile(FRAMES.pattern + r"-(?P<fingers>\d+)f")
 RUN = re.compile(r"ways-(?P<size>\d+x\d+)-run")
+WINDOW = re.compile(r"window-(?P<size>\d+x\d+)-(?P<pair>\w+|\w+-\w+)")
 RUN_METRIC = re.compile(r"(?P<filter>\w+?)_(?P<fingers>\d+)f_(?P<rate>\d+)hz_(?P<way>lazy|cpu|vulkan)_computed_ms_per_s")
 
 
@@ -176,6 +177,28 @@ def draw_pictures(figures):
              "time a picture (ms)")
         axes.set_title(case.removeprefix("pictures-"))
         axes.legend(fontsize=8.5)
+    return figure
+
+
+def draw_windows(figures):
+    cases = matching(figures, WINDOW)
+    if not cases:
+        return None
+    sizes = sizes_of(cases)
+    widths = [max(2, sum(parts["size"] == size for parts, _ in cases)) for size in sizes]
+    figure, panels = plt.subplots(1, len(sizes), squeeze=False, sharey=True, layout="constrained", width_ratios=widths,
+                                  figsize=(1.7 * sum(widths) + 1, 4))
+    for axes, size in zip(panels.flat, sizes):
+        here = [(parts, metrics) for parts, metrics in cases if parts["size"] == size and metrics]
+        groups = [("auto:\n" if parts["pair"] == "auto" else "") + f"{metrics['painter']}, {metrics['builder']}\n"
+                  f"{metrics['frames_in_time_pct']:.0f} % in time\nfirst {rounded(metrics['first_picture_ms'])} ms"
+                  for parts, metrics in here]
+        bars(axes, groups, {name: (fill, [metrics[metric] for _, metrics in here])
+                            for name, metric, fill in (("a picture, median", "picture_ms_p50", colour(5)),
+                                                       ("99 %", "picture_ms_p99", colour(0)),
+                                                       ("CPU time", "cpu_ms_per_picture", "#888888"))}, "ms")
+        axes.set_title(f"clip of {size}")
+    legend_below(figure, panels[0][0].get_legend_handles_labels()[0])
     return figure
 
 
@@ -369,6 +392,9 @@ SECTIONS = [
     ("Pictures", draw_pictures,
      "A picture by each GPU painter, of frames by each builder. Frames of the Vulkan builder stay on the device; those of the "
      "CPU builder are sent there."),
+    ("A whole window", draw_windows,
+     "A window of 1920x1080 over a clip that plays at 30 frames a second, turned by 30 degrees, while five fingers press: what a "
+     "person gets, by painter and builder. CPU time is that of all threads for each picture, decoding and touch included."),
     ("Which way costs least", draw_map,
      "The way with the least CPU time of those that keep up with the frames. The number is what the next cheapest way costs, "
      "as a multiple: near 1 is a crossover; only: no other way keeps up."),
@@ -407,6 +433,8 @@ def facts_of(figures):
              ("load after", machine.get("load_1m_end"), ""),
              ("empty submission", memory.get("empty_submission_us"), "us")]
     words = [f"{name} {rounded(value)} {unit}".strip() for name, value, unit in facts if value is not None]
+    if "gpu_driver" in machine:
+        words.insert(0, f"driver {machine['gpu_driver']}, Vulkan {machine['vulkan']}")
     if "on_gpu" in memory:
         words.insert(0, "a GPU" if memory["on_gpu"] else "a software Vulkan: the GPU is the CPU")
         words.append("imports host memory" if memory.get("imports_memory") else "imports no host memory")
@@ -430,14 +458,12 @@ def draw_gpu(arguments):
     drawn = [(title, figure, words) for title, draw, words in SECTIONS if (figure := draw(figures)) is not None]
     if not drawn:
         raise BadInput(f"{arguments.results}: there is no case of the suite gpu")
+    device = figures.get("machine", {}).get("gpu", "an unnamed device")
     parts = ["<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
              f"<title>Vulkan, CPU and lazy</title><style>{STYLE}</style>",
              f"<h1>Vulkan, CPU and lazy: what frames and touch cost on {html.escape(device)}</h1>", f"<p>{html.escape(facts_of(figures))}.</p>"]
-    if "gpu_driver" in machine:
-        words.insert(0, f"driver {machine['gpu_driver']}, Vulkan {machine['vulkan']}")
     for title, figure, words in drawn:
         parts.append(f"<h2>{title}</h2><p>{html.escape(words)}</p>{svg_of(figure, title)}")
         if title == "Computed and run":
             parts.append(run_table(figures))
     save_text("\n".join(parts) + "</html>\n", arguments.out)
-    device = figures.get("machine", {}).get("gpu", "an unnamed device")
