@@ -71,17 +71,19 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
     return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 
-/// Bytes moved a second by the kernels of a median of 3x3, against those of a kernel that copies.
+/// The kernels of a median of 3x3 against a kernel that copies as many bytes as they cannot do without.
 Result<void> measure_bandwidth(const SurfaceCase& c, const std::shared_ptr<GpuDevice>& device,
                                Figures& figures) {
     const auto kernels = std::ranges::find(figures, "codes3_kernels_ms", &Figure::metric);
     if (kernels == figures.end()) return Error{ErrorKind::internal, "the kernels' time is not known"};
-    const double megabytes = least_bytes(c) * 1e-6, gb_s = megabytes / kernels->value;
+    const double kernels_ms = kernels->value;
     TRY_ASSIGN(const auto copy, copy_bandwidth(device));
-    figures.push_back({"codes3_mb", megabytes, "MB"});
+    TRY_ASSIGN(const double copy_ms, kernel_copy_ms(device, least_bytes(c)));
+    figures.push_back({"codes3_mb", least_bytes(c) * 1e-6, "MB"});
+    figures.push_back({"codes3_copy_ms", copy_ms, "ms"});
     figures.push_back({"copy_gb_s", copy.by_command, "GB/s"});
     figures.push_back({"kernel_copy_gb_s", copy.by_kernel, "GB/s"});
-    figures.push_back({"bandwidth_pct", 100 * gb_s / copy.by_kernel, "%"});
+    figures.push_back({"bandwidth_pct", 100 * copy_ms / kernels_ms, "%"});
     return {};
 }
 

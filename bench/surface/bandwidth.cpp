@@ -10,11 +10,13 @@
 namespace touchable {
 namespace {
 
-constexpr std::size_t copied_bytes = std::size_t{128} << 20;  // more than caches hold
+constexpr std::size_t large_copy = std::size_t{128} << 20;  // more than caches hold
 constexpr std::uint32_t copy_lanes = 256, copy_rounds = 6;
 
-/// Each copy is of other bytes, which the end of the copy shows.
-Result<double> gb_per_s(const std::shared_ptr<GpuDevice>& device, const GpuProgram& kernel) {
+/// The least time of a copy of so many bytes, by a kernel or, without one, by vkCmdCopyBuffer. Each copy is
+/// of other bytes, which the end of the copy shows.
+Result<double> copy_ms(const std::shared_ptr<GpuDevice>& device, const GpuProgram& kernel,
+                       std::size_t copied_bytes) {
     TRY_ASSIGN(const auto from, GpuBuffer::create(*device, "copied from", copied_bytes, GpuMemory::device));
     TRY_ASSIGN(const auto to, GpuBuffer::create(*device, "copied to", copied_bytes, GpuMemory::device));
     TRY_ASSIGN(const auto last,
@@ -43,21 +45,28 @@ Result<double> gb_per_s(const std::shared_ptr<GpuDevice>& device, const GpuProgr
     double least_ms = HUGE_VAL;
     for (const GpuDevice::Time& time : submission.times())
         if (time.label == "copy") least_ms = std::min(least_ms, time.ms);
-    return 2 * static_cast<double>(copied_bytes) * 1e-6 / least_ms;
+    return least_ms;
+}
+
+Result<GpuProgram> copying_kernel(const GpuDevice& device) {
+    return GpuProgram::create(
+        device, "copy_texels", copy_texels_spv,
+        {0, {GpuBindingKind::storage_buffer, GpuBindingKind::storage_buffer}, {copy_lanes, 1, 1}});
 }
 
 }  // namespace
 
 Result<CopyBandwidth> copy_bandwidth(const std::shared_ptr<GpuDevice>& device) {
-    TRY_ASSIGN(
-        const auto kernel,
-        GpuProgram::create(
-            *device, "copy_texels", copy_texels_spv,
-            {0, {GpuBindingKind::storage_buffer, GpuBindingKind::storage_buffer}, {copy_lanes, 1, 1}}));
-    CopyBandwidth bandwidth;
-    TRY_ASSIGN(bandwidth.by_kernel, gb_per_s(device, kernel));
-    TRY_ASSIGN(bandwidth.by_command, gb_per_s(device, {}));
-    return bandwidth;
+    TRY_ASSIGN(const auto kernel, copying_kernel(*device));
+    TRY_ASSIGN(const double kernel_ms, copy_ms(device, kernel, large_copy));
+    TRY_ASSIGN(const double command_ms, copy_ms(device, {}, large_copy));
+    constexpr double moved = 2 * large_copy * 1e-6;
+    return CopyBandwidth{moved / kernel_ms, moved / command_ms};
+}
+
+Result<double> kernel_copy_ms(const std::shared_ptr<GpuDevice>& device, double moved_bytes) {
+    TRY_ASSIGN(const auto kernel, copying_kernel(*device));
+    return copy_ms(device, kernel, aligned_bytes(static_cast<std::size_t>(moved_bytes / 2), 16));
 }
 
 double least_bytes(const SurfaceCase& c) {

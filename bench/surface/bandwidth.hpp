@@ -17,6 +17,10 @@ struct CopyBandwidth {
 /// An error of kind check where the bytes do not arrive.
 Result<CopyBandwidth> copy_bandwidth(const std::shared_ptr<GpuDevice>& device);
 
+/// How long the kernel takes that moves so many bytes, half of them read and half written. Its start is in
+/// it, and what caches save.
+Result<double> kernel_copy_ms(const std::shared_ptr<GpuDevice>& device, double moved_bytes);
+
 /// Bytes that codes of a frame cannot do without: stored values in, codes, validity and bounds out.
 double least_bytes(const SurfaceCase& c);
 
