@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <tuple>
 
@@ -330,6 +331,17 @@ Result<void> NewFile::commit_as(const fs::path& name) {
     committed_ = true;
     if (lasts_) sync_folder(folder_of(name));
     return {};
+}
+
+Result<fs::path> own_folder(const char* variable, const char* in_home) {
+    const auto folder = [](const char* of) {
+        const char* const value = std::getenv(of);
+        return fs::path(value ? value : "");
+    };
+    // A path that is not absolute counts as not set.
+    if (const auto stated = folder(variable); stated.is_absolute()) return stated / "touchable";
+    if (const auto home = folder("HOME"); home.is_absolute()) return home / in_home / "touchable";
+    return usage_error(std::string("neither HOME nor ") + variable + " says where to keep them");
 }
 
 }  // namespace touchable

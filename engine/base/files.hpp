@@ -156,6 +156,9 @@ private:
     bool lasts_ = true;
 };
 
+/// This program's folder of a person: `touchable` in the folder that the environment's `variable` names,
+/// else in `in_home` of the home folder. It need not exist. Fails if there is neither.
+Result<std::filesystem::path> own_folder(const char* variable, const char* in_home);
 /// A name in `folder` that no other file has and no other program can foresee.
 std::filesystem::path hidden_name(const std::filesystem::path& folder);
 /// Moves a file or folder to a name that must be free: 0, or why not (errno).

@@ -352,6 +352,7 @@ Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
     vulkan->facts = facts[chosen];
     vulkan->queue_family = static_cast<std::uint32_t>(queue_family_of(vulkan->physical));
     TRY(create_device(*vulkan, !options.window_extensions.empty()));
+    vulkan->open_programs(options.cache_folder);
     TRY_ASSIGN(const auto timeline, create_timeline(*vulkan));
     return std::shared_ptr<GpuDevice>(new GpuDevice(std::move(vulkan), timeline));
 }

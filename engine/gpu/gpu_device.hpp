@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -98,6 +99,17 @@ struct VulkanDevice : NonCopyable {
     PFN_vkSetDebugUtilsObjectNameEXT set_name = nullptr;
     PFN_vkGetMemoryHostPointerPropertiesEXT host_memory_types = nullptr;
 
+    /// What the driver has made of kernels: of this run, and of earlier ones in `programs_file`. Null where
+    /// it cannot be had.
+    VkPipelineCache programs = VK_NULL_HANDLE;
+    std::filesystem::path programs_file;  ///< empty: nothing is kept
+    std::uint64_t kept_hash = 0;          ///< of what is in it
+
+    /// Makes `programs`, of what an earlier run kept for this device and driver in `folder`, if anything.
+    void open_programs(const std::filesystem::path& folder);
+    /// Keeps them, where there is something new; called at the device's end too. One thread at a time.
+    void keep_programs();
+
     /// Sticky: once true, every submission and every wait fails.
     std::atomic<bool> lost = false;
 
@@ -131,6 +143,9 @@ struct GpuOptions {
     /// Of the window system that pictures are to be shown by; where there are any, the device also gets
     /// swapchains, and one without them is refused.
     std::vector<std::string> window_extensions{};
+    /// Where programs are kept from run to run, so that they are made quickly; it need not exist. Empty:
+    /// nowhere.
+    std::filesystem::path cache_folder{};
 };
 
 struct GpuRecording;  // a command buffer and what it needs (gpu_recording.hpp)

@@ -118,7 +118,7 @@ Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
     info.layout = layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
     const VkResult result =
-        vkCreateComputePipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+        vkCreateComputePipelines(gpu.device, gpu.programs, 1, &info, nullptr, &pipeline);
     vkDestroyShaderModule(gpu.device, shader, nullptr);
     TRY(gpu.checked("vkCreateComputePipelines", result));
     return pipeline;

@@ -259,6 +259,8 @@ Result<std::vector<VkPhysicalDevice>> VulkanInstance::devices() const {
 VulkanDevice::~VulkanDevice() {
     if (device) {
         vkDeviceWaitIdle(device);  // on a lost device there is nothing left to wait for
+        keep_programs();
+        if (programs) vkDestroyPipelineCache(device, programs, nullptr);
         vkDestroyDevice(device, nullptr);
     }
 }

@@ -175,7 +175,7 @@ Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout la
     info.layout = layout;
     VkPipeline made = VK_NULL_HANDLE;
     TRY(checked(gpu, "vkCreateGraphicsPipelines",
-                vkCreateGraphicsPipelines(gpu.device, VK_NULL_HANDLE, 1, &info, nullptr, &made)));
+                vkCreateGraphicsPipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made)));
     return made;
 }
 

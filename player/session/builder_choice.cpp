@@ -1,5 +1,6 @@
 #include <iostream>
 
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
@@ -71,7 +72,11 @@ BuilderChoice pick_on_cpu(const BuilderChoice::Load& load, double whole_ms) {
 Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
     const std::lock_guard lock(mutex_);
     if (device_ && !device_->lost()) return device_;
-    auto opened = GpuDevice::open({.request = request_, .window_extensions = window_extensions_});
+    // Without a home nothing is kept from run to run.
+    const auto kept = own_folder("XDG_CACHE_HOME", ".cache");
+    auto opened = GpuDevice::open({.request = request_,
+                                   .window_extensions = window_extensions_,
+                                   .cache_folder = kept ? *kept : std::filesystem::path()});
     if (opened) device_ = *opened;
     return opened;
 }

@@ -21,7 +21,7 @@
 // (player/run/terminal.hpp): the error then is of kind interrupted, and a held device is without power
 // before anything is waited for.
 //
-// clips_of, own_folder and own_settings_file (user_files.cpp) are for the command line, which fills in
+// clips_of and own_settings_file (user_files.cpp) are for the command line, which fills in
 // PlayOptions by them. Any thread may call them; they wait for the disk.
 
 #include <map>
@@ -56,9 +56,6 @@ struct KioskOptions {
 /// before "clip10". Any other name, and a folder without clips, stands for itself.
 std::vector<std::filesystem::path> clips_of(const std::filesystem::path& named);
 
-/// This program's folder of a person: `touchable` in the folder that the environment's `variable` names,
-/// else in `in_home` of the home folder. It need not exist. Fails if there is neither.
-Result<std::filesystem::path> own_folder(const char* variable, const char* in_home);
 /// play.json of this person: in $XDG_CONFIG_HOME/touchable, otherwise in ~/.config/touchable.
 Result<std::filesystem::path> own_settings_file();
 

@@ -1,8 +1,8 @@
 #include "player/window/user_files.hpp"
 
 #include <cerrno>
-#include <cstdlib>
 
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/window/play_window.hpp"
@@ -147,17 +147,6 @@ const ClipChoice* Playlist::previous() {
     if (place_ == 0 && !(wraps_ && clips_.size() > 1)) return nullptr;
     place_ = (place_ + clips_.size() - 1) % clips_.size();
     return &clips_[place_];
-}
-
-Result<fs::path> own_folder(const char* variable, const char* in_home) {
-    const auto folder = [](const char* of) {
-        const char* const value = std::getenv(of);
-        return fs::path(value ? value : "");
-    };
-    // A path that is not absolute counts as not set.
-    if (const auto stated = folder(variable); stated.is_absolute()) return stated / "touchable";
-    if (const auto home = folder("HOME"); home.is_absolute()) return home / in_home / "touchable";
-    return usage_error(std::string("neither HOME nor ") + variable + " says where to keep them");
 }
 
 Result<fs::path> own_settings_file() {

@@ -123,6 +123,7 @@ private:
         info.Device = gpu.device;
         info.QueueFamily = gpu.queue_family;
         info.Queue = gpu.queue;
+        info.PipelineCache = gpu.programs;
         info.DescriptorPool = pool_;
         info.MinImageCount = 2;
         info.ImageCount = 2;

@@ -1,6 +1,10 @@
 #include "engine/gpu/gpu_commands.hpp"
 
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <vector>
 
 #include "shaders/mix_words.spv.h"
@@ -8,6 +12,7 @@
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/mix_words.h"
 #include "tests/gpu/spirv_layout.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -104,6 +109,75 @@ TEST_F(Program, GroupsLargerThanTheDevicesAreRefused) {
     EXPECT_EQ(program.error().kind, ErrorKind::gpu);
     EXPECT_NE(program.error().message.find("kernel spec_group"), std::string::npos)
         << program.error().message;
+}
+
+/// What a device that was opened there has left when it is closed.
+std::string programs_kept_in(const std::filesystem::path& folder) {
+    GpuOptions options;
+    options.cache_folder = folder;
+    const auto gpu = must(GpuDevice::open(options));
+    must(GpuProgram::create(*gpu, "mix_words", mix_words_spv, right));
+    const std::filesystem::path file = gpu->vulkan()->programs_file;
+    gpu->vulkan()->keep_programs();
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::filesystem::path only_file_in(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
+    if (files.size() != 1) throw std::runtime_error("not one file in " + folder.string());
+    return files.front();
+}
+
+void write_whole(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+}
+
+TEST(KeptPrograms, AreAFileOfTheDeviceInAFolderThatIsMade) {
+    const TemporaryFolder folder;
+    const std::string kept = programs_kept_in(folder.path() / "not" / "yet");
+    EXPECT_GT(kept.size(), 64U);
+    EXPECT_EQ(only_file_in(folder.path() / "not" / "yet").extension(), ".programs");
+}
+
+TEST(KeptPrograms, OfADamagedFileOrAnotherDriverAreMadeAnew) {
+    const TemporaryFolder folder;
+    const std::string kept = programs_kept_in(folder.path());
+    const std::filesystem::path file = only_file_in(folder.path());
+    std::vector<std::string> bad = {"",
+                                    "touchable",
+                                    kept.substr(0, 63),
+                                    kept.substr(0, kept.size() - 1),
+                                    kept + "x",
+                                    std::string(kept.size(), '\xFF')};
+    // Each field of the head, and what comes after it.
+    for (std::size_t at = 0; at < kept.size(); at += 7) {
+        bad.push_back(kept);
+        bad.back()[at] = static_cast<char>(bad.back()[at] ^ 1);
+    }
+    for (const std::string& bytes : bad) {
+        write_whole(file, bytes);
+        EXPECT_EQ(programs_kept_in(folder.path()), kept);
+    }
+}
+
+TEST(KeptPrograms, ThatAreReadAreNotWrittenAgain) {
+    const TemporaryFolder folder;
+    programs_kept_in(folder.path());
+    const std::filesystem::path file = only_file_in(folder.path());
+    const auto then = std::filesystem::file_time_type::clock::now() - std::chrono::hours(1);
+    std::filesystem::last_write_time(file, then);
+    const auto before = std::filesystem::last_write_time(file);
+    programs_kept_in(folder.path());
+    EXPECT_EQ(std::filesystem::last_write_time(file), before);
+}
+
+TEST(KeptPrograms, MayBeKeptNowhere) {
+    const TemporaryFolder folder;
+    write_whole(folder.path() / "file", "no folder");
+    EXPECT_EQ(programs_kept_in(folder.path() / "file"), "");
+    EXPECT_EQ(programs_kept_in({}), "");
 }
 
 }  // namespace
