@@ -86,6 +86,8 @@ struct BlockPush {
     uint validity_words;       // of a row
     uint tiles_x, tiles_y;
     uint factor;  // as in StripPush
+    uint codes_to_host,
+        rest_to_host;  // 1: codes, or validity and bounds, are written to the CPU's memory too
     ValidCodes valid;
 };
 

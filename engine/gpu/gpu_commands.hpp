@@ -44,8 +44,8 @@ public:
     static Result<GpuBuffer> create(const GpuDevice& device, std::string name, std::size_t bytes,
                                     GpuMemory memory);
 
-    /// The CPU's own memory, to be copied from: no byte of it is copied here. It stays where it is as long as
-    /// the buffer. Fails (ErrorKind::gpu) where the device imports no memory.
+    /// The CPU's own memory, to be copied from or read as storage: no byte of it is copied here. It stays
+    /// where it is as long as the buffer. Fails (ErrorKind::gpu) where the device imports no memory.
     static Result<GpuBuffer> import(const GpuDevice& device, std::string name,
                                     std::shared_ptr<const PlaneBlock> block);
 

@@ -117,8 +117,7 @@ Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
     info.stage.pSpecializationInfo = &special;
     info.layout = layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    const VkResult result =
-        vkCreateComputePipelines(gpu.device, gpu.programs, 1, &info, nullptr, &pipeline);
+    const VkResult result = vkCreateComputePipelines(gpu.device, gpu.programs, 1, &info, nullptr, &pipeline);
     vkDestroyShaderModule(gpu.device, shader, nullptr);
     TRY(gpu.checked("vkCreateComputePipelines", result));
     return pipeline;
@@ -179,7 +178,7 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
     external.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
     if (imported) {
         info.pNext = &external;
-        info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+        info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     }
     TRY(checked(gpu, state->name, bytes, "vkCreateBuffer",
                 vkCreateBuffer(gpu.device, &info, nullptr, &state->buffer)));

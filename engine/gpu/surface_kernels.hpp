@@ -33,6 +33,10 @@ struct SurfacePlan {
     /// Decoding, medians and bounds by the one kernel for GPUs (shaders/block.comp), not along strips. It
     /// builds frames as a whole.
     bool blocks = false;
+    /// Where both are so: what is read is read where it lies in the CPU's memory, and what is made is written
+    /// there too, by the kernel and over the bus, which goes both ways at once. Nothing is copied before or
+    /// after it.
+    bool over_bus = false;
 
     bool builds_in_part() const { return break_even > 0 && !blocks; }
     /// Rows that are no whole texels lose their gaps before they are copied to the CPU.

@@ -105,10 +105,8 @@ Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstant
 
 Result<GpuProgram> SurfaceKernels::block(const BlockConstants& c) {
     const auto constants = std::bit_cast<std::array<std::uint32_t, 6>>(c);
-    return made(
-        blocks_[constants], "block", block_spv,
-        {sizeof(BlockPush), {buffer, buffer, buffer, buffer, buffer}, {block_lanes_x, block_lanes_y, 1}},
-        constants);
+    return made(blocks_[constants], "block", block_spv,
+                {sizeof(BlockPush), std::vector(8, buffer), {block_lanes_x, block_lanes_y, 1}}, constants);
 }
 
 Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last,
@@ -209,7 +207,7 @@ Result<void> SurfaceRecording::make_buffers() {
         {remembered_[0], "codes remembered", smooths ? codes_bytes : 0},
         {remembered_[1], "codes remembered before", smooths ? codes_bytes : 0},
         {packed_, "codes without gaps",
-         plan_.packs_rows(scene_.width) ? std::size_t{2} * width_ * height_ : 0},
+         packs_rows() && !plan_.over_bus ? std::size_t{2} * width_ * height_ : 0},
         {held_, "frames held", smooths ? codes_bytes / 4 : 0},
         {fill_passes_, "passes of hole filling",
          fills ? sizeof(FillPass) * static_cast<std::size_t>(filling->passes + 1) : 0}};
@@ -242,6 +240,14 @@ std::optional<int> SurfaceRecording::reach() const {
     return one_kernel ? filters_.reach() : std::nullopt;
 }
 
+bool SurfaceRecording::begins_with_block() const {
+    if (!plan_.blocks || is_hue()) return false;
+    if (filters_.filters.empty()) return true;
+    const auto& first = filters_.filters.front().filter;
+    return !std::holds_alternative<FlyingPixels>(first) &&
+           !std::holds_alternative<FilterPlan::HoleFilling>(first);
+}
+
 Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
                                       bool begins, const VulkanPlanes& planes) {
     Frame frame{commands, list, begins, planes, stored};
@@ -249,7 +255,7 @@ Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& s
     for (const FilterPlan::Stage& stage : filters_.filters)
         TRY(std::visit([&](const auto& filter) { return record(filter, frame); }, stage.filter));
     TRY(record_codes(frame, nullptr, planes.codes.gpu));
-    if (packed_) TRY(record_packing(frame));
+    if (packs_rows()) TRY(record_packing(frame));
     return plan_.blocks ? Result<void>() : record_bounds(frame);
 }
 
@@ -289,6 +295,7 @@ Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* wo
 Result<void> SurfaceRecording::record_block(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     const StoredRows& rows = frame.rows;
     constexpr std::uint32_t sides[] = {1, 3, 5};  // by StripKernel
+    const bool to_host = plan_.over_bus && !working;
     TRY_ASSIGN(const auto program, kernels_->block({sides[static_cast<std::size_t>(frame.kernel)],
                                                     rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
                                                     rows.valid.excluded[0] != no_such_code ? 1U : 0U,
@@ -301,11 +308,14 @@ Result<void> SurfaceRecording::record_block(Frame& frame, const WorkingCodes* wo
                          static_cast<std::uint32_t>(grid_.tiles_x),
                          static_cast<std::uint32_t>(grid_.tiles_y),
                          working ? static_cast<std::uint32_t>(working->factor) : 1,
+                         to_host && !packs_rows() ? 1U : 0U,
+                         to_host ? 1U : 0U,
                          rows.valid};
     const VulkanPlanes& planes = frame.planes;
     frame.commands.dispatch(
         program, push,
-        {rows.buffer, to, planes.validity.gpu, planes.tiles.gpu, table_ ? table_ : planes.tiles.gpu},
+        {rows.binding(), to, planes.validity.gpu, planes.tiles.gpu, table_ ? table_ : planes.tiles.gpu,
+         to_host ? planes.codes.host : to, planes.validity.host, planes.tiles.host},
         {groups_for(width_, block_width), groups_for(height_, block_height)});
     return {};
 }
@@ -441,7 +451,8 @@ Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Fr
 Result<void> SurfaceRecording::record_packing(const Frame& frame) {
     TRY_ASSIGN(const auto program, kernels_->pack_rows());
     const PackRowsPush push{width_, width_ * height_, 4 * pitch_};
-    frame.commands.dispatch(program, push, {frame.planes.codes.gpu, packed_},
+    frame.commands.dispatch(program, push,
+                            {frame.planes.codes.gpu, plan_.over_bus ? frame.planes.codes.host : packed_},
                             {groups_for(groups_for(push.count, 2), pack_rows_group)});
     return {};
 }

@@ -60,6 +60,15 @@ struct StoredRows {
     GpuBuffer buffer;
     std::uint32_t sample_bytes = 2, pitch = 0;  ///< texels from row to row
     ValidCodes valid;
+    std::size_t offset = 0;              ///< bytes before the first row; of what is read as a storage buffer
+    std::optional<std::size_t> bytes{};  ///< of all rows; none: to the buffer's end
+
+    GpuBinding binding() const {
+        GpuBinding bound(buffer);
+        bound.offset = offset;
+        bound.bytes = bytes;
+        return bound;
+    }
 
     bool may_be_invalid() const {
         return valid.valid_min > 0 || valid.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||
@@ -73,11 +82,12 @@ class StoredPlane {
 public:
     /// `valid`: of its values. `turns`: frames that may be taken before the work of the first is done. Where
     /// frames are built in part all have the same pitch, as they have when the CPU copies them.
+    /// `in_place`: kernels read the CPU's memory, as storage buffers.
     StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, const SurfacePlan& plan,
-                int turns)
+                int turns, bool in_place)
         : device_(std::move(device)),
           valid_(valid),
-          copies_(plan.copies),
+          copies_(plan.copies && !in_place),
           uploads_(static_cast<std::size_t>(turns)),
           imports_(plan.copies && !plan.builds_in_part() && device_->facts().import_alignment > 0) {}
 
@@ -128,6 +138,8 @@ public:
     const GpuBuffer& codes_of(const VulkanPlanes& planes) const {
         return packed_ ? packed_ : planes.codes.gpu;
     }
+    /// Whether stored values are read by the kernel for GPUs, as a storage buffer, and by no other.
+    bool begins_with_block() const;
     /// Its reach; nothing too where stages leave something between them that is of one frame alone.
     std::optional<int> reach() const;
 
@@ -144,6 +156,7 @@ private:
     /// Otherwise 0 stands for what is invalid, as in the end: that is free then, and codes are the stored
     /// ones.
     bool has_room_above() const;
+    bool packs_rows() const { return plan_.packs_rows(scene_.width); }
     Result<void> check_limits() const;
     Result<void> make_buffers();
     Result<void> make_table();

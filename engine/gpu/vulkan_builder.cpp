@@ -29,7 +29,8 @@ public:
           plan_(plan),
           recording_(std::move(recording)),
           list_(std::move(list)),
-          stored_(device_, valid_codes_of(scene.depth), plan, frames_in_flight()) {}
+          stored_(device_, valid_codes_of(scene.depth), plan, frames_in_flight(),
+                  plan.over_bus && recording_.begins_with_block()) {}
 
     /// Makes what a frame's kernels need, which on a GPU takes longer than many frames: before the first of
     /// them is waited for.
@@ -136,7 +137,7 @@ private:
         last_.reset();  // until all of it is submitted
         stored_.record_reading_in(commands);
         TRY(recording_.record(commands, rows, list_, begins, frame.planes));
-        if (frame.planes.codes.is_copied()) record_reading_back(commands, frame.planes);
+        if (frame.planes.codes.is_copied() && !plan_.over_bus) record_reading_back(commands, frame.planes);
         TRY_ASSIGN(auto submission, std::move(commands).submit());
         frame.submission.emplace(std::move(submission));
         last_.emplace(frame.raw);
@@ -268,6 +269,8 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
     const auto block = plane_block_of(depth.data, bytes);
     if (!block) return false;
     if (block->bytes() > most_imported_bytes / 3) return false;  // it would not be lent again
+    const auto from = static_cast<std::size_t>(depth.data - block->data());
+    if (!copies_ && from % limits.min_storage_buffer_alignment != 0) return false;
     const auto found =
         std::ranges::find(imported_, block->id(), [](const auto& each) { return each.block->id(); });
     if (found != imported_.end()) {
@@ -289,7 +292,7 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
             bytes_of_all -= imported_.back().block->bytes();
     }
     source_.buffer = imported_.front().buffer;
-    source_.from = static_cast<std::size_t>(depth.data - block->data());
+    source_.from = from;
     source_.storage = raw.storage;
     return true;
 }
@@ -330,17 +333,23 @@ Result<StoredRows> StoredPlane::take(const RawFrame& raw, const RowRange& rows) 
         TRY(upload(depth, rows, pitch));
     }
     TRY(make_own(pitch * static_cast<std::size_t>(depth.height)));
-    source_.to = pitch * rows.first;
-    source_.from += source_.to;
-    source_.bytes = pitch * rows.count();
-    return StoredRows{copies_ ? own_ : source_.buffer, static_cast<std::uint32_t>(depth.bytes_per_sample),
-                      static_cast<std::uint32_t>(pitch / row_texel_bytes), valid_};
+    StoredRows taken{copies_ ? own_ : source_.buffer, static_cast<std::uint32_t>(depth.bytes_per_sample),
+                     static_cast<std::uint32_t>(pitch / row_texel_bytes), valid_};
+    if (copies_) {
+        source_.to = pitch * rows.first;
+        source_.from += source_.to;
+        source_.bytes = pitch * rows.count();
+    } else if (source_.storage) {
+        taken.offset = source_.from;
+        taken.bytes = pitch * static_cast<std::size_t>(depth.height);
+    }
+    return taken;
 }
 
 void StoredPlane::record_reading_in(GpuCommands& commands) {
     const Source source = std::exchange(source_, {});
-    if (!copies_) return;
     if (source.storage) commands.keep(source.storage);
+    if (!copies_) return;
     commands.copy(source.buffer, source.from, own_, source.to, source.bytes);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
     commands.mark("read in");

@@ -172,10 +172,11 @@ TEST(VulkanBuilder, GivesFramesThatAreInFlightInTheirOrder) {
 }
 
 /// With rows of every padding, in memory that is lent again. A block that is imported has an owner more.
-TEST(VulkanBuilder, CopiesPlanesFromTheMemoryThatTheyLieIn) {
-    for (const int width : {83, 96}) {
+TEST(VulkanBuilder, ReadsPlanesInTheMemoryThatTheyLieIn) {
+    for (const auto& [width, plan] :
+         {std::pair{83, all_plans[2]}, {96, all_plans[2]}, {83, all_plans[3]}, {96, all_plans[3]}}) {
         const Scene scene = depth_scene(width, 31, 16, Marking::zero, {3, 0});
-        auto made = make_vulkan_builder(scene, test_kernels(), all_plans[2]);
+        auto made = make_vulkan_builder(scene, test_kernels(), plan);
         ASSERT_TRUE(made) << made.error().message;
         std::vector<std::shared_ptr<std::uint8_t>> leases;
         for (std::uint64_t n = 0; n < 80; ++n) {
