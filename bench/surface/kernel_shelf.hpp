@@ -4,6 +4,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/gpu/surface_kernels.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 
 namespace touchable {
 
@@ -13,6 +14,7 @@ public:
     Result<std::shared_ptr<SurfaceKernels>> take() {
         if (!kernels_) {
             TRY_ASSIGN(auto device, GpuDevice::open());
+            measure_builders(device);
             kernels_ = std::make_shared<SurfaceKernels>(device);
         }
         return kernels_;

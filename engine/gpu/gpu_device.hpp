@@ -65,7 +65,15 @@ struct GpuFacts {
     bool int64_atomics = false;    ///< 64-bit atomics on storage buffers
     bool float64 = false;          ///< doubles in kernels
     std::uint64_t import_alignment = 0;  ///< of host memory that it imports; 0: it cannot
-    std::vector<std::string> missing;    ///< what this engine needs and it lacks, in words; empty: usable
+    /// What was measured on this machine, ms, once: kept with the device's programs. Negative: nothing was.
+    /// Infinite: it cannot be had, or was wrong.
+    struct Measured {
+        double cpu_ms = -1, vulkan_ms = -1;   ///< a frame of 1920x1080 by either builder (measure_builders)
+        double over_bus_ms = -1;              ///< by the latter where kernels reach over the bus
+        double mesh_ms = -1, raster_ms = -1;  ///< a picture of it by either painter (measure_painters)
+    };
+    Measured measured{};
+    std::vector<std::string> missing;  ///< what this engine needs and it lacks, in words; empty: usable
 
     bool usable() const { return missing.empty(); }
 };
@@ -99,8 +107,8 @@ struct VulkanDevice : NonCopyable {
     PFN_vkSetDebugUtilsObjectNameEXT set_name = nullptr;
     PFN_vkGetMemoryHostPointerPropertiesEXT host_memory_types = nullptr;
 
-    /// What the driver has made of kernels: of this run, and of earlier ones in `programs_file`. Null where
-    /// it cannot be had.
+    /// What the driver has made of kernels: of this run, and of earlier ones in `programs_file`, where
+    /// facts.measured is kept too. Null where it cannot be had.
     VkPipelineCache programs = VK_NULL_HANDLE;
     std::filesystem::path programs_file;  ///< empty: nothing is kept
     std::uint64_t kept_hash = 0;          ///< of what is in it

@@ -3,8 +3,9 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <string>
-#include <vector>
+#include <thread>
 
 #include "engine/base/files.hpp"
 #include "engine/gpu/gpu_device.hpp"
@@ -23,11 +24,13 @@ struct Head {
     char magic[16] = {'t', 'o', 'u', 'c', 'h', 'a', 'b', 'l', 'e', ' ', 'p', 'r', 'o', 'g', ' ', '1'};
     std::uint32_t vendor = 0, device = 0, driver_version = 0, cache_version = 0;
     std::uint8_t cache_uuid[VK_UUID_SIZE] = {};
-    std::uint64_t bytes = 0, hash = 0;  // of what comes after it
+    std::uint64_t threads = 0;  // of the CPU that was measured beside
+    GpuFacts::Measured measured;
+    std::uint64_t bytes = 0, hash = 0;  // of what comes after it; of that and `measured`
 
     bool operator==(const Head& other) const { return std::memcmp(this, &other, sizeof(*this)) == 0; }
 };
-static_assert(sizeof(Head) == 64);
+static_assert(sizeof(Head) == 72 + sizeof(GpuFacts::Measured));
 
 /// FNV-1a of words of 8 bytes: against damage, not against people.
 std::uint64_t hash_of(std::string_view bytes) {
@@ -40,7 +43,7 @@ std::uint64_t hash_of(std::string_view bytes) {
     return hash;
 }
 
-Head head_of(const VulkanDevice& gpu, std::string_view data) {
+Head head_of(const VulkanDevice& gpu, const GpuFacts::Measured& measured, std::string_view data) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(gpu.physical, &properties);
     Head head;
@@ -48,19 +51,27 @@ Head head_of(const VulkanDevice& gpu, std::string_view data) {
     head.device = properties.deviceID;
     head.driver_version = properties.driverVersion;
     std::copy_n(properties.pipelineCacheUUID, VK_UUID_SIZE, head.cache_uuid);
+    head.threads = std::thread::hardware_concurrency();
+    head.measured = measured;
     head.bytes = data.size();
-    head.hash = hash_of(data);
+    head.hash =
+        hash_of(std::string(reinterpret_cast<const char*>(&measured), sizeof(measured)) + std::string(data));
     return head;
 }
 
-/// What was kept for this device and driver; empty where that is nothing, or damaged.
-std::string kept_data(const VulkanDevice& gpu, const std::filesystem::path& file) {
-    const auto kept = read_given_file(file, file.string(), "what a driver made of kernels", most_bytes);
-    if (!kept || kept->size() < sizeof(Head)) return {};
+/// What was kept for this device and driver; nothing where there is no such thing, or it is damaged.
+struct Kept {
     Head head;
-    std::memcpy(&head, kept->data(), sizeof(Head));
-    std::string data = kept->substr(sizeof(Head));
-    return head == head_of(gpu, data) ? data : std::string();
+    std::string data;
+};
+std::optional<Kept> read_kept(const VulkanDevice& gpu, const std::filesystem::path& file) {
+    const auto bytes = read_given_file(file, file.string(), "what a driver made of kernels", most_bytes);
+    if (!bytes || bytes->size() < sizeof(Head)) return std::nullopt;
+    Kept kept;
+    std::memcpy(&kept.head, bytes->data(), sizeof(Head));
+    kept.data = bytes->substr(sizeof(Head));
+    if (!(kept.head == head_of(gpu, kept.head.measured, kept.data))) return std::nullopt;
+    return kept;
 }
 
 }  // namespace
@@ -73,9 +84,12 @@ void VulkanDevice::open_programs(const std::filesystem::path& folder) {
         char name[32];
         std::snprintf(name, sizeof(name), "gpu-%04x-%04x.programs", properties.vendorID, properties.deviceID);
         programs_file = folder / name;
-        data = kept_data(*this, programs_file);
+        if (auto kept = read_kept(*this, programs_file)) {
+            facts.measured = kept->head.measured;
+            kept_hash = kept->head.hash;
+            data = std::move(kept->data);
+        }
     }
-    kept_hash = hash_of(data);
     VkPipelineCacheCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
     info.initialDataSize = data.size();
@@ -90,8 +104,8 @@ void VulkanDevice::keep_programs() {
     std::string data(bytes, '\0');
     if (vkGetPipelineCacheData(device, programs, &bytes, data.data()) != VK_SUCCESS) return;
     data.resize(bytes);
-    if (hash_of(data) == kept_hash) return;
-    const Head head = head_of(*this, data);
+    const Head head = head_of(*this, facts.measured, data);
+    if (head.hash == kept_hash) return;
     std::error_code failed;
     std::filesystem::create_directories(programs_file.parent_path(), failed);
     NewFile file(programs_file);

@@ -44,7 +44,8 @@ struct SurfacePlan {
 };
 /// What a device likes: few long marches on a CPU; elsewhere blocks, and many short marches with coalesced
 /// loads for what marches there too. TOUCHABLE_GPU_PLAN=discrete in the environment asks for a GPU's plan on
-/// any device.
+/// any device, =over-bus for one that reaches over the bus, which is otherwise taken where that was measured
+/// to be faster.
 SurfacePlan plan_for(const GpuFacts& facts);
 
 /// `coding`, as kernels test it. Codes at the ends of the range that are marked invalid narrow it.

@@ -61,11 +61,16 @@ Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, cons
 
 SurfacePlan plan_for(const GpuFacts& facts) {
     const char* asked = std::getenv("TOUCHABLE_GPU_PLAN");
-    const bool is_asked = asked && std::string_view(asked) == "discrete";
+    const bool over_bus = asked && std::string_view(asked) == "over-bus",
+               is_asked = over_bus || (asked && std::string_view(asked) == "discrete");
     if (facts.kind == GpuKind::software && !is_asked) return {};
     SurfacePlan plan{64, 4, true};
     plan.copies = !facts.unified_memory || is_asked;
     plan.blocks = facts.limits.max_group_invocations >= block_lanes_x * block_lanes_y;
+    plan.over_bus =
+        plan.blocks && plan.copies &&
+        (is_asked ? over_bus
+                  : facts.measured.over_bus_ms >= 0 && facts.measured.over_bus_ms < facts.measured.vulkan_ms);
     // To compare a frame with the one before takes the CPU longer than all of it takes a GPU.
     plan.break_even = 0;
     return plan;

@@ -72,4 +72,9 @@ public:
 Result<std::unique_ptr<SurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                             std::shared_ptr<GpuDevice> device);
 
+/// Measures on a GPU what a frame takes the CPU builder and this one, by copies and over the bus
+/// (facts.measured), unless that is known: some tens of milliseconds and the making of a program. Before
+/// others use the device.
+void measure_builders(const std::shared_ptr<GpuDevice>& device);
+
 }  // namespace touchable

@@ -92,9 +92,8 @@ using OpenGpu = std::function<Result<std::shared_ptr<GpuDevice>>()>;
 
 Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const OpenGpu& open_gpu) {
     TRY_ASSIGN(auto device, open_gpu());
-    const GpuFacts& facts = device->facts();
-    const bool draws_fast = facts.kind != GpuKind::software && facts.draws_triangles;
-    if (name == "mesh" || (name == "auto" && draws_fast)) return make_mesh_painter(std::move(device));
+    if (name == "mesh" || (name == "auto" && draws_by_mesh(device->facts())))
+        return make_mesh_painter(std::move(device));
     return make_raster_painter(std::move(device));
 }
 

@@ -37,6 +37,7 @@ namespace touchable {
 
 class GpuCommands;
 class GpuDevice;
+struct GpuFacts;
 class GpuImage;
 struct GpuLattice;
 struct PicturePlanes;
@@ -91,8 +92,15 @@ public:
 /// By the CPU's vectors and threads, without a GPU. Does not read a surface's tiles.
 std::unique_ptr<SurfacePainter> make_cpu_painter();
 
-/// "cpu", "raster" or "mesh" on the GPU that `open_gpu` gives, which cpu does not ask for, or "auto": mesh on
-/// a GPU, raster where Vulkan computes on the CPU, cpu where there is neither. Refused (ErrorKind::gpu) where
+/// Measures on a GPU what a picture takes either painter (facts.measured), unless that is known: some tens of
+/// milliseconds, and the making of programs that the faster one needs anyway. Before others use the device.
+void measure_painters(const std::shared_ptr<GpuDevice>& device);
+/// Whether "auto" is mesh there, not raster: as was measured; otherwise mesh on a GPU, raster where Vulkan
+/// computes on the CPU.
+bool draws_by_mesh(const GpuFacts& facts);
+
+/// "cpu", "raster" or "mesh" on the GPU that `open_gpu` gives, which cpu does not ask for, or "auto": mesh or
+/// raster (draws_by_mesh), cpu where there is no Vulkan. Refused (ErrorKind::gpu) where
 /// what is asked for by name is not to be had.
 Result<std::unique_ptr<SurfacePainter>> make_painter(
     std::string_view name, const std::function<Result<std::shared_ptr<GpuDevice>>()>& open_gpu);

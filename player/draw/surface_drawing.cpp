@@ -45,7 +45,7 @@ public:
     Result<void> prepare(std::string_view painter) {
         const GpuFacts& facts = device_->facts();
         const bool is_software = facts.kind == GpuKind::software;
-        if (painter == "mesh" || (painter == "auto" && (!is_software || !facts.int64_atomics))) {
+        if (painter == "mesh" || (painter == "auto" && draws_by_mesh(facts))) {
             TRY_ASSIGN(mesh_, MeshPipeline::create(*device_));
         } else {
             TRY_ASSIGN(raster_, SurfaceRaster::create(*device_));

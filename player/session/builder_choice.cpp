@@ -77,7 +77,9 @@ Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
     auto opened = GpuDevice::open({.request = request_,
                                    .window_extensions = window_extensions_,
                                    .cache_folder = kept ? *kept : std::filesystem::path()});
-    if (opened) device_ = *opened;
+    if (!opened) return opened;
+    measure_builders(*opened);
+    device_ = *opened;
     return opened;
 }
 
@@ -124,10 +126,19 @@ double lazy_ms_per_second(const BuilderChoice::Load& load) {
     return ticks_per_second * load.fingers * us * 1e-3;
 }
 
-BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& has_gpu) {
+bool is_fast_builder(const GpuFacts& facts) {
+    const GpuFacts::Measured& measured = facts.measured;
+    if (facts.kind == GpuKind::software) return false;
+    const double gpu_ms =
+        measured.over_bus_ms < 0 ? measured.vulkan_ms : std::min(measured.vulkan_ms, measured.over_bus_ms);
+    return gpu_ms <= 2 * measured.cpu_ms || measured.cpu_ms < 0;
+}
+
+BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& gpu_is_fast) {
     const double whole_ms = whole_frames_ms_per_second(load);
     BuilderChoice choice = pick_on_cpu(load, whole_ms);
-    if (choice.name == "cpu" && load.moves && whole_ms >= gpu_from_ms && has_gpu())
+    const double from_ms = load.drawn ? least_gain_ms : gpu_from_ms;
+    if (choice.name == "cpu" && load.moves && whole_ms >= from_ms && gpu_is_fast())
         choice = {"vulkan",
                   formatted("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
     return choice;

@@ -93,10 +93,11 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
     if (choice.name == "auto") {
         const bool named = choice.names_gpu();
         if (named) TRY(setup.gpu->open());
-        const BuilderChoice::Load load{setup.scene, frames != 1, setup.settings.fingers, options.live};
+        const BuilderChoice::Load load{setup.scene, frames != 1, setup.settings.fingers, options.live,
+                                       options.drawn};
         const BuilderChoice pick = pick_builder(load, [&] {
             const auto device = setup.gpu->open();
-            return device && (named || (*device)->facts().kind != GpuKind::software);
+            return device && (named || is_fast_builder((*device)->facts()));
         });
         choice.name = pick.name;
         choice.why = pick.why;

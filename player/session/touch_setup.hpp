@@ -71,6 +71,8 @@ struct BuilderChoice {
         bool moves = true;  ///< the clip has more than one frame
         int fingers = 1;
         bool live = false;  ///< ticks are due every millisecond of the wall clock
+        /// A GPU draws the frames, and is open for that: what it builds it draws where it lies.
+        bool drawn = false;
     };
 
     std::string name = "cpu";
@@ -94,10 +96,15 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
 double whole_frames_ms_per_second(const BuilderChoice::Load& load);
 double lazy_ms_per_second(const BuilderChoice::Load& load);
 
-/// What `--builder auto` is: cpu, lazy or vulkan, and why. `has_gpu`, which opens a device, is asked only
-/// where whole frames cost so much that this pays: whether there is a GPU, and not a software Vulkan. Its
-/// name and why alone say something: a GPU's name and the fallback are the caller's.
-BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& has_gpu);
+/// What `--builder auto` is: cpu, lazy or vulkan, and why. `gpu_is_fast`, which opens a device, is asked only
+/// where whole frames cost so much that this pays: whether there is a GPU, not a software Vulkan nor one that
+/// was measured to be slow (is_fast_builder). Its name and why alone say something: a GPU's name and the
+/// fallback are the caller's.
+BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& gpu_is_fast);
+
+/// Whether a GPU builds a frame in no more than twice the CPU's time, which the CPU then has for other
+/// things; or it was not measured. A software Vulkan has the CPU's time only.
+bool is_fast_builder(const GpuFacts& facts);
 
 /// What a person wants of the clip's clock, one command a line: "SECONDS play", "pause", "rate X", "seek
 /// SECONDS", "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/playback.md).
@@ -144,6 +151,7 @@ struct SessionOptions {
     /// Shared with the rest of the program; nothing: the run opens one of its own if it needs one.
     std::shared_ptr<RunGpu> gpu;
     bool watched = false;  ///< live: what the hand holds is shown, with its colour
+    bool drawn = false;    ///< by `gpu`, which is opened for that
 };
 
 /// Refuses (ErrorKind::usage) what no run can be made of, whatever the clip, in the options' names.

@@ -64,6 +64,7 @@ Result<void> WindowCore::open_screen(const KeptSettings& kept) {
         options.gpu = std::make_shared<RunGpu>(options.session.builder.gpu, screen_->extensions());
     // One for the surface and its picture: what is built on it is drawn where it lies.
     options.session.gpu = options.gpu;
+    options.session.drawn = !options.headless || options.painter != "cpu";
     return {};
 }
 

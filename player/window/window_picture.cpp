@@ -212,6 +212,7 @@ Result<std::unique_ptr<WindowGraphics>> WindowPicture::make_graphics() {
     if (!device && options.headless && (!is_asked_for || lost_at_)) return make_cpu_graphics();
     if (!device) return device.error();
     TRY(core_.screen().attach(*device));
+    if (options.painter == "auto") measure_painters(*device);
     return make_gpu_graphics(std::move(*device), options.painter, core_.screen());
 }
 

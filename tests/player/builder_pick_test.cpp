@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "engine/content/scenes.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/temporary_folder.hpp"
@@ -102,6 +104,35 @@ TEST(BuilderPick, AGpuIsAskedForWhereFramesCostAFifthOfACore) {
     EXPECT_EQ(pick_builder(load, no_gpu).name, "cpu");
     load.live = false;
     EXPECT_EQ(pick_builder(load, never_asked).name, "lazy");
+}
+
+TEST(BuilderPick, AGpuThatDrawsIsAskedSooner) {
+    BuilderChoice::Load load = full_hd(3, 1);
+    load.live = true;
+    load.scene.rate = {30, 1};
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+    load.drawn = true;
+    EXPECT_EQ(pick_builder(load, a_gpu).name, "vulkan");
+    EXPECT_EQ(pick_builder(load, no_gpu).name, "cpu");
+    load.moves = false;
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+}
+
+TEST(BuilderPick, AGpuIsFastThatWasMeasuredToBe) {
+    GpuFacts facts;
+    facts.kind = GpuKind::discrete;
+    EXPECT_TRUE(is_fast_builder(facts)) << "not measured";
+    facts.measured = {.cpu_ms = 1, .vulkan_ms = 2, .over_bus_ms = -1};
+    EXPECT_TRUE(is_fast_builder(facts));
+    facts.measured.vulkan_ms = 2.1;
+    EXPECT_FALSE(is_fast_builder(facts));
+    facts.measured.over_bus_ms = 1.5;
+    EXPECT_TRUE(is_fast_builder(facts));
+    facts.measured.over_bus_ms = facts.measured.vulkan_ms = HUGE_VAL;
+    EXPECT_FALSE(is_fast_builder(facts)) << "wrong bits";
+    facts.measured = {.cpu_ms = 1, .vulkan_ms = 0.1, .over_bus_ms = -1};
+    facts.kind = GpuKind::software;
+    EXPECT_FALSE(is_fast_builder(facts));
 }
 
 TEST(BuilderPick, CostsGrowWithWhatThereIsToDo) {

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
+#include <cmath>
+#include <filesystem>
 
 #include <cstring>
 
 #include "engine/gpu/surface_kernels.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -203,6 +206,57 @@ TEST(VulkanBuilder, ReadsPlanesInTheMemoryThatTheyLieIn) {
             EXPECT_TRUE(n >= 40 || (owners() > before) == (n % 5 != 4)) << stride;
         }
     }
+}
+
+/// A software Vulkan that says it is a graphics card.
+std::shared_ptr<GpuDevice> seeming_card(const std::filesystem::path& folder) {
+    GpuOptions options;
+    options.cache_folder = folder;
+    auto device = GpuDevice::open(options);
+    if (!device) throw std::runtime_error(device.error().message);
+    GpuFacts& facts = (*device)->vulkan()->facts;
+    facts.kind = GpuKind::discrete;
+    facts.unified_memory = false;
+    return *device;
+}
+
+TEST(BuilderRace, IsRunOnceForADevice) {
+    const TemporaryFolder folder;
+    GpuFacts::Measured first;
+    {
+        const auto device = seeming_card(folder.path());
+        EXPECT_LT(device->facts().measured.cpu_ms, 0);
+        measure_builders(device);
+        first = device->facts().measured;
+    }
+    for (const double ms : {first.cpu_ms, first.vulkan_ms, first.over_bus_ms}) {
+        EXPECT_GT(ms, 0);
+        EXPECT_LT(ms, 60'000) << "with the right bits";
+    }
+    const auto again = seeming_card(folder.path());
+    measure_builders(again);
+    const GpuFacts::Measured& kept = again->facts().measured;
+    EXPECT_EQ(kept.cpu_ms, first.cpu_ms);
+    EXPECT_EQ(kept.vulkan_ms, first.vulkan_ms);
+    EXPECT_EQ(kept.over_bus_ms, first.over_bus_ms);
+}
+
+TEST(BuilderRace, DecidesWhetherKernelsReachOverTheBus) {
+    GpuFacts facts = test_kernels()->device()->facts();
+    facts.kind = GpuKind::discrete;
+    facts.unified_memory = false;
+    EXPECT_FALSE(plan_for(facts).over_bus) << "not known to be right";
+    facts.measured = {.cpu_ms = 1, .vulkan_ms = 2, .over_bus_ms = 1};
+    EXPECT_TRUE(plan_for(facts).over_bus);
+    facts.measured.over_bus_ms = 3;
+    EXPECT_FALSE(plan_for(facts).over_bus);
+    facts.measured.over_bus_ms = HUGE_VAL;
+    EXPECT_FALSE(plan_for(facts).over_bus) << "wrong";
+    facts.measured.over_bus_ms = 1;
+    facts.unified_memory = true;
+    EXPECT_FALSE(plan_for(facts).over_bus) << "nothing is copied there";
+    facts.kind = GpuKind::software;
+    EXPECT_FALSE(plan_for(facts).blocks);
 }
 
 /// For every plan: a device whose limits just suffice makes the builder; one less of any limit refuses it.

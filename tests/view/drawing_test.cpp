@@ -11,6 +11,7 @@
 #include "player/draw/light_picture.hpp"
 #include "player/draw/pictures.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
+#include "tests/temporary_folder.hpp"
 #include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
@@ -427,6 +428,35 @@ TEST_F(Drawing, TellsWhatCannotBe) {
     const auto wrong = drawing->draw(commands, own_view(shown->scene, 32, 32, 1), {}, {}, target_of(32, 31));
     ASSERT_FALSE(wrong);
     EXPECT_EQ(wrong.error().kind, ErrorKind::internal);
+}
+
+/// A software Vulkan that says it is a graphics card.
+TEST(PainterRace, DecidesWhichPainterAutoIs) {
+    const TemporaryFolder folder;
+    GpuOptions options;
+    options.cache_folder = folder.path();
+    const auto device = must(GpuDevice::open(options));
+    GpuFacts& facts = device->vulkan()->facts;
+    measure_painters(device);
+    EXPECT_LT(facts.measured.mesh_ms, 0) << "a software Vulkan is not measured";
+    EXPECT_FALSE(draws_by_mesh(facts));
+    facts.kind = GpuKind::discrete;
+    EXPECT_TRUE(draws_by_mesh(facts));
+    measure_painters(device);
+    for (const double ms : {facts.measured.mesh_ms, facts.measured.raster_ms}) {
+        EXPECT_GT(ms, 0);
+        EXPECT_LT(ms, 60'000);
+    }
+    EXPECT_EQ(draws_by_mesh(facts), facts.measured.mesh_ms <= facts.measured.raster_ms);
+    EXPECT_EQ(must(SurfaceDrawing::create(device, "auto"))->painter(),
+              draws_by_mesh(facts) ? "mesh" : "raster");
+    const GpuFacts::Measured first = facts.measured;
+    measure_painters(device);
+    EXPECT_EQ(facts.measured.mesh_ms, first.mesh_ms) << "once";
+    facts.int64_atomics = false;
+    EXPECT_TRUE(draws_by_mesh(facts));
+    facts.draws_triangles = false;
+    EXPECT_FALSE(draws_by_mesh(facts));
 }
 
 }  // namespace

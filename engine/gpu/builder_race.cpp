@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "engine/base/try.hpp"
+#include "engine/gpu/surface_kernels.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/scene/plane_memory.hpp"
+
+// What a device's builders take, measured on that very device: copies over the bus are many times a kernel's
+// time on one machine, and nothing on another, and no rule about kinds of device knows which.
+
+namespace touchable {
+namespace {
+
+constexpr int race_width = 1920, race_height = 1080;
+constexpr std::size_t frame_count = 4;
+
+/// Noise of all codes, in the memory that decoders write to.
+Result<std::vector<RawFrame>> noisy_frames() {
+    constexpr std::size_t row_bytes = 2 * race_width, bytes = row_bytes * race_height;
+    std::vector<RawFrame> frames(frame_count);
+    std::uint64_t state = 1;
+    for (std::size_t n = 0; n < frame_count; ++n) {
+        const std::shared_ptr<std::uint8_t> plane = take_plane_memory(bytes);
+        if (!plane) return Error{ErrorKind::internal, "no memory for a frame"};
+        for (std::size_t k = 0; k < bytes; k += sizeof(state)) {
+            state = state * 6364136223846793005U + 1442695040888963407U;
+            std::memcpy(plane.get() + k, &state, sizeof(state));
+        }
+        frames[n].number = static_cast<std::int64_t>(n);
+        frames[n].depth = {
+            plane.get(), static_cast<std::ptrdiff_t>(row_bytes), race_width, race_height, 2, 1};
+        frames[n].storage = plane;
+    }
+    return frames;
+}
+
+template <class T>
+bool same_bytes(const FrameArray<T>& a, const FrameArray<T>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+bool same_frames(const SurfaceFrame& a, const SurfaceFrame& b) {
+    const auto same_bounds = [](const TileBounds& x, const TileBounds& y) {
+        return x.least == y.least && x.greatest == y.greatest && x.any_invalid == y.any_invalid;
+    };
+    return same_bytes(a.codes, b.codes) && same_bytes(a.validity, b.validity) &&
+           std::equal(a.tiles.begin(), a.tiles.end(), b.tiles.begin(), b.tiles.end(), same_bounds);
+}
+
+using Slots = SurfaceFrame[2];
+
+/// The least time of a frame, ms, once each has been built `warm` times; the slots have the last two then.
+Result<double> least_ms(SurfaceBuilder& builder, const std::vector<RawFrame>& frames, int warm, int timed,
+                        Slots& slots) {
+    double least = HUGE_VAL;
+    for (int n = 0; n < warm + timed; ++n)
+        for (std::size_t k = 0; k < frames.size(); ++k) {
+            const auto begin = std::chrono::steady_clock::now();
+            TRY(builder.build(frames[k], slots[k % 2]));
+            const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+            if (n >= warm) least = std::min(least, took.count());
+        }
+    return least;
+}
+
+Result<GpuFacts::Measured> race(const std::shared_ptr<GpuDevice>& device, const SurfacePlan& usual) {
+    TRY_ASSIGN(const auto frames, noisy_frames());
+    Scene scene;
+    scene.width = race_width;
+    scene.height = race_height;
+    scene.depth_bits = 16;
+    scene.camera = {race_width, race_width, race_width / 2.0, race_height / 2.0};
+    scene.depth.near = 500;
+    scene.depth.far = 1500;
+    scene.depth.code_max = 65535;
+    scene.depth.valid_max = 65535;
+    scene.filter.median = 3;
+
+    GpuFacts::Measured measured = device->facts().measured;
+    Slots right;
+    TRY_ASSIGN(measured.cpu_ms, least_ms(*make_cpu_builder(scene), frames, 1, 3, right));
+    const auto kernels = std::make_shared<SurfaceKernels>(device);
+    for (const bool over_bus : {false, true}) {
+        double& ms = over_bus ? measured.over_bus_ms : measured.vulkan_ms;
+        ms = HUGE_VAL;
+        if (over_bus && !usual.copies) continue;
+        SurfacePlan plan = usual;
+        plan.over_bus = over_bus;
+        auto builder = make_vulkan_builder(scene, kernels, plan);
+        if (!builder) continue;
+        Slots made;
+        const auto took = least_ms(**builder, frames, 2, 6, made);
+        if (took && same_frames(made[0], right[0]) && same_frames(made[1], right[1])) ms = *took;
+    }
+    return measured;
+}
+
+}  // namespace
+
+void measure_builders(const std::shared_ptr<GpuDevice>& device) {
+    GpuFacts& facts = device->vulkan()->facts;
+    const SurfacePlan plan = plan_for(facts);
+    if (!plan.blocks || facts.measured.cpu_ms >= 0) return;
+    if (const auto measured = race(device, plan)) facts.measured = *measured;
+    device->vulkan()->keep_programs();
+}
+
+}  // namespace touchable

@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "engine/base/try.hpp"
+#include "engine/gpu/surface_kernels.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "player/draw/gpu_painting.hpp"
+#include "player/draw/view.hpp"
+
+// Which painter is faster on a device, measured on that very device: a graphics card's units draw triangles
+// fast, a data centre's GPU has few of them and draws ten times as fast by compute.
+
+namespace touchable {
+namespace {
+
+constexpr int painted_width = 1920, painted_height = 1080;
+
+/// Hills, and cliffs between them.
+std::vector<std::uint16_t> codes_of_hills() {
+    std::vector<std::uint16_t> codes;
+    codes.reserve(std::size_t{painted_width} * painted_height);
+    for (int y = 0; y < painted_height; ++y)
+        for (int x = 0; x < painted_width; ++x) {
+            const double hill = std::sin(x / 60.0) * std::sin(y / 60.0);
+            codes.push_back(static_cast<std::uint16_t>(32000 + 8000 * hill + (hill > 0.5 ? 8000 : 0)));
+        }
+    return codes;
+}
+
+/// What a surface that is new for each picture takes from codes to a picture from the side, ms.
+class Race {
+public:
+    explicit Race(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
+
+    Result<void> open() {
+        scene_.width = painted_width;
+        scene_.height = painted_height;
+        scene_.depth_bits = 16;
+        scene_.camera = {painted_width, painted_width, painted_width / 2.0, painted_height / 2.0};
+        scene_.depth.near = 500;
+        scene_.depth.far = 1500;
+        scene_.depth.code_max = scene_.depth.valid_max = 65535;
+        const std::vector<std::uint16_t> codes = codes_of_hills();
+        RawFrame raw;
+        raw.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()),
+                     std::ptrdiff_t{2} * painted_width,
+                     painted_width,
+                     painted_height,
+                     2,
+                     1};
+        TRY_ASSIGN(builder_, make_vulkan_builder(scene_, device_));
+        TRY(builder_->build(raw, frame_));
+        TRY_ASSIGN(target_, GpuImage::create(*device_, "picture", painted_width, painted_height,
+                                             VK_FORMAT_R8G8B8A8_UNORM));
+        return {};
+    }
+
+    /// The least of some pictures.
+    Result<double> least_ms(std::string_view painter) {
+        constexpr int warm = 1, timed = 4;
+        TRY_ASSIGN(const auto drawing, SurfaceDrawing::create(device_, painter));
+        const FramePair pair{{0, 0, &frame_}, {1, 33'333'333, &frame_}, 0.5};
+        const HeightField field(scene_, pair);
+        const ViewCamera camera = make_view({false, 30, 8, 1, std::nullopt}, scene_, subject_of(field).middle,
+                                            painted_width, painted_height);
+        double least = HUGE_VAL;
+        for (int n = 0; n < warm + timed; ++n) {
+            const auto begin = std::chrono::steady_clock::now();
+            TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "painter race", GpuTiming::none));
+            TRY(drawing->show(commands, field, pair, {}, Lighting::lit, 1));
+            TRY(drawing->draw(commands, camera, {}, {}, target_));
+            TRY(std::move(commands).run());
+            const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+            if (n >= warm) least = std::min(least, took.count());
+        }
+        return least;
+    }
+
+private:
+    std::shared_ptr<GpuDevice> device_;
+    Scene scene_;
+    SurfaceFrame frame_;
+    std::unique_ptr<SurfaceBuilder> builder_;
+    GpuImage target_;
+};
+
+}  // namespace
+
+bool draws_by_mesh(const GpuFacts& facts) {
+    if (!facts.draws_triangles || !facts.int64_atomics) return facts.draws_triangles;
+    const GpuFacts::Measured& measured = facts.measured;
+    if (measured.mesh_ms >= 0 && measured.raster_ms >= 0) return measured.mesh_ms <= measured.raster_ms;
+    return facts.kind != GpuKind::software;
+}
+
+void measure_painters(const std::shared_ptr<GpuDevice>& device) {
+    GpuFacts& facts = device->vulkan()->facts;
+    if (facts.kind == GpuKind::software || facts.measured.mesh_ms >= 0 || !facts.draws_triangles ||
+        !facts.int64_atomics)
+        return;
+    facts.measured.mesh_ms = facts.measured.raster_ms = HUGE_VAL;
+    Race race(device);
+    if (race.open()) {
+        if (const auto ms = race.least_ms("mesh")) facts.measured.mesh_ms = *ms;
+        if (const auto ms = race.least_ms("raster")) facts.measured.raster_ms = *ms;
+    }
+    device->vulkan()->keep_programs();
+}
+
+}  // namespace touchable
