@@ -4,9 +4,8 @@
 
 namespace touchable {
 
-/// From opening a device to the first frame of 1920x1080 and 16 bits, by median: with an empty cache of
-/// Mesa's compiled shaders, a folder of its own, and again with what that left. Drivers that are not Mesa's
-/// know no such folder: with them both times are as their own caches have it.
+/// From opening a device to the first frame of 1920x1080 and 16 bits, by median, and from the open device on:
+/// with an empty cache of compiled shaders, ours and Mesa's, and again with what that left.
 Result<void> measure_start_up(Figures& figures);
 
 }  // namespace touchable
