@@ -486,7 +486,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
     sub.add_option(
            "--painter", o.painter,
-           "cpu, raster (compute), mesh (triangles), or auto: mesh on a GPU, raster by Vulkan on the CPU")
+           "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, raster by Vulkan on the CPU")
         ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
     sub.add_option("--dent", words.dent,

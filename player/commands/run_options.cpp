@@ -255,7 +255,7 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
         ->needs(picture)
         ->capture_default_str();
     sub.add_option("--painter", options.painter,
-                   "cpu, raster (compute), mesh (triangles), or auto: mesh on a GPU, else what there is")
+                   "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, else what there is")
         ->needs(picture)
         ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
