@@ -40,6 +40,11 @@ void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
 
 }  // namespace
 
+std::uint64_t new_content_number() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
+}
+
 RawFrame kept_frame(const RawFrame& frame) {
     if (frame.storage) return frame;
     RawFrame kept = frame;

@@ -42,6 +42,10 @@ inline std::size_t pixel_place(int x, int y, int width) {
     return pixel_count(width, y) + static_cast<std::size_t>(x);
 }
 
+/// A number that no other call in this process gets, never 0: it names samples that do not change any more.
+/// Any thread.
+std::uint64_t new_content_number();
+
 /// Samples of one picture as they were decoded, which another object owns. Samples of two bytes are in host
 /// order.
 struct PlaneView {
@@ -50,6 +54,9 @@ struct PlaneView {
     int width = 0, height = 0;
     int bytes_per_sample = 1;  ///< 1 or 2
     int channels = 1;          ///< interleaved: 1, or 3 for red, green, blue
+    /// Names these samples (new_content_number): a view with the same number, place and form shows the same.
+    /// 0: the samples may change.
+    std::uint64_t content = 0;
 
     bool empty() const { return data == nullptr; }
     const std::uint8_t* row(int y) const { return data + stride * y; }
@@ -325,6 +332,9 @@ struct SurfaceFrame {
     /// RawFrame::filled of what it was built from
     std::shared_ptr<const std::vector<std::uint32_t>> filled;
     std::unique_ptr<VertexSource> vertices;  ///< how the solver reads this frame; set by the builder
+    /// Names what the frame holds (new_content_number): each SurfaceTimeline::publish sets another one. 0:
+    /// the frame was never published, and its planes may change.
+    std::uint64_t content = 0;
 
     int validity_words_per_row() const { return (width + 31) / 32; }
     std::size_t index(int x, int y) const { return pixel_place(x, y, width); }

@@ -78,6 +78,7 @@ void SurfaceTimeline::begin_epoch(std::uint64_t epoch) {
 Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns) {
     if (!acquired_) return internal_error("timeline: publish without an acquired frame");
     TRY(check_later(number, time_ns));
+    slots_[*acquired_]->content = new_content_number();
     append(number, time_ns, *acquired_);
     acquired_.reset();
     return {};

@@ -108,22 +108,10 @@ void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const Gpu
         std::memcpy(to + y * pitch, values.data() + y * width, width * sizeof(T));
 }
 
-/// `row(y)` is where a row's bytes begin; rows are `pitch` bytes apart in the buffer.
-template <class Row>
-Result<GpuBuffer> upload_rows(UploadPool& uploads, const char* name, std::size_t row_bytes, std::size_t pitch,
-                              int height, const Row& row) {
-    TRY_ASSIGN(auto buffer, uploads.take(name, pitch * static_cast<std::size_t>(height)));
-    std::byte* to = buffer.mapped<std::byte>().data();
-    for (int y = 0; y < height; ++y, to += pitch) std::memcpy(to, row(y), row_bytes);
-    return buffer;
-}
-
-/// Rows of 16 bits a pixel, each from a whole texel on.
-Result<GpuBuffer> upload_pixels(UploadPool& uploads, const char* name, const std::uint16_t* values,
-                                const SurfaceFrame& frame) {
-    return upload_rows(uploads, name, 2 * static_cast<std::size_t>(frame.width),
-                       16 * parts_of(frame.width, 8), frame.height,
-                       [&](int y) { return values + frame.index(0, y); });
+/// Whether both views show the same samples, without a look at them.
+bool is_same_content(const PlaneView& a, const PlaneView& b) {
+    return a.content != 0 && a.content == b.content && a.data == b.data && a.stride == b.stride &&
+           same_form(a, b);
 }
 
 std::vector<float> q_from(const GpuLattice& lattice) {
@@ -177,42 +165,97 @@ bool SurfaceUnproject::has_codes(const HeightField& field, const FramePair& pair
     return !pair.prev.frame->codes.empty() && (field.blend() == 0 || !pair.next.frame->codes.empty());
 }
 
-Result<GpuProgram> SurfaceUnproject::program_for(const Constants& constants) {
-    GpuProgram& program = programs_[constants];
+Result<GpuBuffer> PlaneUploads::upload(GpuCommands& commands, const PlaneView& plane, std::size_t pitch) {
+    auto found = std::ranges::find_if(kept_, [&](const Kept& kept) {
+        return is_same_content(kept.plane, plane) && kept.pitch == pitch && kept.made.is_there_for(commands);
+    });
+    const bool is_there = found != kept_.end();
+    if (!is_there) --found;  // the plane that was not used for the longest time makes room
+    std::rotate(kept_.begin(), found, found + 1);
+    Kept& kept = kept_.front();
+    if (!is_there) {
+        kept.made.reset();
+        kept.plane = plane;
+        kept.pitch = pitch;
+        TRY(fill(commands, kept));
+    }
+    return kept.buffer;
+}
+
+/// The CPU writes into memory that no commands read. A GPU with memory of its own copies from there, so that
+/// the plane crosses the bus once, however many pictures read it.
+Result<void> PlaneUploads::fill(GpuCommands& commands, Kept& kept) {
+    const PlaneView& plane = kept.plane;
+    const std::size_t bytes = kept.pitch * static_cast<std::size_t>(plane.height),
+                      row_bytes = static_cast<std::size_t>(plane.width) *
+                                  static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
+    const bool is_copied = !device_->facts().unified_memory;
+    if (!is_copied) kept.buffer = {};
+    TRY_ASSIGN(const auto written, uploads_.take(name_, bytes));
+    std::byte* to = written.mapped<std::byte>().data();
+    for (int y = 0; y < plane.height; ++y, to += kept.pitch) std::memcpy(to, plane.row(y), row_bytes);
+    if (!is_copied) {
+        kept.buffer = written;
+        kept.made.by_cpu();
+        return {};
+    }
+    if (!kept.buffer || kept.buffer.bytes() != bytes) {
+        TRY_ASSIGN(kept.buffer, GpuBuffer::create(*device_, name_, bytes, GpuMemory::device));
+    }
+    commands.barrier(GpuStage::compute, GpuStage::transfer);
+    commands.copy(written, 0, kept.buffer, 0, bytes);
+    commands.barrier(GpuStage::transfer, GpuStage::compute);
+    kept.made.by(commands);
+    return {};
+}
+
+Result<GpuProgram> SurfaceUnproject::program_for(const UnprojectConstants& constants) {
+    const auto values = std::bit_cast<Constants>(constants);
+    GpuProgram& program = programs_[values];
     if (program) return program;
     TRY_ASSIGN(program, GpuProgram::create(*device_, "unproject", unproject_spv,
                                            {sizeof(UnprojectPush),
                                             {texel_kind, storage_kind, texel_kind, texel_kind, storage_kind,
                                              texel_kind, storage_kind},
-                                            {constants[0], 1, 1}},
-                                           constants));
+                                            {constants.group_size, 1, 1}},
+                                           values));
     return program;
 }
 
-Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(const SurfaceFrame& frame) {
+Result<SurfaceUnproject::Planes> SurfaceUnproject::planes_of(GpuCommands& commands,
+                                                             const SurfaceFrame& frame) {
+    const auto upload = [&](PlaneUploads& uploads, PlaneView plane, std::size_t pitch) {
+        plane.content = frame.content;
+        return uploads.upload(commands, plane, pitch);
+    };
+    // Each row of codes and of heights begins with a whole texel.
+    const std::size_t pitch = 16 * parts_of(frame.width, 8);
     Planes planes;
     const auto* built = dynamic_cast<const VulkanVertices*>(frame.vertices.get());
     if (built != nullptr && built->planes.is_on(*device_)) {
         planes.codes = built->planes.codes.gpu;
         planes.validity = built->planes.validity.gpu;
     } else {
-        TRY_ASSIGN(planes.codes, upload_pixels(uploads_, "view codes", frame.codes.data(), frame));
-        const std::size_t bytes = frame.validity.size() * sizeof(std::uint32_t);
-        TRY_ASSIGN(planes.validity, uploads_.take("view validity", bytes));
-        std::memcpy(planes.validity.mapped<std::uint32_t>().data(), frame.validity.data(), bytes);
+        const int words_bytes = 4 * frame.validity_words_per_row();
+        const PlaneView bits{reinterpret_cast<const std::uint8_t*>(frame.validity.data()), words_bytes,
+                             words_bytes, frame.height};
+        TRY_ASSIGN(planes.codes,
+                   upload(codes_, plane_of_codes(frame.codes.data(), frame.width, frame.height), pitch));
+        TRY_ASSIGN(planes.validity, upload(validity_, bits, static_cast<std::size_t>(words_bytes)));
     }
     planes.heights = planes.codes;
     if (frame.heights.empty()) return planes;
-    TRY_ASSIGN(planes.heights, upload_pixels(uploads_, "view heights", frame.heights.data(), frame));
+    TRY_ASSIGN(planes.heights,
+               upload(heights_, plane_of_codes(frame.heights.data(), frame.width, frame.height), pitch));
     return planes;
 }
 
 Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                       const GpuBuffer& q) {
-    TRY_ASSIGN(const auto prev, planes_of(*pair.prev.frame));
+    TRY_ASSIGN(const auto prev, planes_of(commands, *pair.prev.frame));
     Planes next = prev;
     if (field.blend() > 0) {
-        TRY_ASSIGN(next, planes_of(*pair.next.frame));
+        TRY_ASSIGN(next, planes_of(commands, *pair.next.frame));
     }
 
     auto [push, constants] = unproject_terms(field, pair);
@@ -222,7 +265,11 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
     push.segments = marches ? 1 : push.words;
     push.segment_words = marches ? push.words : 1;
 
-    TRY_ASSIGN(const auto program, program_for(std::bit_cast<Constants>(constants)));
+    TRY_ASSIGN(const auto program, program_for(constants));
+    if (makes_pairs_ && field.scene().interpolation == FrameInterpolation::linear) {
+        constants.is_pair ^= 1U;
+        TRY(program_for(constants));
+    }
     commands.dispatch(program, push,
                       {prev.codes, prev.validity, prev.heights, next.codes, next.validity, next.heights, q},
                       {groups_for(push.height * push.segments, constants.group_size)});
@@ -308,21 +355,38 @@ std::size_t GpuLattices::tile_list_bytes(int width, int height) {
     return 4 * (header_words + tiles_in(width, height));
 }
 
+Result<void> GpuLattices::make_programs() {
+    unproject_.make_programs_in_pairs();
+    TRY(make_tile_programs());
+    return make_edge_program();
+}
+
+Result<void> GpuLattices::make_tile_programs() {
+    if (list_tiles_) return {};
+    TRY_ASSIGN(cut_tiles_, GpuProgram::create(
+                               *device_, "cut_tiles", cut_tiles_spv,
+                               {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
+    TRY_ASSIGN(
+        list_tiles_,
+        GpuProgram::create(*device_, "list_tiles", list_tiles_spv,
+                           {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}}));
+    return {};
+}
+
+Result<void> GpuLattices::make_edge_program() {
+    if (edges_) return {};
+    TRY_ASSIGN(edges_,
+               GpuProgram::create(*device_, "edges", edges_spv,
+                                  {sizeof(EdgesPush), {texel_kind, storage_kind}, {EDGES_LANES, 1, 1}}));
+    return {};
+}
+
 Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattice) {
     const int width = lattice.width, height = lattice.height;
     const std::size_t tiles = tiles_in(width, height);
     TRY(reserve(lattice.tiles, "lattice tiles", tile_list_bytes(width, height), kernel_memory(*device_)));
     TRY(reserve(lattice.classes, "tile classes", 4 * tiles, GpuMemory::device));
-    if (!list_tiles_) {
-        TRY_ASSIGN(
-            cut_tiles_,
-            GpuProgram::create(*device_, "cut_tiles", cut_tiles_spv,
-                               {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
-        TRY_ASSIGN(list_tiles_,
-                   GpuProgram::create(
-                       *device_, "list_tiles", list_tiles_spv,
-                       {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}}));
-    }
+    TRY(make_tile_programs());
     CutTilesPush push{};
     push.width = static_cast<std::uint32_t>(width);
     push.height = static_cast<std::uint32_t>(height);
@@ -341,11 +405,7 @@ Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattic
 Result<void> GpuLattices::record_edges(GpuCommands& commands, const ViewCamera& camera, bool are_values,
                                        GpuLattice& lattice) {
     if (is_own_view(camera)) return {};
-    if (!edges_) {
-        TRY_ASSIGN(edges_,
-                   GpuProgram::create(*device_, "edges", edges_spv,
-                                      {sizeof(EdgesPush), {texel_kind, storage_kind}, {EDGES_LANES, 1, 1}}));
-    }
+    TRY(make_edge_program());
     const std::size_t bytes = 2 * SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     TRY(reserve(lattice.edges, "lattice edges", bytes, kernel_memory(*device_)));
     uploaded_.edges = lattice.edges;
@@ -434,15 +494,18 @@ Result<GpuProgram> SurfaceLighting::program_for(bool has_colour, bool is_lit) {
     return program;
 }
 
+Result<void> SurfaceLighting::make_program() {
+    TRY(program_for(true, true));
+    return {};
+}
+
 Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& field,
                                      const GpuLattice& lattice, const PlaneView& colour, Lighting lighting) {
     const bool has_colour = !colour.empty(), is_lit = !has_colour || lighting == Lighting::lit;
     TRY(check_colour(colour, lattice.width, lattice.height));
     GpuBuffer rgb = lattice.q;
     if (has_colour) {
-        TRY_ASSIGN(rgb, upload_rows(uploads_, "view colours", 3 * static_cast<std::size_t>(colour.width),
-                                    3 * static_cast<std::size_t>(lattice.pitch), colour.height,
-                                    [&colour](int y) { return colour.row(y); }));
+        TRY_ASSIGN(rgb, rgb_.upload(commands, colour, 3 * static_cast<std::size_t>(lattice.pitch)));
     }
     TRY_ASSIGN(const auto program, program_for(has_colour, is_lit));
 

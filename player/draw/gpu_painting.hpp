@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -47,21 +48,55 @@ struct UnprojectTerms {
 };
 UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair);
 
+/// Planes in the CPU's memory, uploaded for kernels. The last ones stay in the GPU's memory: a plane that is
+/// known to be there (PlaneView::content) is not uploaded again.
+class PlaneUploads {
+public:
+    /// `kept`: how many planes stay.
+    PlaneUploads(std::shared_ptr<GpuDevice> device, std::string name, std::size_t kept)
+        : device_(device), name_(std::move(name)), uploads_(std::move(device)), kept_(kept) {}
+
+    /// The plane's rows, `pitch` bytes apart, for kernels that these commands run from here on, until `kept`
+    /// others have been asked for. Samples are read at once.
+    Result<GpuBuffer> upload(GpuCommands& commands, const PlaneView& plane, std::size_t pitch);
+
+private:
+    struct Kept {
+        PlaneView plane;  // its samples may be gone
+        std::size_t pitch = 0;
+        GpuBuffer buffer;
+        GpuCommands::Made made;
+    };
+    Result<void> fill(GpuCommands& commands, Kept& kept);
+
+    std::shared_ptr<GpuDevice> device_;
+    std::string name_;
+    UploadPool uploads_;
+    std::vector<Kept> kept_;  // the one that was used last comes first
+};
+
 /// The kernel unproject: codes of a pair of frames at a blend to q, for the eye. The twin of `q_of`: the same
 /// pixels are 0, the others agree to 8 units in the last place of a float (1e-6), of the depth before height
 /// is taken off.
 class SurfaceUnproject {
 public:
-    explicit SurfaceUnproject(std::shared_ptr<GpuDevice> device) : device_(device), uploads_(device) {}
+    explicit SurfaceUnproject(std::shared_ptr<GpuDevice> device)
+        : device_(device),
+          codes_(device, "view codes", 2),
+          validity_(device, "view validity", 2),
+          heights_(device, "view heights", 2) {}
 
     /// Whether the frames behind a field have codes to begin with; lazy and exact ones have not.
     static bool has_codes(const HeightField& field, const FramePair& pair);
 
     /// Records the kernel. `pair` is what `field` was made of; frames that the Vulkan builder made on this
-    /// device are read where they are, others are uploaded. They stay as they are until it has run. `q` gets
-    /// rows of `pitch` floats, 0 beyond the width.
+    /// device are read where they are, others are uploaded, as heights are. They stay as they are until it
+    /// has run. `q` gets rows of `pitch` floats, 0 beyond the width.
     Result<void> record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                         const GpuBuffer& q);
+    /// From now on `record` makes the programs for one frame and for two together: when a clip plays, the
+    /// second picture already needs the other one.
+    void make_programs_in_pairs() { makes_pairs_ = true; }
     static int pitch(int width);
     static std::size_t q_bytes(int width, int height);
 
@@ -70,12 +105,13 @@ private:
     struct Planes {
         GpuBuffer codes, validity, heights;  // heights: any buffer where the frame has none
     };
-    Result<Planes> planes_of(const SurfaceFrame& frame);
-    Result<GpuProgram> program_for(const Constants& constants);
+    Result<Planes> planes_of(GpuCommands& commands, const SurfaceFrame& frame);
+    Result<GpuProgram> program_for(const UnprojectConstants& constants);
 
     std::shared_ptr<GpuDevice> device_;
-    UploadPool uploads_;
+    PlaneUploads codes_, validity_, heights_;   // of two frames
     std::map<Constants, GpuProgram> programs_;  // made when first needed
+    bool makes_pairs_ = false;
 };
 
 /// The tiles of lists in mapped memory, as kernels and indirect commands read them (shaders/tile_lists.h).
@@ -89,6 +125,10 @@ class GpuLattices {
 public:
     explicit GpuLattices(std::shared_ptr<GpuDevice> device)
         : device_(std::move(device)), unproject_(device_), uploads_(device_) {}
+
+    /// Makes the programs of `record_tiles` and `record_edges` now, and those of `record` in pairs
+    /// (SurfaceUnproject). Some GPUs take half a second for one, during which a window would stand still.
+    Result<void> make_programs();
 
     /// Records what makes q of a pair of frames; by the CPU where they have no codes
     /// (SurfaceUnproject::has_codes). Buffers of `lattice` that are large enough serve again: commands that
@@ -120,6 +160,8 @@ public:
     Result<void> renew(const HeightField& field, GpuLattice& lattice);
 
 private:
+    Result<void> make_tile_programs();
+    Result<void> make_edge_program();
     Result<void> record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                           const GpuLattice& lattice);
     Result<void> check_size(const char* name, std::size_t bytes) const;
@@ -140,7 +182,11 @@ Result<void> check_colour(const PlaneView& colour, int width, int height);
 /// The kernel light: q and colours to lit colours. The twin of `lit_colours`, to 2 of 255.
 class SurfaceLighting {
 public:
-    explicit SurfaceLighting(std::shared_ptr<GpuDevice> device) : device_(device), uploads_(device) {}
+    explicit SurfaceLighting(std::shared_ptr<GpuDevice> device)
+        : device_(device), rgb_(device, "view colours", 1) {}
+
+    /// Makes the program for lit colours now (GpuLattices::make_programs); the others when first needed.
+    Result<void> make_program();
 
     /// Records the kernel, from the lattice's q, once that is written and a barrier recorded after, to its
     /// colours. `field` is what q is of. `colour`: RGB of 8 bits, of the field's size, uploaded; or empty for
@@ -152,7 +198,7 @@ private:
     Result<GpuProgram> program_for(bool has_colour, bool is_lit);
 
     std::shared_ptr<GpuDevice> device_;
-    UploadPool uploads_;
+    PlaneUploads rgb_;
     std::map<std::pair<bool, bool>, GpuProgram> programs_;  // made when first needed
 };
 

@@ -143,8 +143,9 @@ public:
     /// For the raster of a software device the CPU makes them at once, and there no more than every `step`th
     /// vertex across and down, a power of two: a level of detail (`step_for`). `colour`: RGB of 8 bits, of
     /// the field's size, or empty for light and depth alone. It is read at once; the pair's frames stay until
-    /// what is recorded has completed. Fails (ErrorKind::gpu) where the surface is larger than a kernel may
-    /// read.
+    /// what is recorded has completed. Planes that the GPU still has (PlaneView::content,
+    /// SurfaceFrame::content) are not uploaded again. Fails (ErrorKind::gpu) where the surface is larger than
+    /// a kernel may read.
     virtual Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                               const PlaneView& colour, Lighting lighting, int step = 1) = 0;
     /// The same where the CPU draws, which needs no commands.

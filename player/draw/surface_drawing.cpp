@@ -58,6 +58,8 @@ public:
         }
         if (!by_cpu_) {
             TRY_ASSIGN(dents_, DentDrawing::create(device_));
+            TRY(lattices_.make_programs());
+            TRY(lighting_.make_program());
         }
         GraphicsLook look;
         look.vertex = view_screen_vert_spv;

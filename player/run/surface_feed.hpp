@@ -120,6 +120,8 @@ public:
         if (!frames_.empty() && frames_.back().epoch == raw.epoch && frames_.back().number == raw.number)
             return;
         frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.depth, raw.storage}});
+        // `storage` keeps the samples as they are.
+        frames_.back().planes.colour.content = new_content_number();
         if (frames_.size() > most) frames_.pop_front();
     }
     /// By the eye: the planes of this frame, if they are kept. Those of earlier frames are freed, since they

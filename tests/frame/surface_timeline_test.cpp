@@ -313,6 +313,24 @@ TEST(SurfaceTimeline, OfTheFreeSlotsTheNewestContentIsRecycled) {
     EXPECT_TRUE(holds(*slot, 2));
 }
 
+TEST(SurfaceTimeline, NumbersWhatASlotHolds) {
+    SurfaceTimeline timeline(3);
+    ASSERT_TRUE(publish(timeline, 0));
+    FramePair pair;
+    ASSERT_TRUE(timeline.pair_at(0, pair));
+    const SurfaceFrame& first = *pair.prev.frame;
+    const std::uint64_t content = first.content;
+    EXPECT_NE(content, 0U);
+    ASSERT_TRUE(republish(timeline, 1));
+    EXPECT_EQ(first.content, content);
+    for (int n : {2, 3, 4}) {
+        ASSERT_TRUE(publish(timeline, n));
+        ASSERT_TRUE(timeline.pair_at(n * ms, pair));
+        EXPECT_GT(pair.prev.frame->content, content);
+    }
+    EXPECT_GT(first.content, content) << "the slot was not recycled";
+}
+
 TEST(SurfaceTimeline, TheReaderDoesNotAllocate) {
     SurfaceTimeline timeline(4);
     for (int n : {0, 1, 2, 3}) ASSERT_TRUE(publish(timeline, n));

@@ -250,6 +250,27 @@ TEST(FramesAhead, AnErrorIsToldWhenItsFrameIsAskedFor) {
     EXPECT_EQ(pair.error().message, "the disk is out");
 }
 
+/// The memory of one frame's planes may be another's later.
+TEST(WatchedPlanes, NumberTheColoursOfEachFrame) {
+    const auto planes = std::make_shared<Planes>();
+    WatchedPlanes watched;
+    std::vector<std::uint64_t> contents;
+    for (std::int64_t n = 0; n < 2; ++n) {
+        RawFrame raw;
+        raw.number = n;
+        raw.colour = {planes->colour.data(), std::ptrdiff_t{3} * width, width, height, 1, 3};
+        raw.storage = planes;
+        for (int again = 0; again < 2; ++again) {
+            watched.put(raw);
+            contents.push_back(watched.find(0, n)->colour.content);
+        }
+    }
+    EXPECT_NE(contents[0], 0U);
+    EXPECT_EQ(contents[1], contents[0]);
+    EXPECT_NE(contents[2], contents[0]);
+    EXPECT_EQ(contents[3], contents[2]);
+}
+
 TEST(UnchangedFrames, AreToldInTheReport) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "still.mkv", {"--size", "72x48", "--frames", "5"});

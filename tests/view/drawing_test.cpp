@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,6 +16,7 @@
 #include "player/draw/pictures.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/temporary_folder.hpp"
+#include "tests/view/many_colours.hpp"
 #include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
@@ -417,6 +422,166 @@ TEST_F(Drawing, MapsKeepTheirColours) {
         EXPECT_GT(std::count(drawn.samples.begin(), drawn.samples.end(), 77), 90 * 60 * 3) << painter;
     }
 }
+
+/// Frames with heights as a session publishes them, into three slots, and their colours.
+struct PublishedClip {
+    PublishedClip() : shown(shown_scene("globe", 120, 80)), builder(make_cpu_builder(shown->scene)) {
+        shown->scene.height_coding = {0.05 * shown->scene.depth.near, HeightUnits::world, 255};
+    }
+    SurfaceFrame& publish(std::int64_t n) {
+        RawFrame raw = n % 2 == 0 ? shown->raw_prev : shown->raw_next;
+        std::vector<std::uint8_t> heights;
+        for (std::int64_t k = 0; k < 120 * 80; ++k)
+            heights.push_back(static_cast<std::uint8_t>(k * (n + 1) % 251));
+        raw.height = {heights.data(), 120, 120, 80};
+        raw.storage.reset();
+        raw.number = n;
+        SurfaceFrame* const slot = timeline.acquire();
+        if (slot == nullptr) throw std::runtime_error("no slot is free");
+        must(builder->build(raw, *slot));
+        must(timeline.publish(n, n * ms));
+        return *slot;
+    }
+    /// Around a time in frames.
+    FramePair pair_at(double time) {
+        FramePair pair;
+        EXPECT_TRUE(timeline.pair_at(static_cast<std::int64_t>(time * ms), pair));
+        return pair;
+    }
+
+    static constexpr std::int64_t ms = 1'000'000;
+    std::unique_ptr<Shown> shown;
+    std::unique_ptr<SurfaceBuilder> builder;
+    SurfaceTimeline timeline{3};
+    ManyColours colours{120, 80};
+    std::uint64_t content = new_content_number();  // of the colours
+};
+
+/// With a GPU's memory that is the CPU's too, or not. The painter mesh has its lattice made by kernels where
+/// Vulkan computes on the CPU, too.
+class KeptPlanes : public Drawing, public ::testing::WithParamInterface<bool> {
+protected:
+    void SetUp() override {
+        Drawing::SetUp();
+        gpu->vulkan()->facts.unified_memory = GetParam();
+        drawing = must(SurfaceDrawing::create(gpu, "mesh"));
+        clip.emplace();
+    }
+    void TearDown() override {
+        drawing.reset();
+        Drawing::TearDown();
+    }
+
+    PlaneView colour() const {
+        PlaneView view = clip->colours.view();
+        view.content = clip->content;
+        return view;
+    }
+    ViewCamera camera() const { return own_view(clip->shown->scene, 240, 160, 2); }
+    Image picture(SurfaceDrawing& by, const FramePair& pair) {
+        show(by, HeightField(clip->shown->scene, pair), pair, colour());
+        return picture_of(by, camera(), {}, {}, target_of(240, 160));
+    }
+    /// What a new drawing draws, and the CPU, and not what was drawn before.
+    void expect_as_anew(const FramePair& pair, const char* what) {
+        const auto anew = must(SurfaceDrawing::create(gpu, "mesh"));
+        Image drawn = picture(*drawing, pair);
+        EXPECT_EQ(drawn.samples, picture(*anew, pair).samples) << what;
+        const HeightField field(clip->shown->scene, pair);
+        const Image expected = cpu_picture(make_view_surface(field, colour()), camera(), {}, {});
+        EXPECT_LE(different(drawn, expected, 3), 60U) << what;
+        EXPECT_NE(drawn.samples, last.samples) << what;
+        last = std::move(drawn);
+    }
+
+    std::optional<PublishedClip> clip;
+    std::unique_ptr<SurfaceDrawing> drawing;
+    Image last;
+};
+
+TEST_P(KeptPlanes, DrawWhatNewOnesDo) {
+    clip->publish(0);
+    clip->publish(1);
+    const FramePair first = clip->pair_at(0.3);
+    expect_as_anew(first, "the first pair");
+    expect_as_anew(clip->pair_at(0.6), "the same pair later");
+    expect_as_anew({first.next, first.prev, 0.3}, "its frames swapped");
+    expect_as_anew({first.prev, first.prev, 0}, "one of them");
+
+    std::ranges::reverse(clip->colours.bytes);
+    clip->content = new_content_number();
+    expect_as_anew(first, "colours where others were");
+    std::ranges::reverse(clip->colours.bytes);
+    clip->content = 0;
+    expect_as_anew(first, "colours without a number");
+    std::ranges::reverse(clip->colours.bytes);
+    expect_as_anew(first, "other colours without a number");
+
+    clip->publish(2);
+    clip->pair_at(2);
+    clip->publish(3);
+    clip->publish(4);
+    const FramePair later = clip->pair_at(3.3);
+    ASSERT_EQ(later.prev.frame, first.next.frame);
+    ASSERT_EQ(later.next.frame, first.prev.frame);
+    expect_as_anew(later, "frames where others were");
+}
+
+TEST_P(KeptPlanes, AreNotUploadedAgain) {
+    SurfaceFrame *const prev = &clip->publish(0), *const next = &clip->publish(1);
+    const FramePair pair = clip->pair_at(0.3);
+    const Image before = picture(*drawing, pair);
+    for (SurfaceFrame* frame : {prev, next}) {
+        std::ranges::reverse(frame->heights);
+        std::ranges::fill(frame->codes, frame->codes[60 * 120 + 60]);
+        std::ranges::fill(frame->validity, 0x77777777U);
+    }
+    std::ranges::reverse(clip->colours.bytes);
+    EXPECT_EQ(picture(*drawing, pair).samples, before.samples);
+    prev->content = next->content = 0;
+    clip->content = new_content_number();
+    EXPECT_GT(different(picture(*drawing, pair), before, 3), 5000U);
+}
+
+TEST_P(KeptPlanes, AreNoneOfFramesThatWereNotPublished) {
+    Shown& shown = *clip->shown;
+    for (SurfaceFrame* frame : {&shown.prev, &shown.next}) frame->heights.assign(120 * 80, 7);
+    expect_as_anew(shown.pair(0.3), "heights");
+    std::ranges::fill(shown.next.heights, std::uint16_t{240});
+    expect_as_anew(shown.pair(0.3), "other heights");
+}
+
+TEST_P(KeptPlanes, AreNoneOfCommandsThatWereForgotten) {
+    clip->publish(0);
+    clip->publish(1);
+    const FramePair pair = clip->pair_at(0.3);
+    {
+        auto forgotten = must(GpuCommands::begin(gpu, "forgotten"));
+        must(drawing->show(forgotten, HeightField(clip->shown->scene, pair), pair, colour(), Lighting::lit));
+    }
+    expect_as_anew(pair, "for the first time");
+}
+
+/// That took half a second each on a GPU.
+TEST_P(KeptPlanes, NeedNoProgramAfterTheFirstPicture) {
+    clip->publish(0);
+    clip->publish(1);
+    const FramePair still = clip->pair_at(0);
+    show(*drawing, HeightField(clip->shown->scene, still), still, {});
+    picture_of(*drawing, camera(), {}, {}, target_of(240, 160));
+    gpu->vulkan()->facts.limits.max_push_constants = 0;  // refuses every program
+    EXPECT_FALSE(SurfaceDrawing::create(gpu, "mesh"));
+    const FramePair pair = clip->pair_at(0.3);
+    const HeightField field(clip->shown->scene, pair);
+    show(*drawing, field, pair, colour());
+    const ViewCamera turned = make_view(*parse_viewpoint("orbit:az=25,el=10"), clip->shown->scene,
+                                        subject_of(field).middle, 240, 160);
+    picture_of(*drawing, turned, {}, {}, target_of(240, 160));
+}
+
+INSTANTIATE_TEST_SUITE_P(Drawing, KeptPlanes, ::testing::Bool(), [](const auto& unified) {
+    return std::string(unified.param ? "UnifiedMemory" : "OwnMemory");
+});
 
 TEST_F(Drawing, TellsWhatCannotBe) {
     const auto named = SurfaceDrawing::create(gpu, "cpu");
