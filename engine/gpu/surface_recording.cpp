@@ -212,7 +212,7 @@ Result<void> SurfaceRecording::make_buffers() {
         {remembered_[0], "codes remembered", smooths ? codes_bytes : 0},
         {remembered_[1], "codes remembered before", smooths ? codes_bytes : 0},
         {packed_, "codes without gaps",
-         packs_rows() && !plan_.over_bus ? std::size_t{2} * width_ * height_ : 0},
+         packs_rows() && !reaches_over_bus() ? std::size_t{2} * width_ * height_ : 0},
         {held_, "frames held", smooths ? codes_bytes / 4 : 0},
         {fill_passes_, "passes of hole filling",
          fills ? sizeof(FillPass) * static_cast<std::size_t>(filling->passes + 1) : 0}};
@@ -237,20 +237,10 @@ Result<void> SurfaceRecording::make_table() {
     return {};
 }
 
-std::optional<int> SurfaceRecording::reach() const {
-    const bool one_kernel =
-        !is_hue() && std::ranges::all_of(filters_.filters, [](const FilterPlan::Stage& stage) {
-            return std::holds_alternative<FilterPlan::MedianWindow>(stage.filter);
-        });
-    return one_kernel ? filters_.reach() : std::nullopt;
-}
-
-bool SurfaceRecording::begins_with_block() const {
-    if (!plan_.blocks || is_hue()) return false;
-    if (filters_.filters.empty()) return true;
-    const auto& first = filters_.filters.front().filter;
-    return !std::holds_alternative<FlyingPixels>(first) &&
-           !std::holds_alternative<FilterPlan::HoleFilling>(first);
+bool SurfaceRecording::is_one_kernel() const {
+    return !is_hue() && std::ranges::all_of(filters_.filters, [](const FilterPlan::Stage& stage) {
+        return std::holds_alternative<FilterPlan::MedianWindow>(stage.filter);
+    });
 }
 
 Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
@@ -300,7 +290,7 @@ Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* wo
 Result<void> SurfaceRecording::record_block(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     const StoredRows& rows = frame.rows;
     constexpr std::uint32_t sides[] = {1, 3, 5};  // by StripKernel
-    const bool to_host = plan_.over_bus && !working;
+    const bool to_host = reaches_over_bus();
     TRY_ASSIGN(const auto program, kernels_->block({sides[static_cast<std::size_t>(frame.kernel)],
                                                     rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
                                                     rows.valid.excluded[0] != no_such_code ? 1U : 0U,
@@ -457,7 +447,7 @@ Result<void> SurfaceRecording::record_packing(const Frame& frame) {
     TRY_ASSIGN(const auto program, kernels_->pack_rows());
     const PackRowsPush push{width_, width_ * height_, 4 * pitch_};
     frame.commands.dispatch(program, push,
-                            {frame.planes.codes.gpu, plan_.over_bus ? frame.planes.codes.host : packed_},
+                            {frame.planes.codes.gpu, packed_ ? packed_ : frame.planes.codes.host},
                             {groups_for(groups_for(push.count, 2), pack_rows_group)});
     return {};
 }

@@ -138,10 +138,11 @@ public:
     const GpuBuffer& codes_of(const VulkanPlanes& planes) const {
         return packed_ ? packed_ : planes.codes.gpu;
     }
-    /// Whether stored values are read by the kernel for GPUs, as a storage buffer, and by no other.
-    bool begins_with_block() const;
     /// Its reach; nothing too where stages leave something between them that is of one frame alone.
-    std::optional<int> reach() const;
+    std::optional<int> reach() const { return is_one_kernel() ? filters_.reach() : std::nullopt; }
+    /// Where the plan does and there is one kernel. Of several one would read over the bus, and another one
+    /// write: with a temporal filter that took an H200 a tenth longer than copies.
+    bool reaches_over_bus() const { return plan_.over_bus && is_one_kernel(); }
 
     /// Records a frame, or of one the listed blocks. `begins`: it is not the successor of the last one that
     /// was recorded, and done.
@@ -156,6 +157,7 @@ private:
     /// Otherwise 0 stands for what is invalid, as in the end: that is free then, and codes are the stored
     /// ones.
     bool has_room_above() const;
+    bool is_one_kernel() const;
     bool packs_rows() const { return plan_.packs_rows(scene_.width); }
     Result<void> check_limits() const;
     Result<void> make_buffers();

@@ -30,7 +30,7 @@ public:
           recording_(std::move(recording)),
           list_(std::move(list)),
           stored_(device_, valid_codes_of(scene.depth), plan, frames_in_flight(),
-                  plan.over_bus && recording_.begins_with_block()) {}
+                  recording_.reaches_over_bus()) {}
 
     /// Makes what a frame's kernels need, which on a GPU takes longer than many frames: before the first of
     /// them is waited for.
@@ -137,7 +137,8 @@ private:
         last_.reset();  // until all of it is submitted
         stored_.record_reading_in(commands);
         TRY(recording_.record(commands, rows, list_, begins, frame.planes));
-        if (frame.planes.codes.is_copied() && !plan_.over_bus) record_reading_back(commands, frame.planes);
+        if (frame.planes.codes.is_copied() && !recording_.reaches_over_bus())
+            record_reading_back(commands, frame.planes);
         TRY_ASSIGN(auto submission, std::move(commands).submit());
         frame.submission.emplace(std::move(submission));
         last_.emplace(frame.raw);

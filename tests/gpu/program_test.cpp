@@ -152,7 +152,7 @@ TEST(KeptPrograms, OfADamagedFileOrAnotherDriverAreMadeAnew) {
                                     kept + "x",
                                     std::string(kept.size(), '\xFF')};
     // Each field of the head, and what comes after it.
-    for (std::size_t at = 0; at < kept.size(); at += 7) {
+    for (std::size_t at = 0; at < kept.size(); at += at < 128 ? 7 : 1 + kept.size() / 8) {
         bad.push_back(kept);
         bad.back()[at] = static_cast<char>(bad.back()[at] ^ 1);
     }

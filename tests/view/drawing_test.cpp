@@ -602,6 +602,7 @@ TEST(PainterRace, DecidesWhichPainterAutoIs) {
     options.cache_folder = folder.path();
     const auto device = must(GpuDevice::open(options));
     GpuFacts& facts = device->vulkan()->facts;
+    facts.kind = GpuKind::software;
     measure_painters(device);
     EXPECT_LT(facts.measured.mesh_ms, 0) << "a software Vulkan is not measured";
     EXPECT_FALSE(draws_by_mesh(facts));
