@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
@@ -56,17 +58,19 @@ using Slots = SurfaceFrame[2];
 Result<double> least_ms(SurfaceBuilder& builder, const std::vector<RawFrame>& frames, int warm, int timed,
                         Slots& slots) {
     double least = HUGE_VAL;
-    for (int n = 0; n < warm + timed; ++n)
+    for (int n = 0; n < warm + timed; ++n) {
+        if (stop_requested()) return interrupted_error();
         for (std::size_t k = 0; k < frames.size(); ++k) {
             const auto begin = std::chrono::steady_clock::now();
             TRY(builder.build(frames[k], slots[k % 2]));
             const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
             if (n >= warm) least = std::min(least, took.count());
         }
+    }
     return least;
 }
 
-Result<GpuFacts::Measured> race(const std::shared_ptr<GpuDevice>& device, const SurfacePlan& usual) {
+Result<void> race(const std::shared_ptr<GpuDevice>& device, SurfacePlan plan, GpuFacts::Measured& measured) {
     TRY_ASSIGN(const auto frames, noisy_frames());
     Scene scene;
     scene.width = race_width;
@@ -79,23 +83,21 @@ Result<GpuFacts::Measured> race(const std::shared_ptr<GpuDevice>& device, const 
     scene.depth.valid_max = 65535;
     scene.filter.median = 3;
 
-    GpuFacts::Measured measured = device->facts().measured;
     Slots right;
     TRY_ASSIGN(measured.cpu_ms, least_ms(*make_cpu_builder(scene), frames, 1, 3, right));
     const auto kernels = std::make_shared<SurfaceKernels>(device);
+    measured.over_bus_ms = HUGE_VAL;
     for (const bool over_bus : {false, true}) {
+        if (over_bus && !plan.copies) break;
+        plan.over_bus = over_bus;
         double& ms = over_bus ? measured.over_bus_ms : measured.vulkan_ms;
         ms = HUGE_VAL;
-        if (over_bus && !usual.copies) continue;
-        SurfacePlan plan = usual;
-        plan.over_bus = over_bus;
-        auto builder = make_vulkan_builder(scene, kernels, plan);
-        if (!builder) continue;
+        TRY_ASSIGN(const auto builder, make_vulkan_builder(scene, kernels, plan));
         Slots made;
-        const auto took = least_ms(**builder, frames, 2, 6, made);
-        if (took && same_frames(made[0], right[0]) && same_frames(made[1], right[1])) ms = *took;
+        TRY_ASSIGN(const double took, least_ms(*builder, frames, 2, 6, made));
+        if (same_frames(made[0], right[0]) && same_frames(made[1], right[1])) ms = took;
     }
-    return measured;
+    return {};
 }
 
 }  // namespace
@@ -103,9 +105,16 @@ Result<GpuFacts::Measured> race(const std::shared_ptr<GpuDevice>& device, const 
 void measure_builders(const std::shared_ptr<GpuDevice>& device) {
     GpuFacts& facts = device->vulkan()->facts;
     const SurfacePlan plan = plan_for(facts);
-    if (!plan.blocks || facts.measured.cpu_ms >= 0) return;
-    if (const auto measured = race(device, plan)) facts.measured = *measured;
-    device->vulkan()->keep_programs();
+    if (facts.kind == GpuKind::software || !plan.blocks || facts.measured.cpu_ms >= 0 ||
+        std::getenv("TOUCHABLE_GPU_PLAN") != nullptr)
+        return;
+    GpuFacts::Measured measured;
+    // A device that was lost over it never gets that again. Memory that was not there, or a stop, says
+    // nothing.
+    if (!race(device, plan, measured) && !device->lost()) return;
+    facts.measured.cpu_ms = measured.cpu_ms;
+    facts.measured.vulkan_ms = measured.vulkan_ms;
+    facts.measured.over_bus_ms = measured.over_bus_ms;
 }
 
 }  // namespace touchable

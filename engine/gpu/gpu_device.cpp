@@ -115,6 +115,7 @@ GpuFacts::Limits limits_of(const Properties& properties) {
     std::copy_n(from.maxComputeWorkGroupCount, 3, limits.max_group_count.begin());
     limits.max_shared_memory = from.maxComputeSharedMemorySize;
     limits.subgroup_size = properties.v11.subgroupSize;
+    limits.max_storage_buffers = from.maxPerStageDescriptorStorageBuffers;
     limits.min_storage_buffer_alignment = static_cast<std::uint32_t>(from.minStorageBufferOffsetAlignment);
     limits.min_texel_buffer_alignment = static_cast<std::uint32_t>(from.minTexelBufferOffsetAlignment);
     return limits;

@@ -19,6 +19,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -46,8 +47,9 @@ struct GpuFacts {
         std::uint32_t max_group_invocations = 0;  ///< invocations of one workgroup
         std::array<std::uint32_t, 3> max_group_size{};
         std::array<std::uint32_t, 3> max_group_count{};
-        std::uint32_t max_shared_memory = 0;  ///< of one workgroup
-        std::uint32_t subgroup_size = 0;      ///< invocations
+        std::uint32_t max_shared_memory = 0;    ///< of one workgroup
+        std::uint32_t subgroup_size = 0;        ///< invocations
+        std::uint32_t max_storage_buffers = 0;  ///< of one kernel
         std::uint32_t min_storage_buffer_alignment = 0;
         std::uint32_t min_texel_buffer_alignment = 0;
         double timestamp_period_ns = 0;    ///< of one tick of a timestamp; 0: the queue has none
@@ -87,6 +89,14 @@ Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view 
 class GpuMessages;
 class VulkanInstance;
 
+/// What a device's driver made of kernels, and what was measured of it, for the runs to come.
+struct ProgramsToKeep {
+    std::filesystem::path file;
+    std::string bytes;
+};
+/// Writes the file, and makes its folder. Waits for the disk.
+Result<void> keep_programs(const ProgramsToKeep& programs);
+
 /// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
 /// shared_ptr to this, never to GpuDevice, so that it can be in flight there without keeping it alive for
 /// ever.
@@ -115,8 +125,9 @@ struct VulkanDevice : NonCopyable {
 
     /// Makes `programs`, of what an earlier run kept for this device and driver in `folder`, if anything.
     void open_programs(const std::filesystem::path& folder);
-    /// Keeps them, where there is something new; called at the device's end too. One thread at a time.
-    void keep_programs();
+    /// What is new since it was kept or taken, to be kept; nothing where nothing is. The device's end keeps
+    /// the rest. One thread at a time.
+    std::optional<ProgramsToKeep> take_new_programs();
 
     /// Sticky: once true, every submission and every wait fails.
     std::atomic<bool> lost = false;
@@ -126,6 +137,8 @@ struct VulkanDevice : NonCopyable {
     Error failed(std::string_view call, VkResult result);
     /// That error, where the call failed.
     Result<void> checked(std::string_view call, VkResult result);
+
+    std::string take_kept(std::string bytes);
 
     /// The instance, as window systems want it.
     VkInstance instance_handle() const;

@@ -53,6 +53,10 @@ std::string beyond(const GpuLayout& layout, const GpuFacts::Limits& limits) {
     if (invocations > limits.max_group_invocations)
         return "workgroups of " + std::to_string(invocations) + " invocations, at most " +
                std::to_string(limits.max_group_invocations);
+    const auto buffers = std::ranges::count(layout.bindings, GpuBindingKind::storage_buffer);
+    if (buffers > std::ptrdiff_t{limits.max_storage_buffers})
+        return std::to_string(buffers) + " storage buffers, at most " +
+               std::to_string(limits.max_storage_buffers);
     if (layout.push_bytes > limits.max_push_constants)
         return std::to_string(layout.push_bytes) + " bytes of push constants, at most " +
                std::to_string(limits.max_push_constants);

@@ -1,14 +1,15 @@
 #include <algorithm>
-#include <bit>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "engine/base/files.hpp"
+#include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
+#include "shaders/block.spv.h"
 
 // What a driver makes of kernels, kept from run to run: an NVIDIA driver takes 15 to 580 ms for each, and
 // keeps nothing itself where it has no folder to do so. A file for each device, in what the driver gives as
@@ -22,7 +23,8 @@ constexpr std::size_t most_bytes = std::size_t{64} << 20;
 
 struct Head {
     char magic[16] = {'t', 'o', 'u', 'c', 'h', 'a', 'b', 'l', 'e', ' ', 'p', 'r', 'o', 'g', ' ', '1'};
-    std::uint32_t vendor = 0, device = 0, driver_version = 0, cache_version = 0;
+    std::uint32_t vendor = 0, device = 0, driver_version = 0;
+    std::uint32_t kernel = 0;  // of this program's version: a hash of the one that is measured
     std::uint8_t cache_uuid[VK_UUID_SIZE] = {};
     std::uint64_t threads = 0;  // of the CPU that was measured beside
     GpuFacts::Measured measured;
@@ -33,45 +35,41 @@ struct Head {
 static_assert(sizeof(Head) == 72 + sizeof(GpuFacts::Measured));
 
 /// FNV-1a of words of 8 bytes: against damage, not against people.
-std::uint64_t hash_of(std::string_view bytes) {
-    std::uint64_t hash = 14695981039346656037U;
-    for (std::size_t k = 0; k < bytes.size(); k += 8) {
+std::uint64_t hash_of(const void* from, std::size_t bytes, std::uint64_t hash = 14695981039346656037U) {
+    const auto* const first = static_cast<const char*>(from);
+    for (std::size_t k = 0; k < bytes; k += 8) {
         std::uint64_t word = 0;
-        std::memcpy(&word, bytes.data() + k, std::min<std::size_t>(8, bytes.size() - k));
+        std::memcpy(&word, first + k, std::min<std::size_t>(8, bytes - k));
         hash = (hash ^ word) * 1099511628211U;
     }
     return hash;
 }
 
-Head head_of(const VulkanDevice& gpu, const GpuFacts::Measured& measured, std::string_view data) {
+Head head_of(const VulkanDevice& gpu, std::string_view data) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(gpu.physical, &properties);
     Head head;
     head.vendor = properties.vendorID;
     head.device = properties.deviceID;
     head.driver_version = properties.driverVersion;
+    head.kernel = static_cast<std::uint32_t>(hash_of(block_spv, sizeof(block_spv)));
     std::copy_n(properties.pipelineCacheUUID, VK_UUID_SIZE, head.cache_uuid);
     head.threads = std::thread::hardware_concurrency();
-    head.measured = measured;
+    head.measured = gpu.facts.measured;
     head.bytes = data.size();
-    head.hash =
-        hash_of(std::string(reinterpret_cast<const char*>(&measured), sizeof(measured)) + std::string(data));
+    head.hash = hash_of(data.data(), data.size(), hash_of(&head.measured, sizeof(head.measured)));
     return head;
 }
 
-/// What was kept for this device and driver; nothing where there is no such thing, or it is damaged.
-struct Kept {
-    Head head;
-    std::string data;
-};
-std::optional<Kept> read_kept(const VulkanDevice& gpu, const std::filesystem::path& file) {
-    const auto bytes = read_given_file(file, file.string(), "what a driver made of kernels", most_bytes);
-    if (!bytes || bytes->size() < sizeof(Head)) return std::nullopt;
-    Kept kept;
-    std::memcpy(&kept.head, bytes->data(), sizeof(Head));
-    kept.data = bytes->substr(sizeof(Head));
-    if (!(kept.head == head_of(gpu, kept.head.measured, kept.data))) return std::nullopt;
-    return kept;
+/// A device's own name, as two drivers of it do not read each other's.
+std::filesystem::path file_name(const VulkanDevice& gpu) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(gpu.physical, &properties);
+    const std::string& driver = gpu.facts.driver;
+    char name[48];
+    std::snprintf(name, sizeof(name), "gpu-%04x-%04x-%08x.programs", properties.vendorID, properties.deviceID,
+                  static_cast<unsigned>(hash_of(driver.data(), driver.size())));
+    return name;
 }
 
 }  // namespace
@@ -79,16 +77,14 @@ std::optional<Kept> read_kept(const VulkanDevice& gpu, const std::filesystem::pa
 void VulkanDevice::open_programs(const std::filesystem::path& folder) {
     std::string data;
     if (!folder.empty()) {
-        VkPhysicalDeviceProperties properties;
-        vkGetPhysicalDeviceProperties(physical, &properties);
-        char name[32];
-        std::snprintf(name, sizeof(name), "gpu-%04x-%04x.programs", properties.vendorID, properties.deviceID);
-        programs_file = folder / name;
-        if (auto kept = read_kept(*this, programs_file)) {
-            facts.measured = kept->head.measured;
-            kept_hash = kept->head.hash;
-            data = std::move(kept->data);
-        }
+        programs_file = folder / file_name(*this);
+        std::error_code failed;
+        const bool is_there = std::filesystem::exists(programs_file, failed);
+        auto kept = read_given_file(programs_file, programs_file.string(), "what a driver made of kernels",
+                                    most_bytes + sizeof(Head));
+        // What could not be read, as after a stop, is not replaced.
+        if (is_there && !kept && kept.error().kind != ErrorKind::input) programs_file.clear();
+        if (kept) data = take_kept(std::move(*kept));
     }
     VkPipelineCacheCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
@@ -97,22 +93,51 @@ void VulkanDevice::open_programs(const std::filesystem::path& folder) {
     if (vkCreatePipelineCache(device, &info, nullptr, &programs) != VK_SUCCESS) programs = VK_NULL_HANDLE;
 }
 
-void VulkanDevice::keep_programs() {
-    if (!programs || programs_file.empty() || lost) return;
+/// The programs of a file, and what was measured; nothing where it is damaged, or not of this device, this
+/// driver and this program's kernels.
+std::string VulkanDevice::take_kept(std::string bytes) {
+    Head head;
+    if (bytes.size() < sizeof(Head)) return {};
+    std::memcpy(&head, bytes.data(), sizeof(Head));
+    bytes.erase(0, sizeof(Head));
+    const GpuFacts::Measured before = std::exchange(facts.measured, head.measured);
+    Head right = head_of(*this, bytes);
+    const bool is_of_this_cpu = std::exchange(right.threads, head.threads) == head.threads;
+    if (head == right) {
+        kept_hash = is_of_this_cpu ? head.hash : 0;
+        if (is_of_this_cpu) return bytes;
+    } else {
+        bytes.clear();
+    }
+    facts.measured = before;
+    return bytes;
+}
+
+std::optional<ProgramsToKeep> VulkanDevice::take_new_programs() {
+    if (!programs || programs_file.empty()) return std::nullopt;
+    // Of a lost device what was measured is kept: that it was lost there.
+    std::string data;
     std::size_t bytes = 0;
-    if (vkGetPipelineCacheData(device, programs, &bytes, nullptr) != VK_SUCCESS || bytes > most_bytes) return;
-    std::string data(bytes, '\0');
-    if (vkGetPipelineCacheData(device, programs, &bytes, data.data()) != VK_SUCCESS) return;
-    data.resize(bytes);
-    const Head head = head_of(*this, facts.measured, data);
-    if (head.hash == kept_hash) return;
+    if (!lost && vkGetPipelineCacheData(device, programs, &bytes, nullptr) == VK_SUCCESS &&
+        bytes <= most_bytes) {
+        data.resize(bytes);
+        if (vkGetPipelineCacheData(device, programs, &bytes, data.data()) != VK_SUCCESS) return std::nullopt;
+        data.resize(bytes);
+    }
+    const Head head = head_of(*this, data);
+    if (head.hash == kept_hash) return std::nullopt;
+    kept_hash = head.hash;
+    data.insert(0, reinterpret_cast<const char*>(&head), sizeof(head));
+    return ProgramsToKeep{programs_file, std::move(data)};
+}
+
+Result<void> keep_programs(const ProgramsToKeep& programs) {
     std::error_code failed;
-    std::filesystem::create_directories(programs_file.parent_path(), failed);
-    NewFile file(programs_file);
+    std::filesystem::create_directories(programs.file.parent_path(), failed);
+    NewFile file(programs.file);
     file.need_not_last();
-    // Where it cannot be kept it is made again.
-    if (file.write(std::string(reinterpret_cast<const char*>(&head), sizeof(head)) + data) && file.commit())
-        kept_hash = head.hash;
+    TRY(file.write(programs.bytes));
+    return file.commit();
 }
 
 }  // namespace touchable

@@ -73,8 +73,8 @@ Result<std::unique_ptr<SurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                             std::shared_ptr<GpuDevice> device);
 
 /// Measures on a GPU what a frame takes the CPU builder and this one, by copies and over the bus
-/// (facts.measured), unless that is known: some tens of milliseconds and the making of a program. Before
-/// others use the device.
+/// (facts.measured), unless that is known: some tens of milliseconds and the making of a program. The device
+/// may be lost by that, which then is known too. One thread at a time.
 void measure_builders(const std::shared_ptr<GpuDevice>& device);
 
 }  // namespace touchable

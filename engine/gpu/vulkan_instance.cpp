@@ -259,7 +259,7 @@ Result<std::vector<VkPhysicalDevice>> VulkanInstance::devices() const {
 VulkanDevice::~VulkanDevice() {
     if (device) {
         vkDeviceWaitIdle(device);  // on a lost device there is nothing left to wait for
-        keep_programs();
+        if (const auto fresh = take_new_programs()) (void)keep_programs(*fresh);
         if (programs) vkDestroyPipelineCache(device, programs, nullptr);
         vkDestroyDevice(device, nullptr);
     }

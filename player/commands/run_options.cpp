@@ -255,7 +255,8 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
         ->needs(picture)
         ->capture_default_str();
     sub.add_option("--painter", options.painter,
-                   "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, else what there is")
+                   "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, "
+                   "else what there is")
         ->needs(picture)
         ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
@@ -281,7 +282,9 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     order.settings.width = size.width;
     order.settings.height = size.height;
     if (options.draws_on_gpu() && choice.names_gpu()) TRY(gpu.open());
-    TRY_ASSIGN(auto painter, make_painter(options.painter, [&gpu] { return gpu.open(); }));
+    TRY_ASSIGN(auto painter, make_painter(options.painter, [&gpu, &options] {
+                   return options.painter == "auto" ? gpu.open_measured(measure_painters) : gpu.open();
+               }));
     order.painter = std::move(painter);
     order.any_painter = options.painter == "auto";
     order.show = options.show;

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
@@ -68,6 +68,7 @@ public:
                                             painted_width, painted_height);
         double least = HUGE_VAL;
         for (int n = 0; n < warm + timed; ++n) {
+            if (stop_requested()) return interrupted_error();
             const auto begin = std::chrono::steady_clock::now();
             TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "painter race", GpuTiming::none));
             TRY(drawing->show(commands, field, pair, {}, Lighting::lit, 1));
@@ -91,23 +92,31 @@ private:
 
 bool draws_by_mesh(const GpuFacts& facts) {
     if (!facts.draws_triangles || !facts.int64_atomics) return facts.draws_triangles;
-    const GpuFacts::Measured& measured = facts.measured;
-    if (measured.mesh_ms >= 0 && measured.raster_ms >= 0) return measured.mesh_ms <= measured.raster_ms;
+    const double mesh_ms = facts.measured.mesh_ms, raster_ms = facts.measured.raster_ms;
+    if (std::isinf(mesh_ms)) return false;
+    if (mesh_ms >= 0 && raster_ms >= 0) return mesh_ms <= raster_ms;
     return facts.kind != GpuKind::software;
 }
 
 void measure_painters(const std::shared_ptr<GpuDevice>& device) {
     GpuFacts& facts = device->vulkan()->facts;
-    if (facts.kind == GpuKind::software || facts.measured.mesh_ms >= 0 || !facts.draws_triangles ||
+    GpuFacts::Measured& measured = facts.measured;
+    if (facts.kind == GpuKind::software || measured.mesh_ms >= 0 || !facts.draws_triangles ||
         !facts.int64_atomics)
         return;
-    facts.measured.mesh_ms = facts.measured.raster_ms = HUGE_VAL;
     Race race(device);
-    if (race.open()) {
-        if (const auto ms = race.least_ms("mesh")) facts.measured.mesh_ms = *ms;
-        if (const auto ms = race.least_ms("raster")) facts.measured.raster_ms = *ms;
+    if (!race.open()) return;
+    // A device that was lost over it never gets that again. Memory that was not there, or a stop, says
+    // nothing.
+    const auto mesh = race.least_ms("mesh");
+    if (!mesh) {
+        if (device->lost()) measured.mesh_ms = HUGE_VAL;
+        return;
     }
-    device->vulkan()->keep_programs();
+    const auto raster = race.least_ms("raster");
+    if (!raster && !device->lost()) return;
+    measured.mesh_ms = *mesh;
+    measured.raster_ms = raster ? *raster : HUGE_VAL;
 }
 
 }  // namespace touchable

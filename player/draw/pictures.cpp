@@ -92,7 +92,9 @@ using OpenGpu = std::function<Result<std::shared_ptr<GpuDevice>>()>;
 
 Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const OpenGpu& open_gpu) {
     TRY_ASSIGN(auto device, open_gpu());
-    if (name == "mesh" || (name == "auto" && draws_by_mesh(device->facts())))
+    const GpuFacts& facts = device->facts();
+    // A software Vulkan without 64-bit atomics is slower than the CPU's own painter.
+    if (name == "mesh" || (name == "auto" && facts.kind != GpuKind::software && draws_by_mesh(facts)))
         return make_mesh_painter(std::move(device));
     return make_raster_painter(std::move(device));
 }

@@ -93,7 +93,8 @@ public:
 std::unique_ptr<SurfacePainter> make_cpu_painter();
 
 /// Measures on a GPU what a picture takes either painter (facts.measured), unless that is known: some tens of
-/// milliseconds, and the making of programs that the faster one needs anyway. Before others use the device.
+/// milliseconds, and the making of programs that the faster one needs anyway. The device may be lost by that,
+/// which then is known too. One thread at a time.
 void measure_painters(const std::shared_ptr<GpuDevice>& device);
 /// Whether "auto" is mesh there, not raster: as was measured; otherwise mesh on a GPU, raster where Vulkan
 /// computes on the CPU.

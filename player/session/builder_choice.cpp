@@ -17,7 +17,7 @@ void warn(const std::string& line) {
 }
 
 Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& gpu) {
-    TRY_ASSIGN(auto device, gpu.open());
+    TRY_ASSIGN(auto device, gpu.open_measured(measure_builders));
     TRY_ASSIGN(auto builder, make_vulkan_builder(scene, std::move(device)));
     return make_fallback_builder(std::move(builder), make_cpu_builder(scene), warn);
 }
@@ -71,6 +71,10 @@ BuilderChoice pick_on_cpu(const BuilderChoice::Load& load, double whole_ms) {
 
 Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
     const std::lock_guard lock(mutex_);
+    return open_if_needed();
+}
+
+Result<std::shared_ptr<GpuDevice>> RunGpu::open_if_needed() {
     if (device_ && !device_->lost()) return device_;
     // Without a home nothing is kept from run to run.
     const auto kept = own_folder("XDG_CACHE_HOME", ".cache");
@@ -78,9 +82,23 @@ Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
                                    .window_extensions = window_extensions_,
                                    .cache_folder = kept ? *kept : std::filesystem::path()});
     if (!opened) return opened;
-    measure_builders(*opened);
     device_ = *opened;
+    if (measured_) device_->vulkan()->facts.measured = *measured_;
     return opened;
+}
+
+Result<std::shared_ptr<GpuDevice>> RunGpu::open_measured(
+    const std::function<void(const std::shared_ptr<GpuDevice>&)>& measure) {
+    const std::lock_guard lock(mutex_);
+    TRY_ASSIGN(const auto device, open_if_needed());
+    measure(device);
+    measured_ = device->facts().measured;
+    return open_if_needed();
+}
+
+std::optional<ProgramsToKeep> RunGpu::take_new_programs() {
+    const std::lock_guard lock(mutex_);
+    return device_ ? device_->vulkan()->take_new_programs() : std::nullopt;
 }
 
 std::string RunGpu::name() const {

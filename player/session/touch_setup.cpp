@@ -5,6 +5,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 #include "player/session/run_record.hpp"
 
 namespace touchable {
@@ -92,11 +93,14 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
     BuilderChoice& choice = setup.builder = options.builder;
     if (choice.name == "auto") {
         const bool named = choice.names_gpu();
-        if (named) TRY(setup.gpu->open());
-        const BuilderChoice::Load load{setup.scene, frames != 1, setup.settings.fingers, options.live,
-                                       options.drawn};
+        bool drawn = options.drawn;
+        if (named) {
+            TRY_ASSIGN(const auto device, setup.gpu->open());
+            drawn = drawn && device->facts().kind != GpuKind::software;  // there the CPU draws
+        }
+        const BuilderChoice::Load load{setup.scene, frames != 1, setup.settings.fingers, options.live, drawn};
         const BuilderChoice pick = pick_builder(load, [&] {
-            const auto device = setup.gpu->open();
+            const auto device = setup.gpu->open_measured(measure_builders);
             return device && (named || is_fast_builder((*device)->facts()));
         });
         choice.name = pick.name;

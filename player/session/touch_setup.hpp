@@ -25,6 +25,7 @@
 #include <glm/mat4x4.hpp>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <thread>
@@ -53,14 +54,23 @@ public:
     explicit RunGpu(std::string request, std::vector<std::string> window_extensions = {})
         : request_(std::move(request)), window_extensions_(std::move(window_extensions)) {}
     Result<std::shared_ptr<GpuDevice>> open();
+    /// The same, once `measure` (measure_builders, measure_painters) has measured it; opened anew where that
+    /// has lost it.
+    Result<std::shared_ptr<GpuDevice>> open_measured(
+        const std::function<void(const std::shared_ptr<GpuDevice>&)>& measure);
+    /// Of the device that is open (VulkanDevice::take_new_programs).
+    std::optional<ProgramsToKeep> take_new_programs();
     /// The name that the GPU gives; empty before it is open.
     std::string name() const;
 
 private:
+    Result<std::shared_ptr<GpuDevice>> open_if_needed();
+
     const std::string request_;
     const std::vector<std::string> window_extensions_;
     mutable std::mutex mutex_;
     std::shared_ptr<GpuDevice> device_;
+    std::optional<GpuFacts::Measured> measured_;
 };
 
 /// `--builder` and what goes with it: as typed, or as a run has it.

@@ -152,6 +152,7 @@ private:
         core_.clips().give_up();
         if (auto written = write_settings(); !written)
             warn_on_terminal("settings are not kept: " + written.error().message);
+        write_programs();
         const Result<void> recorded = core_.clip()->finish(), heard = core_.sound().finish();
         Result<void> results;
         for (WindowMode* const mode : core_.modes())
@@ -187,6 +188,17 @@ private:
         if (core_.clips().failure()) return *core_.clips().failure();
         core_.figures.seconds = core_.time.now_s();
         return std::move(core_.figures);
+    }
+    /// For the runs to come; waits for their disk, but not for ever.
+    void write_programs() {
+        auto programs = core_.options.gpu ? core_.options.gpu->take_new_programs() : std::nullopt;
+        if (!programs) return;
+        BackgroundWriter writer("programs", "programs of the GPU");
+        const std::filesystem::path file = programs->file;
+        writer.give({.file = file, .write = [programs = std::move(*programs)](const auto&) {
+                         return keep_programs(programs);
+                     }});
+        writer.finish();
     }
     /// Waits for their disk, but not for ever.
     Result<void> write_settings() {

@@ -207,12 +207,12 @@ Result<void> WindowPicture::fit_words(const ScreenSize& size) {
 Result<std::unique_ptr<WindowGraphics>> WindowPicture::make_graphics() {
     const PlayOptions& options = core_.options;
     if (options.headless && options.painter == "cpu") return make_cpu_graphics();
-    auto device = options.gpu->open();
+    auto device =
+        options.painter == "auto" ? options.gpu->open_measured(measure_painters) : options.gpu->open();
     const bool is_asked_for = options.painter != "auto" || options.session.builder.names_gpu();
     if (!device && options.headless && (!is_asked_for || lost_at_)) return make_cpu_graphics();
     if (!device) return device.error();
     TRY(core_.screen().attach(*device));
-    if (options.painter == "auto") measure_painters(*device);
     return make_gpu_graphics(std::move(*device), options.painter, core_.screen());
 }
 

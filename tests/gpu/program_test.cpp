@@ -111,6 +111,15 @@ TEST_F(Program, GroupsLargerThanTheDevicesAreRefused) {
         << program.error().message;
 }
 
+TEST_F(Program, MoreBuffersThanTheDevicesAreRefused) {
+    gpu->vulkan()->facts.limits.max_storage_buffers = 2;
+    const auto program = GpuProgram::create(*gpu, "mix_words", mix_words_spv, right);
+    ASSERT_FALSE(program);
+    EXPECT_EQ(program.error().kind, ErrorKind::gpu);
+    EXPECT_NE(program.error().message.find("3 storage buffers, at most 2"), std::string::npos)
+        << program.error().message;
+}
+
 /// What a device that was opened there has left when it is closed.
 std::string programs_kept_in(const std::filesystem::path& folder) {
     GpuOptions options;
@@ -118,7 +127,7 @@ std::string programs_kept_in(const std::filesystem::path& folder) {
     const auto gpu = must(GpuDevice::open(options));
     must(GpuProgram::create(*gpu, "mix_words", mix_words_spv, right));
     const std::filesystem::path file = gpu->vulkan()->programs_file;
-    gpu->vulkan()->keep_programs();
+    if (const auto programs = gpu->vulkan()->take_new_programs()) (void)keep_programs(*programs);
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
 }

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <cmath>
 
 #include <array>
 #include <cstdlib>
@@ -134,6 +135,26 @@ TEST(LostGpu, IsHandedOutToNobodyElse) {
     EXPECT_FALSE((*second)->lost());
     EXPECT_EQ(*gpu.open(), *second);
     EXPECT_EQ(gpu.name(), (*second)->facts().name);
+}
+
+TEST(LostGpu, ByMeasuringItIsOpenedAnewAndNotMeasuredAgain) {
+    RunGpu gpu("auto");
+    int measured = 0;
+    const auto measure = [&](const std::shared_ptr<GpuDevice>& device) {
+        GpuFacts::Measured& figures = device->vulkan()->facts.measured;
+        if (figures.over_bus_ms >= 0) return;
+        ++measured;
+        figures.over_bus_ms = HUGE_VAL;
+        device->lose();
+    };
+    for (int n = 0; n < 2; ++n) {
+        const auto device = gpu.open_measured(measure);
+        ASSERT_TRUE(device) << device.error().message;
+        EXPECT_FALSE((*device)->lost());
+        EXPECT_EQ((*device)->facts().measured.over_bus_ms, HUGE_VAL);
+        (*device)->lose();
+    }
+    EXPECT_EQ(measured, 1);
 }
 
 /// A software GPU still compiles then, on a thread of the program.

@@ -619,6 +619,10 @@ TEST(PainterRace, DecidesWhichPainterAutoIs) {
     const GpuFacts::Measured first = facts.measured;
     measure_painters(device);
     EXPECT_EQ(facts.measured.mesh_ms, first.mesh_ms) << "once";
+    facts.measured = {.mesh_ms = 1, .raster_ms = HUGE_VAL};
+    EXPECT_TRUE(draws_by_mesh(facts)) << "the other one has lost the device";
+    facts.measured = {.mesh_ms = HUGE_VAL, .raster_ms = -1};
+    EXPECT_FALSE(draws_by_mesh(facts));
     facts.int64_atomics = false;
     EXPECT_TRUE(draws_by_mesh(facts));
     facts.draws_triangles = false;
