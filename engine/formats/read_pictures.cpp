@@ -56,9 +56,13 @@ Result<StoredImage> ReadPictures::take(const std::filesystem::path& file, Pictur
 Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem::path& file) {
     const auto name = file.lexically_normal();
     if (const auto there = stacks_.find(name); there != stacks_.end()) return there->second;
-    if (pictures_.contains(name) || !is_npy_file(source(file))) return std::shared_ptr<ImageStack>();
-    TRY_ASSIGN(auto stack, open_npy_stack(source(file), least_confidence_));
-    return stacks_[name] = std::move(stack);
+    if (pictures_.contains(name)) return std::shared_ptr<ImageStack>();
+    const SourceFile& opened = source(file);
+    const bool is_tiff = picture_kind(first_bytes(opened, 8)) == "TIFF";
+    if (!is_tiff && !is_npy_file(opened)) return std::shared_ptr<ImageStack>();
+    TRY_ASSIGN(auto stack, is_tiff ? open_tiff_stack(opened) : open_npy_stack(opened, least_confidence_));
+    if (stack) stacks_[name] = stack;
+    return stack;
 }
 
 void ReadPictures::keep_only(std::initializer_list<std::filesystem::path> files) {

@@ -31,7 +31,8 @@ public:
     Result<StoredImage> take(const std::filesystem::path& file, PictureLayer layer = PictureLayer::own);
     /// What is unpacked of a rendering with its own picture; at first all.
     void want_beside(const BesideDepth::Wanted& wanted) { wanted_ = wanted; }
-    /// The pictures of a file that is a stack of them (.npy, .npz), which stays open; null of others.
+    /// The pictures of a file that is a stack of them (.npy, .npz, TIFF of several pages), which stays
+    /// open; null of others.
     Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
     /// Of stacks that are opened from now on (open_npy_stack).
     void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }

@@ -6,7 +6,7 @@
 // read_stored_image reads a picture of any kind that its first bytes tell (PNG, JPEG, TIFF, OpenEXR, PGM,
 // PPM, PFM, NumPy) as it is stored: a StoredImage is integers as the file has them, or floats, and says how
 // it was stored, so that depth is never squeezed through a conversion. decode_* are the same of bytes in
-// memory, of one kind. An ImageStack reads the pictures of a NumPy file (.npy, .npz) one by one. write_png
+// memory, of one kind. An ImageStack reads those of a NumPy file (.npy, .npz) or a TIFF one by one. write_png
 // and png_bytes write PNG, lossless. Pictures of videos are in decoding.hpp.
 //
 // What a file claims (sizes, expansion) is checked before memory is taken for it. Errors begin with `where`
@@ -141,8 +141,8 @@ Result<StoredImage> decode_exr_colour(std::string_view bytes, const std::string&
 /// Material indices alone, as numbers.
 Result<StoredImage> decode_exr_materials(std::string_view bytes, const std::string& where);
 
-/// The pictures of an array of numbers as NumPy writes them, read one by one: height x width, or a stack of
-/// such.
+/// The pictures of a file that holds several, read one by one: of an array as NumPy writes it, height x width
+/// or a stack of such; the pages of a TIFF.
 class ImageStack {
 public:
     virtual ~ImageStack() = default;
@@ -153,6 +153,8 @@ public:
     virtual Result<StoredImage> image(std::int64_t number) = 0;
     /// Where a .npz has a confidence beside depth: there is no depth (NaN, of integers 0) where it is below.
     virtual std::optional<double> least_confidence() const = 0;
+    /// What the file has beside these pictures and is not read, in words; empty: nothing.
+    virtual std::string left_out() const { return ""; }
 };
 
 /// Of a .npy file, or of the member of a .npz file that holds depth, which is found out by its bytes: the
@@ -164,5 +166,8 @@ Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
 
 /// Whether a file begins as such a one.
 bool is_npy_file(const SourceFile& file);
+
+/// The pages of a TIFF that are stored as the first one is. Null of a file with a single page.
+Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file);
 
 }  // namespace touchable

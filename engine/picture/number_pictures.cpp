@@ -6,6 +6,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <limits>
+#include <map>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -186,11 +187,12 @@ struct CloseTiff {
     void operator()(TIFF* tiff) const { TIFFClose(tiff); }
 };
 
-/// A file in memory as libtiff reads it, and the first that was wrong with it.
+/// A file as libtiff reads it, and the first that was wrong with it.
 struct TiffBytes {
-    std::string_view bytes;
+    ByteSource& bytes;
+    std::string_view in_memory{};  // the same bytes, where they are in memory
     toff_t at = 0;
-    std::string wrong;
+    std::string wrong{};
 };
 
 TiffBytes& of_handle(thandle_t handle) {
@@ -198,9 +200,10 @@ TiffBytes& of_handle(thandle_t handle) {
 }
 tmsize_t read_tiff(thandle_t handle, void* to, tmsize_t size) {
     TiffBytes& file = of_handle(handle);
-    const auto rest = file.at < file.bytes.size() ? file.bytes.size() - file.at : 0;
-    const std::size_t count = std::min(rest, static_cast<std::size_t>(std::max<tmsize_t>(size, 0)));
-    if (count > 0) std::memcpy(to, file.bytes.data() + file.at, count);
+    const std::uint64_t all = file.bytes.size(), rest = file.at < all ? all - file.at : 0;
+    const auto count =
+        static_cast<std::size_t>(std::min(rest, static_cast<std::uint64_t>(std::max<tmsize_t>(size, 0))));
+    if (count > 0 && !file.bytes.read(file.at, static_cast<char*>(to), count)) return -1;
     file.at += count;
     return static_cast<tmsize_t>(count);
 }
@@ -218,8 +221,10 @@ toff_t size_of_tiff(thandle_t handle) {
     return of_handle(handle).bytes.size();
 }
 int map_tiff(thandle_t handle, void** begin, toff_t* size) {
-    *begin = const_cast<char*>(of_handle(handle).bytes.data());  // libtiff only reads it
-    *size = of_handle(handle).bytes.size();
+    const std::string_view bytes = of_handle(handle).in_memory;
+    if (bytes.empty()) return 0;
+    *begin = const_cast<char*>(bytes.data());  // libtiff only reads it
+    *size = bytes.size();
     return 1;
 }
 void unmap_tiff(thandle_t, void*, toff_t) {}
@@ -326,8 +331,9 @@ public:
         grey_->put(x, y, block);
         return true;
     }
-    StoredImage finish() && {
-        if (grey_) return std::move(*grey_).finish("tiff");
+    bool has_codes() const { return !grey_ || grey_->has_codes(); }
+    StoredImage finish(bool floats_anyway = false) && {
+        if (grey_) return std::move(*grey_).finish("tiff", floats_anyway);
         StoredImage stored;
         stored.image = std::move(rgb_);
         stored.codec = "tiff";
@@ -400,8 +406,196 @@ TiffOutcome read_rows(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) 
 }
 
 Error tiff_damage(const TiffBytes& file, const std::string& where) {
+    if (stop_requested()) return interrupted_error();  // which may be why its bytes did not come
     return input_error(where + ": is damaged" + (file.wrong.empty() ? "" : ": " + file.wrong));
 }
+
+/// Refuses a page that is not read, before memory is taken for it.
+Result<TiffLayout> checked_layout(TIFF* tiff, std::uint64_t packed, const std::string& where) {
+    const TiffLayout layout = layout_of(tiff);
+    TRY(check_picture_size(layout.width, layout.height, where));
+    if (const std::string refusal = refusal_of(layout); !refusal.empty())
+        return input_error(where + ": " + refusal);
+    const auto needed =
+        std::uint64_t{layout.width} * layout.height * static_cast<std::uint64_t>(layout.pixel_bytes());
+    TRY(check_expansion(needed, packed, where));
+    return layout;
+}
+
+/// The page that libtiff stands at.
+Result<TiffPixels> tiff_page(TIFF* tiff, const TiffBytes& file, const std::string& where) {
+    TRY_ASSIGN(const auto layout, checked_layout(tiff, file.bytes.size(), where));
+    TiffPixels pixels(layout);
+    switch (TIFFIsTiled(tiff) ? read_tiles(tiff, layout, pixels) : read_rows(tiff, layout, pixels)) {
+        case TiffOutcome::damaged:
+            return tiff_damage(file, where);
+        case TiffOutcome::coloured:
+            return input_error(where + ": is in colour of 16 bits: must be grey, or RGB of 8 bits");
+        case TiffOutcome::interrupted:
+            return interrupted_error();
+        case TiffOutcome::read:
+            break;
+    }
+    return pixels;
+}
+
+/// What tells whether two pages are frames of one clip: the tags that decide how pixels are stored, as the
+/// file has them, so that no page is unpacked to find it out.
+struct TiffPage {
+    using Entry = std::pair<std::uint64_t, std::uint64_t>;  // count, and the value where it is a single one
+    std::uint64_t at = 0;                                   // of its directory
+    std::map<std::uint16_t, Entry> tags{};
+    bool is_another_view = false;  // a smaller copy, or a mask of another page
+};
+
+/// Walks a TIFF's directories, classic or BigTIFF, without what they lead to.
+class TiffDirectories {
+public:
+    TiffDirectories(ByteSource& bytes, const std::string& where) : bytes_(bytes), where_(where) {}
+
+    Result<std::vector<TiffPage>> pages() {
+        const std::string begin = first_bytes(bytes_, 16);
+        is_big_endian_ = begin.starts_with("MM");
+        is_wide_ = begin.size() > 3 && (begin[2] == '+' || begin[3] == '+');
+        if (begin.size() < (is_wide_ ? 16U : 8U)) return damage();
+        std::uint64_t at = number(begin, is_wide_ ? 8 : 4, is_wide_ ? 8 : 4);
+        std::vector<TiffPage> found;
+        // Directories do not overlap, so all together are no larger than the file; those that go in a circle
+        // are.
+        for (std::uint64_t taken = 0; at != 0;) {
+            if (stop_requested()) return interrupted_error();
+            TRY_ASSIGN(auto page, page_at(at, taken));
+            if (taken > bytes_.size()) return damage();
+            if (found.size() == most_pages)
+                return input_error(where_ + ": has more than " + std::to_string(most_pages) + " pages");
+            found.push_back(std::move(page));
+            at = next_;
+        }
+        if (found.empty()) return damage();
+        return found;
+    }
+
+private:
+    /// Adds its bytes to `taken`.
+    Result<TiffPage> page_at(std::uint64_t at, std::uint64_t& taken) {
+        const std::size_t wide = is_wide_ ? 8 : 4, count_bytes = is_wide_ ? 8 : 2,
+                          entry_bytes = is_wide_ ? 20 : 12;
+        TRY_ASSIGN(const auto counted, bytes_at(at, count_bytes));
+        const std::uint64_t count = number(counted, 0, count_bytes);
+        if (count == 0 || count > most_entries) return damage();
+        const std::size_t entries = static_cast<std::size_t>(count) * entry_bytes;
+        taken += count_bytes + entries + wide;
+        TRY_ASSIGN(const auto directory, bytes_at(at + count_bytes, entries + wide));
+        TiffPage page{at};
+        for (std::size_t entry = 0; entry < entries; entry += entry_bytes) {
+            const auto tag = static_cast<std::uint16_t>(number(directory, entry, 2));
+            const std::uint64_t type = number(directory, entry + 2, 2),
+                                values = number(directory, entry + 4, wide);
+            const std::size_t own = type == TIFF_BYTE    ? 1
+                                    : type == TIFF_SHORT ? 2
+                                    : type == TIFF_LONG8 ? 8
+                                                         : 4,
+                              size = std::min(own, wide);
+            const std::uint64_t value = values == 1 ? number(directory, entry + 4 + wide, size) : 0;
+            if (std::ranges::count(telling_tags, tag) > 0) page.tags[tag] = {values, value};
+            if (tag == TIFFTAG_SUBFILETYPE)
+                page.is_another_view = (value & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0;
+        }
+        next_ = number(directory, entries, wide);
+        return page;
+    }
+    Result<std::string> bytes_at(std::uint64_t at, std::size_t count) {
+        if (at > bytes_.size() || bytes_.size() - at < count) return damage();
+        std::string read(count, '\0');
+        if (auto got = bytes_.read(at, read.data(), count); !got) return error_at(where_, got.error());
+        return read;
+    }
+    std::uint64_t number(std::string_view bytes, std::size_t at, std::size_t size) const {
+        std::uint64_t value = 0;
+        for (std::size_t k = 0; k < size; ++k)
+            value = value << 8U | static_cast<std::uint8_t>(bytes[at + (is_big_endian_ ? k : size - 1 - k)]);
+        return value;
+    }
+    Error damage() const { return input_error(where_ + ": is damaged: its list of pages is cut"); }
+
+    static constexpr std::uint64_t most_entries = 4096;
+    static constexpr std::size_t most_pages = 100'000;
+    static constexpr std::uint16_t telling_tags[] = {TIFFTAG_IMAGEWIDTH,      TIFFTAG_IMAGELENGTH,
+                                                     TIFFTAG_BITSPERSAMPLE,   TIFFTAG_PHOTOMETRIC,
+                                                     TIFFTAG_SAMPLESPERPIXEL, TIFFTAG_SAMPLEFORMAT};
+    ByteSource& bytes_;
+    const std::string& where_;
+    bool is_big_endian_ = false, is_wide_ = false;
+    std::uint64_t next_ = 0;
+};
+
+/// The pages of a TIFF, each unpacked when it is asked for.
+class TiffStack final : public ImageStack {
+public:
+    TiffStack(std::unique_ptr<ByteSource> bytes, std::string where, std::vector<TiffPage> pages,
+              std::size_t left_out)
+        : bytes_(std::move(bytes)), where_(std::move(where)), pages_(std::move(pages)), left_out_(left_out) {}
+
+    Result<void> open() {
+        tiff_ = open_tiff(file_);
+        if (!tiff_) return tiff_damage(file_, where_);
+        TRY_ASSIGN(const auto layout, checked_layout(tiff_.get(), bytes_->size(), where_));
+        layout_ = layout;
+        return find_floats();
+    }
+
+    std::int64_t count() const override { return std::ssize(pages_); }
+    int width() const override { return static_cast<int>(layout_.width); }
+    int height() const override { return static_cast<int>(layout_.height); }
+    std::optional<double> least_confidence() const override { return {}; }
+    std::string left_out() const override {
+        if (left_out_ == 0) return "";
+        return std::to_string(left_out_) + (left_out_ == 1 ? " page is" : " pages are") +
+               " of another size or kind than the first, and left out";
+    }
+
+    Result<StoredImage> image(std::int64_t number) override {
+        if (number < 0 || number >= count())
+            return usage_error(where_ + ": has no page " + std::to_string(number) + ": must be from 0 to " +
+                               std::to_string(count() - 1));
+        TRY_ASSIGN(auto page, read(number));
+        StoredImage image = std::move(page).finish(floats_);
+        if (stop_requested()) return interrupted_error();
+        return image;
+    }
+
+private:
+    Result<TiffPixels> read(std::int64_t number) {
+        const std::string where = where_ + ": page " + std::to_string(number);
+        file_.wrong.clear();
+        if (TIFFSetSubDirectory(tiff_.get(), pages_[static_cast<std::size_t>(number)].at) != 1)
+            return tiff_damage(file_, where);
+        const TiffLayout layout = layout_of(tiff_.get());
+        if (layout.width != layout_.width || layout.height != layout_.height)  // a tag that is there twice
+            return tiff_damage(file_, where);
+        return tiff_page(tiff_.get(), file_, where);
+    }
+    /// Whether integers that may be beyond 16 bits are, in any page.
+    Result<void> find_floats() {
+        const NumberFormat format = layout_.numbers();
+        const bool codes = format.kind == NumberFormat::Kind::unsigned_integer && format.bytes <= 2;
+        if (codes || format.kind == NumberFormat::Kind::floating) return {};
+        for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
+            TRY_ASSIGN(const auto page, read(number));
+            floats_ = !page.has_codes();
+        }
+        return {};
+    }
+
+    std::unique_ptr<ByteSource> bytes_;
+    std::string where_;
+    std::vector<TiffPage> pages_;
+    std::size_t left_out_;
+    TiffBytes file_{*bytes_};
+    TiffLayout layout_;
+    bool floats_ = false;
+    TiffPtr tiff_;  // reads by file_
+};
 
 }  // namespace
 
@@ -531,29 +725,29 @@ bool is_tiff(std::string_view begin) {
 }
 
 Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where) {
-    TiffBytes file{bytes, 0, {}};
+    const auto source = bytes_in_memory(bytes);
+    TiffBytes file{*source, bytes};
     const TiffPtr tiff = open_tiff(file);
     if (!tiff) return tiff_damage(file, where);
-    const TiffLayout layout = layout_of(tiff.get());
-    TRY(check_picture_size(layout.width, layout.height, where));
-    if (const std::string refusal = refusal_of(layout); !refusal.empty())
-        return input_error(where + ": " + refusal);
-    const auto needed =
-        std::uint64_t{layout.width} * layout.height * static_cast<std::uint64_t>(layout.pixel_bytes());
-    TRY(check_expansion(needed, bytes.size(), where));
-    TiffPixels pixels(layout);
-    switch (TIFFIsTiled(tiff.get()) ? read_tiles(tiff.get(), layout, pixels)
-                                    : read_rows(tiff.get(), layout, pixels)) {
-        case TiffOutcome::damaged:
-            return tiff_damage(file, where);
-        case TiffOutcome::coloured:
-            return input_error(where + ": is in colour of 16 bits: must be grey, or RGB of 8 bits");
-        case TiffOutcome::interrupted:
-            return interrupted_error();
-        case TiffOutcome::read:
-            break;
-    }
+    TRY_ASSIGN(auto pixels, tiff_page(tiff.get(), file, where));
     return std::move(pixels).finish();
+}
+
+Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
+    TRY_ASSIGN(auto bytes, bytes_of_file(file));
+    std::string where = file.string();
+    TRY_ASSIGN(auto pages, TiffDirectories(*bytes, where).pages());
+    if (pages.size() == 1) return std::shared_ptr<ImageStack>();
+    const TiffPage first = pages.front();
+    std::size_t left_out = 0;
+    std::erase_if(pages, [&](const TiffPage& page) {
+        const bool is_frame = page.at == first.at || (!page.is_another_view && page.tags == first.tags);
+        left_out += is_frame || page.is_another_view ? 0 : 1;
+        return !is_frame;
+    });
+    auto stack = std::make_shared<TiffStack>(std::move(bytes), std::move(where), std::move(pages), left_out);
+    TRY(stack->open());
+    return std::shared_ptr<ImageStack>(std::move(stack));
 }
 
 }  // namespace touchable

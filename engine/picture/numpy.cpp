@@ -1,5 +1,6 @@
 #include <zip.h>
 #include <limits>
+#include <map>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
@@ -175,15 +176,32 @@ Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& whe
     return NpyPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
 }
 
+using ZipArchive = std::shared_ptr<zip_t>;
+
+/// One member that is an array.
+struct NpzArray {
+    std::string name;  // without ".npy"
+    zip_uint64_t index;
+    std::uint64_t size;
+    std::optional<NpyHeader> header{};  // of what is pictures
+    bool is_possible = true;            // that so many bytes are packed in those of the file
+
+    bool is_pictures() const { return header.has_value(); }
+};
+
 /// A .npy file inside a .npz file, which is a zip archive.
 struct NpzMember {
     std::unique_ptr<ByteSource> bytes;  ///< keeps the archive open
     std::string where;                  ///< both names, as messages begin
     /// An array of pictures named conf or confidence, which networks write beside depth; null: there is none.
     std::unique_ptr<ByteSource> confidence{};
+    /// The arrays of one picture each that are frames together, in the place of `bytes`; empty: there are
+    /// none.
+    std::vector<NpzArray> row{};
+    ZipArchive archive{};    ///< of the row
+    std::string left_out{};  ///< ImageStack
 };
 
-using ZipArchive = std::shared_ptr<zip_t>;
 constexpr zip_int64_t most_members = 4096;
 /// As much as a byte can stand for at most where it is packed by deflate.
 constexpr zip_uint64_t largest_expansion = 1032;
@@ -296,15 +314,6 @@ private:
     std::unique_ptr<zip_file_t, CloseMember> member_;
 };
 
-/// One member that is an array.
-struct NpzArray {
-    std::string name;  // without ".npy"
-    zip_uint64_t index;
-    std::uint64_t size;
-    bool pictures = false;
-    bool is_possible = true;  // that so many bytes are packed in those of the file
-};
-
 std::unique_ptr<UnpackedBytes> unpacked(const ZipArchive& archive, const NpzArray& array) {
     return std::make_unique<UnpackedBytes>(archive, array.index, array.size);
 }
@@ -324,8 +333,8 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
         const bool is_deflated = (about.valid & needed) == needed && about.comp_method == ZIP_CM_DEFLATE;
         array.is_possible = !is_deflated || about.size / largest_expansion <= about.comp_size;
         array.name.resize(array.name.size() - 4);
-        const auto header = read_npy_header(*unpacked(archive, array), "");
-        array.pictures = header && npy_pictures(*header, "");
+        auto header = read_npy_header(*unpacked(archive, array), "");
+        if (header && npy_pictures(*header, "")) array.header = std::move(*header);
         arrays.push_back(std::move(array));
     }
     return arrays;
@@ -341,11 +350,62 @@ const NpzArray* only(const std::vector<NpzArray>& arrays, Fits&& fits) {
 
 const NpzArray* depth_array(const std::vector<NpzArray>& arrays) {
     if (arrays.size() == 1) return &arrays.front();
-    const auto named = [](const NpzArray& a) { return a.pictures && a.name == "depth"; };
-    const auto begins = [](const NpzArray& a) { return a.pictures && a.name.starts_with("depth"); };
+    const auto named = [](const NpzArray& a) { return a.is_pictures() && a.name == "depth"; };
+    const auto begins = [](const NpzArray& a) { return a.is_pictures() && a.name.starts_with("depth"); };
     if (const NpzArray* found = only(arrays, named)) return found;
     if (const NpzArray* found = only(arrays, begins)) return found;
-    return only(arrays, [](const NpzArray& a) { return a.pictures; });
+    return only(arrays, [](const NpzArray& a) { return a.is_pictures(); });
+}
+
+/// A name with a star for its last run of digits, and the number that it is, without zeros before it.
+std::pair<std::string, std::string> numbered_name(const std::string& name) {
+    constexpr const char* digits = "0123456789";
+    const auto last = name.find_last_of(digits);
+    if (last == std::string::npos) return {name, ""};
+    const auto before = name.find_last_not_of(digits, last);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    std::string number = name.substr(begin, last + 1 - begin);
+    number.erase(0, std::min(number.find_first_not_of('0'), number.size()));
+    return {name.substr(0, begin) + "*" + name.substr(last + 1), number};
+}
+
+/// Arrays of one picture each, of one size and type, whose names differ by a number alone, as numpy.savez has
+/// them of a list (arr_0, arr_1, ...): in the order of their numbers. Empty where not all that is pictures is
+/// of one such row, or where one row of several is not the only one that is named depth.
+std::vector<NpzArray> row_of_arrays(const std::vector<NpzArray>& arrays) {
+    std::map<std::string, std::vector<NpzArray>> rows;
+    for (const NpzArray& array : arrays)
+        if (array.is_pictures()) rows[numbered_name(array.name).first].push_back(array);
+    if (rows.size() > 1) std::erase_if(rows, [](const auto& row) { return !row.first.starts_with("depth"); });
+    if (rows.size() != 1 || rows.begin()->second.size() < 2) return {};
+    std::vector<NpzArray>& row = rows.begin()->second;
+    const NpyHeader& first = *row.front().header;
+    const auto is_alike = [&](const NpzArray& array) {
+        const NpyHeader& own = *array.header;
+        return array.is_possible && own.shape == first.shape && own.format.kind == first.format.kind &&
+               own.format.bytes == first.format.bytes && npy_pictures(own, "")->count == 1;
+    };
+    if (!std::ranges::all_of(row, is_alike)) return {};
+    std::ranges::sort(row, {}, [](const NpzArray& array) {
+        const std::string number = numbered_name(array.name).second;
+        return std::pair(number.size(), number);
+    });
+    return std::move(row);
+}
+
+/// Arrays of as many pixels as the one that is read, which may be depth as well; in words.
+std::string other_pictures(const std::vector<NpzArray>& arrays, const NpzArray& read, const NpzArray* trust) {
+    std::vector<std::string> names;
+    const auto size = npy_pictures(*read.header, "");
+    for (const NpzArray& array : arrays) {
+        if (&array == &read || &array == trust || !array.is_pictures()) continue;
+        if (array.name.find("mask") != std::string::npos || array.name.find("conf") != std::string::npos)
+            continue;
+        const auto own = npy_pictures(*array.header, "");
+        if (own->width == size->width && own->height == size->height) names.push_back(printable(array.name));
+    }
+    if (names.empty()) return "";
+    return "depth is the array " + printable(read.name) + "; left out: " + printable(listed(names), 200);
 }
 
 Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) {
@@ -357,6 +417,13 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
                            ": is a zip archive without arrays (.npy): unpack it, or give what is inside");
     const NpzArray* array = depth_array(arrays);
     if (!array)
+        if (auto row = row_of_arrays(arrays); !row.empty()) {
+            NpzMember found{nullptr, where};
+            found.row = std::move(row);
+            found.archive = std::move(archive);
+            return found;
+        }
+    if (!array)
         return input_error(where +
                            ": has several arrays, and none is the only one named depth or of height x "
                            "width: " +
@@ -366,9 +433,12 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
         return input_error(name + ": is damaged: is said to unpack to " + std::to_string(array->size) +
                            " bytes");
     const NpzArray* const trust = only(arrays, [&](const NpzArray& a) {
-        return &a != array && a.pictures && a.is_possible && (a.name == "conf" || a.name == "confidence");
+        return &a != array && a.is_pictures() && a.is_possible &&
+               (a.name == "conf" || a.name == "confidence");
     });
-    return NpzMember{unpacked(archive, *array), name, trust ? unpacked(archive, *trust) : nullptr};
+    NpzMember found{unpacked(archive, *array), name, trust ? unpacked(archive, *trust) : nullptr};
+    if (array->is_pictures()) found.left_out = other_pictures(arrays, *array, trust);
+    return found;
 }
 
 /// The array that depth is read from. Messages begin with `where`.
@@ -444,6 +514,16 @@ public:
     }
 
     std::optional<double> least_confidence() const override { return least_confidence_; }
+    std::string left_out() const override { return left_out_; }
+    void leave_out(std::string what) { left_out_ = std::move(what); }
+
+    /// Whether the first picture is integers from 0 to 65535.
+    Result<bool> has_codes() {
+        TRY_ASSIGN(const auto picture, read(0));
+        return picture.has_codes();
+    }
+    /// All pictures become floats.
+    void use_floats() { floats_ = true; }
 
     /// Where `confidence` is below `least` there is no depth. Refused where it is of other pictures.
     Result<void> trust(NpyStack confidence, std::optional<double> least) {
@@ -529,6 +609,61 @@ private:
     bool floats_ = false;
     std::unique_ptr<NpyStack> confidence_;
     std::optional<double> least_confidence_;
+    std::string left_out_;
+};
+
+/// Arrays of an archive, one picture each.
+class NpzRow final : public ImageStack {
+public:
+    NpzRow(NpzMember member, int width, int height)
+        : archive_(std::move(member.archive)),
+          row_(std::move(member.row)),
+          where_(std::move(member.where)),
+          width_(width),
+          height_(height) {}
+    static Result<std::shared_ptr<ImageStack>> of(NpzMember member) {
+        TRY_ASSIGN(const auto size, npy_pictures(*member.row.front().header, member.where));
+        auto row = std::make_shared<NpzRow>(std::move(member), size.width, size.height);
+        TRY(row->find_floats());
+        return std::shared_ptr<ImageStack>(std::move(row));
+    }
+
+    std::int64_t count() const override { return std::ssize(row_); }
+    int width() const override { return width_; }
+    int height() const override { return height_; }
+    std::optional<double> least_confidence() const override { return {}; }
+    Result<StoredImage> image(std::int64_t number) override {
+        if (number < 0 || number >= count())
+            return usage_error(where_ + ": has no picture " + std::to_string(number) +
+                               ": must be from 0 to " + std::to_string(count() - 1));
+        TRY_ASSIGN(auto picture, array(number));
+        if (floats_) picture.use_floats();
+        return picture.image(0);
+    }
+
+private:
+    Result<NpyStack> array(std::int64_t number) {
+        const NpzArray& own = row_[static_cast<std::size_t>(number)];
+        return NpyStack::of(unpacked(archive_, own), where_ + ": " + printable(own.name));
+    }
+    /// Whether integers that may be beyond 16 bits are, in any picture.
+    Result<void> find_floats() {
+        const NumberFormat& format = row_.front().header->format;
+        const bool codes = format.kind == NumberFormat::Kind::unsigned_integer && format.bytes <= 2;
+        if (codes || format.kind == NumberFormat::Kind::floating) return {};
+        for (std::int64_t number = 0; number < count() && !floats_; ++number) {
+            TRY_ASSIGN(auto picture, array(number));
+            TRY_ASSIGN(const bool has_codes, picture.has_codes());
+            floats_ = !has_codes;
+        }
+        return {};
+    }
+
+    ZipArchive archive_;
+    std::vector<NpzArray> row_;
+    std::string where_;
+    int width_, height_;
+    bool floats_ = false;
 };
 
 Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where) {
@@ -556,7 +691,9 @@ Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
     if (is_npz(first_bytes(*member.bytes, 4))) {
         TRY_ASSIGN(member, open_npz(std::move(member.bytes), file.string()));
     }
+    if (!member.row.empty()) return NpzRow::of(std::move(member));
     TRY_ASSIGN(auto stack, NpyStack::of(std::move(member.bytes), member.where));
+    stack.leave_out(std::move(member.left_out));
     if (member.confidence) {
         TRY_ASSIGN(auto confidence, NpyStack::of(std::move(member.confidence), file.string() + ": conf"));
         TRY(stack.trust(std::move(confidence), least_confidence));
@@ -576,6 +713,9 @@ Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where)
 
 Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where) {
     TRY_ASSIGN(auto member, open_npz(bytes_in_memory(bytes), where));
+    if (!member.row.empty())
+        return input_error(where + ": has " + std::to_string(member.row.size()) +
+                           " pictures: must have one here");
     return only_image(NpyStack::of(std::move(member.bytes), member.where), member.where);
 }
 

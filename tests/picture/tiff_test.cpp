@@ -9,6 +9,7 @@
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/tiff_pages.hpp"
 
 namespace touchable::test {
 namespace {
@@ -189,6 +190,74 @@ TEST(TiffDamage, WhatIsWrongIsNamed) {
     EXPECT_EQ(refusal(1, 8, 1, {274, {6}}),
               "picture: is to be turned, orientation 6: must be 1, the upper left first");
     EXPECT_EQ(refusal(8, 8, 1, rows).find("picture: is damaged: "), 0U);
+}
+
+TEST(TiffPages, AreReadInAnyOrder) {
+    const TemporaryFolder folder;
+    for (const bool big : {false, true}) {
+        write_bytes(folder / "pages.tif",
+                    tiff_pages({even_page(1000), even_page(2000), even_page(3000)}, big));
+        const auto stack = open_tiff_stack(SourceFile(folder / "pages.tif"));
+        ASSERT_EQ(message(stack), "");
+        ASSERT_TRUE(*stack);
+        EXPECT_EQ((*stack)->count(), 3);
+        EXPECT_EQ((*stack)->width() * 100 + (*stack)->height(), 705);
+        EXPECT_EQ((*stack)->left_out(), "");
+        for (const int page : {2, 0, 1, 2, 2, 0}) {
+            const auto picture = (*stack)->image(page);
+            ASSERT_EQ(message(picture), "") << page;
+            EXPECT_EQ(picture->image.view().sample(6, 4), 1000 * (page + 1));
+        }
+        EXPECT_NE(message((*stack)->image(3)).find("has no page 3: must be from 0 to 2"), std::string::npos);
+    }
+}
+
+TEST(TiffPages, NullForSinglePage) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "page.tif", tiff_pages({even_page(1000)}));
+    const auto stack = open_tiff_stack(SourceFile(folder / "page.tif"));
+    ASSERT_EQ(message(stack), "");
+    EXPECT_FALSE(*stack);
+}
+
+TEST(TiffPages, OtherSizesAreLeftOutAndSaid) {
+    const TemporaryFolder folder;
+    TiffPageOf copy = even_page(9, 3, 2), mask = even_page(1);
+    copy.subfile = 1;
+    mask.subfile = 4;
+    write_bytes(folder / "pages.tif",
+                tiff_pages({even_page(1000), copy, mask, even_page(5, 6, 5), even_page(2000)}));
+    const auto stack = open_tiff_stack(SourceFile(folder / "pages.tif"));
+    ASSERT_EQ(message(stack), "");
+    ASSERT_TRUE(*stack);
+    EXPECT_EQ((*stack)->count(), 2);
+    EXPECT_EQ((*stack)->left_out(), "1 page is of another size or kind than the first, and left out");
+    const auto last = (*stack)->image(1);
+    ASSERT_EQ(message(last), "");
+    EXPECT_EQ(last->image.view().sample(0, 0), 2000);
+}
+
+TEST(TiffPages, AllAreFloatsIfOneIs) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "pages.tif", tiff_pages({even_page(7, 7, 5, 32), even_page(70'000, 7, 5, 32)}));
+    const auto stack = open_tiff_stack(SourceFile(folder / "pages.tif"));
+    ASSERT_EQ(message(stack), "");
+    const auto first = (*stack)->image(0), second = (*stack)->image(1);
+    ASSERT_EQ(message(first) + message(second), "");
+    ASSERT_EQ(first->values.size(), 35U);
+    EXPECT_EQ(first->values[0], 7);
+    EXPECT_EQ(second->values.at(0), 70'000);
+}
+
+TEST(TiffPages, DamagedListIsRefused) {
+    const TemporaryFolder folder;
+    const auto refusal = [&](std::uint32_t behind_last) {
+        write_bytes(folder / "pages.tif", tiff_pages({even_page(1), even_page(2)}, false, behind_last));
+        return message(open_tiff_stack(SourceFile(folder / "pages.tif")));
+    };
+    EXPECT_NE(refusal(8).find("pages.tif: is damaged: its list of pages is cut"), std::string::npos)
+        << "a circle";
+    EXPECT_NE(refusal(100'000).find("is damaged: its list of pages is cut"), std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,68 @@
+// Archives with a picture in each of several arrays, as numpy.savez writes a list.
+#include <gtest/gtest.h>
+
+#include "engine/picture/image.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/npy_bytes.hpp"
+
+namespace touchable::test {
+namespace {
+
+std::string picture_of(float value, const std::string& shape = "3, 4") {
+    return npy_bytes(shape, std::vector<float>(12, value));
+}
+
+TEST(NpzRow, FramesInOrderOfNumbers) {
+    const TemporaryFolder folder;
+    std::vector<std::pair<std::string, std::string>> arrays;
+    for (const int n : {10, 2, 0, 1}) arrays.emplace_back("arr_" + std::to_string(n), picture_of(0.5F + n));
+    write_npz(folder / "list.npz", arrays);
+    const auto stack = open_npy_stack(SourceFile(folder / "list.npz"));
+    ASSERT_EQ(message(stack), "");
+    ASSERT_EQ((*stack)->count(), 4);
+    EXPECT_EQ((*stack)->width() * 10 + (*stack)->height(), 43);
+    constexpr int numbers[] = {0, 1, 2, 10};
+    for (const int n : {3, 0, 2, 1}) {
+        const auto picture = (*stack)->image(n);
+        ASSERT_EQ(message(picture), "");
+        EXPECT_EQ(picture->values.at(11), 0.5F + static_cast<float>(numbers[n]));
+    }
+    EXPECT_NE(message((*stack)->image(4)).find("has no picture 4: must be from 0 to 3"), std::string::npos);
+}
+
+TEST(NpzRow, PrefersDepthToOtherRows) {
+    const TemporaryFolder folder;
+    write_npz(folder / "rows.npz", {{"depth_1", picture_of(1.5F)},
+                                    {"depth_2", picture_of(2.5F)},
+                                    {"normal_1", picture_of(0.5F)},
+                                    {"normal_2", picture_of(0.5F)}});
+    const auto stack = open_npy_stack(SourceFile(folder / "rows.npz"));
+    ASSERT_EQ(message(stack), "");
+    ASSERT_EQ((*stack)->count(), 2);
+    EXPECT_EQ((*stack)->image(1)->values.at(0), 2.5F);
+}
+
+TEST(NpzRow, OtherSizesAndRowsAreRefused) {
+    const TemporaryFolder folder;
+    const auto refusal = [&](const std::vector<std::pair<std::string, std::string>>& arrays) {
+        write_npz(folder / "other.npz", arrays);
+        return message(open_npy_stack(SourceFile(folder / "other.npz")));
+    };
+    EXPECT_NE(refusal({{"a_1", picture_of(1)}, {"a_2", picture_of(1, "4, 3")}}).find("has several arrays"),
+              std::string::npos);
+    EXPECT_NE(refusal({{"a_1", picture_of(1)}, {"a_2", picture_of(1)}, {"b", picture_of(1)}})
+                  .find("has several arrays"),
+              std::string::npos);
+}
+
+TEST(NpzRow, OtherPicturesAreSaid) {
+    const TemporaryFolder folder;
+    write_npz(folder / "two.npz",
+              {{"depth", picture_of(1)}, {"disparity", picture_of(2)}, {"mask", picture_of(0)}});
+    const auto stack = open_npy_stack(SourceFile(folder / "two.npz"));
+    ASSERT_EQ(message(stack), "");
+    EXPECT_EQ((*stack)->left_out(), "depth is the array depth; left out: disparity");
+}
+
+}  // namespace
+}  // namespace touchable::test
