@@ -1,5 +1,6 @@
 #include "engine/formats/picture_files.hpp"
 
+#include <functional>
 #include <map>
 #include <numeric>
 #include <set>
@@ -141,6 +142,23 @@ bool comes_before(const std::string& a, const std::string& b) {
     return a.size() - i < b.size() - j;
 }
 
+/// Digits, or two runs of them with a point between: a time.
+bool is_picture_number(std::string_view words) {
+    const auto digits = [](std::string_view run) {
+        return !run.empty() && std::ranges::all_of(run, [](char c) { return c >= '0' && c <= '9'; });
+    };
+    const auto point = words.find('.');
+    if (point == std::string_view::npos) return digits(words);
+    return digits(words.substr(0, point)) && digits(words.substr(point + 1));
+}
+
+/// Hidden files are no pictures, whatever their names end with: macOS writes ._NAME beside each NAME.
+bool is_hidden(const std::string& name) {
+    return name.starts_with(".");
+}
+
+/// The star stands for a number. Where no file has one there, as only a scene file's pattern may ask for, it
+/// stands for any words.
 Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pattern) {
     const fs::path within = (folder / pattern).parent_path();
     const std::string name = fs::path(pattern).filename().string();
@@ -152,13 +170,15 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
     std::error_code failure;
     for (const auto& entry : fs::directory_iterator(within, failure)) {
         const std::string other = entry.path().filename().string();
-        if (other.size() < before.size() + after.size() || !other.starts_with(before) ||
+        if (is_hidden(other) || other.size() < before.size() + after.size() || !other.starts_with(before) ||
             !other.ends_with(after) || !is_file(entry.path()))
             continue;
         names.emplace_back(other.substr(before.size(), other.size() - before.size() - after.size()), other);
         if (names.size() > most_files) return input_error(within.string() + ": has too many files");
     }
     if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
+    const auto has_number = [](const auto& each) { return is_picture_number(each.first); };
+    if (std::ranges::any_of(names, has_number)) std::erase_if(names, std::not_fn(has_number));
     std::ranges::sort(
         names, comes_before, [](const auto& each) -> auto& { return each.first; });
     if (std::ranges::all_of(names, [](const auto& each) { return parsed_number(each.first).has_value(); }))
@@ -352,20 +372,24 @@ bool is_picture(const fs::path& file) {
     return std::ranges::count(picture_extensions, small_letters(file.extension().string())) > 0;
 }
 
-/// A name with a star for its last number: a run of digits, or two with a point between them.
-std::string starred(const std::string& name) {
+/// A name with a star for one of its numbers before the extension, 0 being the last: a run of digits, or two
+/// with a point between them. Nothing where it has not so many.
+std::optional<std::string> starred(const std::string& name, int number) {
     const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
-    std::size_t end = name.rfind('.');  // before the extension
-    if (end == std::string::npos) return name;
-    while (end > 0 && !is_digit(end - 1)) --end;
-    if (end == 0) return name;
-    std::size_t begin = end;
-    while (begin > 0 && is_digit(begin - 1)) --begin;
-    if (begin > 1 && name[begin - 1] == '.' && is_digit(begin - 2)) {
-        --begin;
+    std::size_t end = name.rfind('.');
+    if (end == std::string::npos) return {};
+    while (true) {
+        while (end > 0 && !is_digit(end - 1)) --end;
+        if (end == 0) return {};
+        std::size_t begin = end;
         while (begin > 0 && is_digit(begin - 1)) --begin;
+        if (begin > 1 && name[begin - 1] == '.' && is_digit(begin - 2)) {
+            --begin;
+            while (begin > 0 && is_digit(begin - 1)) --begin;
+        }
+        if (number-- == 0) return name.substr(0, begin) + "*" + name.substr(end);
+        end = begin;
     }
-    return name.substr(0, begin) + "*" + name.substr(end);
 }
 
 using Wanted = bool (*)(const fs::path&);
@@ -377,11 +401,33 @@ void add_files(const fs::path& folder, const std::string& within, Wanted is_want
         if (++entries > most_entries) return;
         const std::string name = entry.path().filename().string();
         std::error_code failure;
-        if (name.starts_with(".") || name.find_first_of("%*") != std::string::npos || !is_wanted(name) ||
+        if (is_hidden(name) || name.find_first_of("%*") != std::string::npos || !is_wanted(name) ||
             !entry.is_regular_file(failure))
             continue;
-        PictureGroup& group = groups[within + starred(name)];
+        PictureGroup& group = groups[within + starred(name, 0).value_or(name)];
         if (group.count++ == 0 || entry.path() < group.first) group.first = entry.path();
+    }
+}
+
+/// Files whose last number tells nothing, as it is the same in all, by a number before it: 0001_depth16.png.
+void join_by_earlier_numbers(std::map<std::string, PictureGroup>& groups) {
+    constexpr int most_numbers = 8;
+    for (int number = 1; number < most_numbers; ++number) {
+        std::map<std::string, std::vector<std::string>> joined;  // which groups of one file become one
+        for (const auto& [pattern, group] : groups) {
+            if (group.count > 1) continue;
+            if (const auto name = starred(group.first.filename().string(), number))
+                joined[(fs::path(pattern).parent_path() / *name).string()].push_back(pattern);
+        }
+        for (const auto& [pattern, singles] : joined) {
+            if (singles.size() < 2) continue;
+            PictureGroup& group = groups[pattern];
+            for (const std::string& single : singles) {
+                const PictureGroup& one = groups[single];
+                if (group.count++ == 0 || one.first < group.first) group.first = one.first;
+                groups.erase(single);
+            }
+        }
     }
 }
 
@@ -391,9 +437,12 @@ std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
     std::size_t entries = 0;
     add_files(folder, "", is_wanted, found, entries);
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (entry.is_directory(ignored))
-            add_files(folder, entry.path().filename().string() + "/", is_wanted, found, entries);
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (!is_hidden(name) && entry.is_directory(ignored))
+            add_files(folder, name + "/", is_wanted, found, entries);
+    }
+    join_by_earlier_numbers(found);
     std::vector<PictureGroup> groups;
     for (auto& [pattern, group] : found) {
         group.pattern = group.count > 1 ? pattern : group.first.lexically_relative(folder).string();
@@ -416,6 +465,10 @@ std::set<fs::path> folders_further_down(const fs::path& folder) {
          at.increment(failure)) {
         if (at.depth() >= deepest) at.disable_recursion_pending();
         std::error_code ignored;
+        if (is_hidden(at->path().filename().string())) {
+            at.disable_recursion_pending();
+            continue;
+        }
         if (at.depth() > 1 && is_picture(at->path()) && at->is_regular_file(ignored))
             found.insert(at->path().parent_path().parent_path());
     }
@@ -548,7 +601,9 @@ std::string found_elsewhere(const fs::path& folder) {
     std::set<fs::path> videos;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (is_named_as_clip(entry.path()) || is_record3d(entry.path())) videos.insert(entry.path());
+        if (!is_hidden(entry.path().filename().string()) &&
+            (is_named_as_clip(entry.path()) || is_record3d(entry.path())))
+            videos.insert(entry.path());
     if (!videos.empty())
         return std::string("but ") + (videos.size() == 1 ? "a video" : "videos") + ": touchable play " +
                shell_word(videos.begin()->string());
