@@ -271,6 +271,8 @@ public:
     bool is_disparity() const { return is_disparity_; }
     /// Whether the file has pictures that are no disparity.
     bool has_other_pictures() const;
+    /// Which of the file's streams it is.
+    int stream() const { return stream_; }
 
     const FrameRate& rate() const { return rate_.rate; }
     std::int64_t count() const { return static_cast<std::int64_t>(times_.size()); }
@@ -305,6 +307,9 @@ private:
         : file_(std::move(file)), role_(role), track_(track) {}
     Result<void> rewind();
     Result<void> read_times();
+    /// How many tracks of pictures the file has beside this one, where nothing says that this is the right
+    /// one.
+    int other_tracks() const;
     Result<bool> begin_at(std::int64_t key);
     Result<std::optional<TrackDecoder::Decoded>> decode();
 

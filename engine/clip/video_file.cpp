@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/track_codecs.hpp"
 #include "engine/clip/tracks.hpp"
 
@@ -32,13 +33,19 @@ bool keeps_to(const std::vector<std::int64_t>& times, AVRational tick, AVRationa
     return true;
 }
 
-/// As cameras call the tracks of their recordings.
+/// As cameras ("DEPTH", "COLOR") and people ("Depth map") call the tracks of their recordings.
 bool is_named(const AVStream& stream, PlaneRole role) {
     const AVDictionaryEntry* const title = av_dict_get(stream.metadata, "title", nullptr, 0);
-    const std::string_view name = role == PlaneRole::depth    ? "DEPTH"
-                                  : role == PlaneRole::colour ? "COLOR"
-                                                              : "";
-    return title != nullptr && !name.empty() && name == title->value;
+    if (title == nullptr) return false;
+    const std::string name = small_letters(title->value);
+    const auto has = [&](const char* word) { return name.find(word) != std::string::npos; };
+    if (role == PlaneRole::depth) return has("depth");
+    return role == PlaneRole::colour && !has("depth") && (has("color") || has("colour") || has("rgb"));
+}
+
+bool has_pictures(const AVStream& stream) {
+    return stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+           (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
 }
 
 /// After the first.
@@ -95,11 +102,9 @@ Result<void> VideoFile::rewind() {
     demuxer_ = std::move(demuxer);
     const AVFormatContext& container = demuxer_->container();
     const int streams = static_cast<int>(container.nb_streams);
-    const auto has_pictures = [&](int k) {
+    const auto may_be_it = [&](int k) {
         const AVStream& stream = *container.streams[k];
-        return stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
-               (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0 &&
-               (!track_ || stream.id == static_cast<int>(*track_));
+        return has_pictures(stream) && (!track_ || stream.id == static_cast<int>(*track_));
     };
     bool has_disparity = false;
     for (int k = 0; k < streams; ++k) has_disparity = has_disparity || demuxer_->is_disparity(k);
@@ -107,10 +112,15 @@ Result<void> VideoFile::rewind() {
         return has_disparity ? demuxer_->is_disparity(k) == (role_ == PlaneRole::depth)
                              : is_named(*container.streams[k], role_);
     };
+    const auto is_depths = [&](int k) {
+        return role_ == PlaneRole::colour && is_named(*container.streams[k], PlaneRole::depth);
+    };
     stream_ = 0;
-    while (stream_ < streams && !has_pictures(stream_)) ++stream_;
+    while (stream_ < streams && (!may_be_it(stream_) || is_depths(stream_))) ++stream_;
+    if (stream_ == streams) stream_ = 0;  // of a single track also depth's own
+    while (stream_ < streams && !may_be_it(stream_)) ++stream_;
     for (int k = stream_; k < streams; ++k)
-        if (has_pictures(k) && is_it(k)) {
+        if (may_be_it(k) && is_it(k)) {
             stream_ = k;
             break;
         }
@@ -160,10 +170,23 @@ Result<void> VideoFile::read_times() {
         note_ = file_.string() +
                 ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +
                 clip_tags::rate_text(rate_.rate) + " a second";
+    if (const int others = other_tracks(); others > 0)
+        note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " has " + std::to_string(others + 1) +
+                " tracks of pictures, and none is named " + std::string(role_name(role_)) +
+                ": the first is read";
     if (demuxer_->is_cut())
         note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " is cut: its first " +
                 std::to_string(count()) + (count() == 1 ? " frame is" : " frames are") + " whole";
     return {};
+}
+
+int VideoFile::other_tracks() const {
+    const AVFormatContext& container = demuxer_->container();
+    if (track_ || is_disparity_ || is_named(*container.streams[stream_], role_)) return 0;
+    int others = 0;
+    for (int k = 0; k < static_cast<int>(container.nb_streams); ++k)
+        others += k != stream_ && has_pictures(*container.streams[k]) && !demuxer_->is_disparity(k) ? 1 : 0;
+    return others;
 }
 
 double VideoFile::start() const {

@@ -29,7 +29,7 @@ struct GuessedScene : SceneDescription {
     std::vector<std::string> notes{};             ///< before what the reader has to say
     // What was opened for it, so that the clip need not open it again.
     std::shared_ptr<ReadPictures> pictures{};  ///< of a folder or a picture
-    std::shared_ptr<VideoFile> video{};        ///< of a video: its depth
+    std::shared_ptr<VideoFile> video{};        ///< of a video: its depth; of a folder: its colour
     std::shared_ptr<FrameSource> recording{};  ///< of ROS
 };
 

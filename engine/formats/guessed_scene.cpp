@@ -10,6 +10,7 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/colour_video.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
@@ -59,14 +60,32 @@ Result<bool> holds_values(const StoredImage& picture) {
     return stop_requested() ? Result<bool>(interrupted_error()) : any;
 }
 
+/// Whether a name has a word of pictures that look like depth and are none: infrared light as such.
+bool names_infrared(const std::string& name) {
+    std::string word;
+    for (const char c : small_letters(name) + ' ') {
+        if (c >= 'a' && c <= 'z') {
+            word += c;
+            continue;
+        }
+        if (word == "ir" || word.starts_with("infra") || word == "amplitude" || word == "ambient")
+            return true;
+        word.clear();
+    }
+    return false;
+}
+
 /// How well a group goes as depth: 0 not at all.
 int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
-    if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height"})) return 0;
+    if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}))
+        return 0;
     const auto looked = pictures.look(group.first);
     if (!looked) return 0;
     const StoredImage& first = **looked;
     if (first.values.empty() && !is_grey(first.image)) return 0;
     const bool is_deep = !first.values.empty() || first.image.bytes_per_sample == 2;
+    // Less than what is dense, and what is depth, beside it.
+    if (has_word(group.pattern, {"sparse"}) || names_infrared(group.pattern)) return is_deep ? 1 : 0;
     return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
 }
 
@@ -195,19 +214,44 @@ bool is_list_of_depth(const std::string& pattern) {
     return pattern.ends_with(".txt");
 }
 
-/// Other groups that go as depth as well, by their folders where these differ: "t2/, t3/".
-std::string left_out(const std::vector<const PictureGroup*>& depths) {
+/// Other groups that go as depth as well.
+struct LeftOut {
+    std::vector<std::string> by_path;     ///< folders and files that can be opened: "t2/", "old_depth.png"
+    std::vector<std::string> by_pattern;  ///< groups that only a scene file can name: "old_depth_*.png"
+};
+
+/// Whether a group could be depth, though another one goes better: deep pictures without a word for depth,
+/// and sparse depth.
+bool may_be_depth(const PictureGroup& group, ReadPictures& pictures) {
+    if (names_infrared(group.pattern) || has_word(group.pattern, {"point"})) return false;
+    const int mark = depth_mark(group, pictures);
+    return mark == 1 || mark == 2;
+}
+
+/// Of `groups`, those whose first picture has depth, `depths` first.
+Result<LeftOut> left_out(std::vector<const PictureGroup*> depths, const std::vector<PictureGroup>& groups,
+                         ReadPictures& pictures) {
+    constexpr std::size_t most_told = 20;  // each is looked at
+    for (const PictureGroup& group : groups)
+        if (std::ranges::count(depths, &group) == 0 && may_be_depth(group, pictures))
+            depths.push_back(&group);
     const PictureGroup& depth = *depths.front();
     const bool is_listed = is_list_of_depth(depth.pattern);
-    std::vector<std::string> told;
+    LeftOut told;
     for (const PictureGroup* other : depths) {
         if (other == &depth || (is_listed && other->first.parent_path() == depth.first.parent_path()))
             continue;
-        const std::string folder = folder_of(*other),
-                          name = folder.empty() || folder == folder_of(depth) ? other->pattern : folder;
-        if (std::ranges::count(told, name) == 0) told.push_back(name);
+        const std::string folder = folder_of(*other);
+        const bool has_own_folder = !folder.empty() && folder != folder_of(depth);
+        auto& names = has_own_folder || is_still(other->pattern) ? told.by_path : told.by_pattern;
+        const std::string name = has_own_folder ? folder : other->pattern;
+        if (names.size() == most_told || std::ranges::count(names, name) > 0) continue;
+        const auto looked = depth_in(other->first, pictures);
+        if (!looked) continue;
+        TRY_ASSIGN(const bool any, holds_values(**looked));
+        if (any) names.push_back(name);
     }
-    return printable(listed(told), 200);
+    return told;
 }
 
 /// What was found in a folder without depth, and what to do.
@@ -328,8 +372,17 @@ public:
     void know_list(const std::string& file) { list_ = file; }
     /// Where a camera's file is sought; its folder is that of `describe`.
     void know_place(PicturesOfCamera place) { place_ = std::move(place); }
-    /// By the times of its frames, or a rate that a file beside them states.
-    Result<void> find_rate(const fs::path& folder) {
+    /// That of a video of colour with as many frames as depth.
+    void take_rate(const ColourVideo& video) {
+        scene_.rate = video.file->rate();
+        tell(short_number(scene_.rate.per_second()) + " frames a second, as " + printable(video.name) +
+                 " has as many frames at that rate",
+             "a scene file's rate says otherwise");
+    }
+    /// By the times of its frames, a rate that a file beside them states, or that of a video of colour with
+    /// as many frames.
+    Result<void> find_rate(const fs::path& folder, std::int64_t frames,
+                           const std::optional<ColourVideo>& video) {
         TRY_ASSIGN(const auto files, depth_files(folder, *scene_.folder));
         const auto rate = rate_of(files);
         constexpr double slowest = 0.01;
@@ -339,6 +392,10 @@ public:
             tell(short_number(scene_.rate.per_second()) + " frames a second, as " +
                      printable(beside_.rate_file.filename().string()) + " says",
                  "a scene file's rate says otherwise");
+            return {};
+        }
+        if (!rate && video && video->file->count() == frames) {
+            take_rate(*video);
             return {};
         }
         if (rate) scene_.rate = *rate;
@@ -682,8 +739,16 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
         scene.folder->cameras = cameras->files;
     const BesideDepth* const beside = stored.beside.get();
-    const bool has_own_colour = colour == nullptr && beside != nullptr && beside->colour;
+    TRY_ASSIGN(const auto stack, depth->count == 1 ? pictures->stack_in(depth->first)
+                                                   : Result<std::shared_ptr<ImageStack>>(nullptr));
+    const std::int64_t frames = stack   ? stack->count()
+                                : files ? static_cast<std::int64_t>(files->count())
+                                        : static_cast<std::int64_t>(depth->count);
+    const auto video = colour == nullptr && frames > 1 ? colour_video_in(folder, frames) : std::nullopt;
+    if (stop_requested()) return interrupted_error();
+    const bool has_own_colour = colour == nullptr && !video && beside != nullptr && beside->colour;
     if (colour != nullptr) scene.folder->colour = colour->pattern;
+    if (video) scene.folder->colour = video->name;
     if (has_own_colour) scene.folder->colour = depth->pattern;
     for (const PictureGroup& group : groups)
         if (has_word(group.pattern, {"haptic"}) && scene.folder->haptic.empty())
@@ -691,16 +756,25 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     for (const std::string& remark : unusable_lists(folder)) guess.say(remark);
     guess.say("depth is " + depth->pattern +
               (colour != nullptr ? ", colour is " + colour->pattern
+               : video           ? ", colour is " + printable(video->name)
                : has_own_colour  ? ", colour is in the same files"
                                  : ", there is no colour"));
     if (beside != nullptr) guess.tell_of_layers(*beside, has_own_colour);
-    if (const std::string others = left_out(depths); !others.empty())
-        guess.say("left out: " + others, "name one of these to open it");
+    TRY_ASSIGN(const auto others, left_out(depths, groups, *pictures));
+    if (!others.by_path.empty())
+        guess.say("left out: " + printable(listed(others.by_path), 200), "name one of these to open it");
+    if (!others.by_pattern.empty())
+        guess.say("left out: " + printable(listed(others.by_pattern), 200),
+                  "a scene file's folder.depth names one of these to open it");
     if (colour != nullptr) guess.place_colour(folder, colour->first, *pictures);
-    if (depth->count > 1) TRY(guess.find_rate(folder));
+    if (video && !video->others.empty())
+        guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well",
+                  "a scene file's folder.colour names another one");
+    if (depth->count > 1 || video) TRY(guess.find_rate(folder, frames, video));
     GuessedScene made = guess.made();
     pictures->keep_only({depth->first, colour != nullptr ? colour->first : fs::path()});
     made.pictures = pictures;
+    if (video) made.video = video->file;
     return made;
 }
 
@@ -752,8 +826,18 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         guess.scene().folder->colour = name;
     }
     if (stored.beside) guess.tell_of_layers(*stored.beside, guess.scene().folder->colour == name);
+    TRY_ASSIGN(const auto stack, pictures->stack_in(file));
+    std::optional<ColourVideo> video;
+    if (stack && stack->count() > 1 && guess.scene().folder->colour.empty())
+        video = colour_video_beside(file);
+    if (video) {
+        guess.scene().folder->colour = video->name;
+        guess.say("colour is " + printable(video->name));
+        if (video->file->count() == stack->count()) guess.take_rate(*video);
+    }
     GuessedScene made = guess.made();
     made.pictures = pictures;
+    if (video) made.video = video->file;
     return made;
 }
 

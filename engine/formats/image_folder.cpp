@@ -14,12 +14,15 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
+#include "engine/clip/tracks.hpp"
 #include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/colour_video.hpp"
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/touch_maps.hpp"
+#include "engine/formats/video_picture.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
@@ -48,10 +51,13 @@ void add_inputs(const PictureFiles& found, StoredClip& clip) {
 /// A file for each picture, or one that holds those of all frames.
 class FolderPictures final : public FrameSource {
 public:
-    FolderPictures(fs::path folder, const Scene& scene, std::shared_ptr<ReadPictures> pictures)
+    /// `colour_video`: colour, where it is a video that is open already.
+    FolderPictures(fs::path folder, const Scene& scene, std::shared_ptr<ReadPictures> pictures,
+                   std::shared_ptr<VideoFile> colour_video)
         : folder_(std::move(folder)),
           rules_{scene.depth.kind, scene.folder->haptic_may_be_lossy},
-          pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()) {}
+          pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()),
+          colour_video_(std::move(colour_video)) {}
 
     /// Every track has every frame, or the first that is missing is named.
     Result<void> find(StoredClip& clip, Colour colour) {
@@ -62,6 +68,9 @@ public:
         TRY_ASSIGN(auto stack, depth.files.size() == 1 ? pictures_->stack_in(depth.files.front())
                                                        : Result<std::shared_ptr<ImageStack>>(nullptr));
         if (stack) depth.frames = static_cast<std::size_t>(stack->count());
+        if (stack && !stack->left_out().empty())
+            clip.notes.push_back(depth.files.front().filename().string() + ": " + stack->left_out());
+        if (!stack) tell_of_pages(depth, clip);
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->least_confidence() && !has_confidence)
             return usage_error(
@@ -74,6 +83,14 @@ public:
                 " is taken for none (half of the median of frame 0's where nobody says another)");
         for (const PlaneRole role : all_roles) {
             if (pattern_of(source, role).empty()) continue;
+            if (role == PlaneRole::colour && is_named_as_video(source.colour)) {
+                TRY(open_colour_video(depth, source.colour));
+                clip.inputs.push_back(folder_ / source.colour);
+                clip.roles.push_back(role);
+                tracks_.push_back(
+                    {role, PictureFiles{{folder_ / source.colour}, {}, false, {}, {}}, nullptr});
+                continue;
+            }
             const bool is_depths = role == PlaneRole::depth || (pattern_of(source, role) == source.depth &&
                                                                 !numbers_of(source, role).any());
             TRY_ASSIGN(auto found,
@@ -93,6 +110,7 @@ public:
         const auto& files = depth.files;
         clip.name = (files.front() == files.back() ? files.front() : folder_).string();
         clip.found.rate = own_rate_of(depth);
+        if (colour_video_) pair_colour_video(depth, clip);
         find_poses(depth, clip);
         if (!source.cameras.empty()) TRY(find_cameras(depth, clip));
         if (!described.unstated.rate) return {};
@@ -104,10 +122,12 @@ public:
     }
 
     std::string where(PlaneRole role, std::int64_t frame) const override {
+        if (is_colour_video(role)) return colour_video_->where(picture_number(role, frame));
         return file(track(role), frame).string() + in_words(role, frame);
     }
 
     Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
+        if (is_colour_video(role)) return colour_picture(picture_number(role, frame));
         const Track& from = track(role);
         auto stored =
             from.stack ? from.stack->image(frame) : pictures_->take(file(from, frame), layer_of(role));
@@ -125,6 +145,7 @@ public:
     }
 
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
+        if (is_colour_video(role)) return colour_frame(frame);
         return track(role).is_still() ? 0 : frame;
     }
     /// Tracks of files of their own.
@@ -161,6 +182,62 @@ private:
         clip.found.camera = median_camera(clip.cameras);
         clip.notes.emplace_back("the camera is the median of those of the frames");
         return {};
+    }
+
+    bool is_colour_video(PlaneRole role) const { return role == PlaneRole::colour && colour_video_; }
+
+    Result<void> open_colour_video(const PictureFiles& depth, const std::string& name) {
+        if (!is_file(folder_ / name)) return input_error((folder_ / name).string() + " (colour): is missing");
+        if (!colour_video_ || colour_video_->file().path() != folder_ / name) {
+            TRY_ASSIGN(colour_video_, VideoFile::open(folder_ / name, PlaneRole::colour));
+        }
+        numbers_ = depth.keys;
+        return {};
+    }
+
+    /// How frames of the video are found: in their order where there are as many as of depth; by the numbers
+    /// in the names of depth's files where the video has so many frames; else by time.
+    void pair_colour_video(const PictureFiles& depth, StoredClip& clip) {
+        const auto frames = colour_video_->count(), pictures = static_cast<std::int64_t>(depth.count());
+        if (colour_video_->note()) clip.notes.push_back(*colour_video_->note());
+        const bool counts = !numbers_.empty() && !clip.found.rate;  // numbers that are no times
+        if (frames == pictures) {
+            numbers_.clear();
+            if (!clip.found.rate && clip.described.unstated.rate) clip.found.rate = colour_video_->rate();
+            return;
+        }
+        const std::string had = "colour is a video of " + std::to_string(frames) + " frames for depth's " +
+                                std::to_string(pictures) + ": ";
+        if (counts && numbers_.back() < static_cast<double>(frames)) {
+            clip.notes.push_back(had + "each depth has the frame of the number in its file's name");
+            return;
+        }
+        numbers_.clear();
+        pairing_rate_ = clip.described.unstated.rate ? clip.found.rate.value_or(clip.described.scene.rate)
+                                                     : clip.described.scene.rate;
+        clip.notes.push_back(had + "each depth has the frame that is nearest in time from their beginning");
+    }
+    std::int64_t colour_frame(std::int64_t frame) const {
+        if (!numbers_.empty()) return static_cast<std::int64_t>(numbers_[static_cast<std::size_t>(frame)]);
+        if (!pairing_rate_) return std::min(frame, colour_video_->count() - 1);
+        return colour_video_->nearest(1e-9 * static_cast<double>(pairing_rate_->time_ns(frame)));
+    }
+    Result<TrackPicture> colour_picture(std::int64_t number) {
+        TRY(colour_video_->seek(number));
+        TRY_ASSIGN(auto frame, colour_video_->next());
+        VideoPicture picture(std::move(frame), colour_converter_, colour_video_->where(number));
+        TRY_ASSIGN(auto rgb, picture.rgb());
+        return lent_picture(colour_video_->info(), std::move(rgb));
+    }
+
+    /// Each file of a row is one frame, also where it has several pages.
+    void tell_of_pages(const PictureFiles& depth, StoredClip& clip) const {
+        const fs::path& first = depth.files.front();
+        const auto pages = pictures_->stack_in(first);
+        if (!pages || !*pages || (*pages)->count() < 2) return;
+        clip.notes.push_back("each file is one frame: of the " + std::to_string((*pages)->count()) +
+                             " pictures in " + printable(first.filename().string()) +
+                             " the first is taken (a file that is opened alone shows all)");
     }
 
     /// Poses are optional, so a file of poses that cannot be read is a remark, not an error.
@@ -207,6 +284,10 @@ private:
     std::vector<Track> tracks_;               // depth is the first
     std::shared_ptr<ReadPictures> pictures_;  // not null
     std::optional<MaterialPictures> materials_;
+    std::shared_ptr<VideoFile> colour_video_;  // null: colour is pictures, or there is none
+    RgbConverter colour_converter_;
+    std::vector<double> numbers_;  // of the video's frame for each of depth; empty: by time or order
+    std::optional<FrameRate> pairing_rate_;  // by time: depth's
     bool reads_side_by_side_ = false;
 };
 
@@ -517,7 +598,8 @@ Opened open_image_folder(const fs::path& folder, const GuessedScene& described, 
         maps.haptic = folder / haptic;
         haptic.clear();
     }
-    auto pictures = std::make_unique<FolderPictures>(folder, described.scene, described.pictures);
+    auto pictures =
+        std::make_unique<FolderPictures>(folder, described.scene, described.pictures, described.video);
     TRY(pictures->find(clip, colour));
     clip.pictures = std::move(pictures);
     return with_still_maps(open_stored_clip(std::move(clip), colour), maps);

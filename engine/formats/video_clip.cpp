@@ -11,6 +11,7 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/colour_video.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/formats/stored_clip.hpp"
@@ -35,29 +36,6 @@ std::optional<Intrinsics> record3d_camera(const SourceFile& file) {
     const auto end = tail.rfind('}');
     if (begin == std::string::npos || end == std::string::npos || end < named) return {};
     return intrinsics_in_json(tail.substr(begin, end + 1 - begin));
-}
-
-/// A video of the same name but for the word that says depth: walk.mp4 beside walk_depth.mp4, and
-/// walk_src.mp4 beside walk_vis.mp4 as Video Depth Anything has them.
-std::optional<std::string> colour_video_beside(const fs::path& depth) {
-    const std::string stem = depth.stem().string();
-    std::vector<std::string> stems;
-    for (const char* word : {"_depths", "-depths", "_depth", "-depth", "_vis"})
-        if (stem.size() > std::string_view(word).size() && stem.ends_with(word)) {
-            const std::string rest = stem.substr(0, stem.size() - std::string_view(word).size());
-            for (const char* colour : {"_src", "_rgb", "-rgb", "_color", "-color", "_colour", ""})
-                stems.push_back(rest + colour);
-        }
-    if (stem.starts_with("depth_")) stems.push_back("rgb_" + stem.substr(6));
-    if (stem == "depth") stems.insert(stems.end(), {"rgb", "color", "colour"});
-    for (const std::string& other : stems)
-        for (const std::string& extension :
-             {depth.extension().string(), std::string(".mp4"), std::string(".mov"), std::string(".mkv"),
-              std::string(".webm")}) {
-            const fs::path file = depth.parent_path() / (other + extension);
-            if (is_file(file) && VideoFile::open(file, PlaneRole::colour)) return file.filename().string();
-        }
-    return {};
 }
 
 DepthCoding hue_coding(double near, double far) {
@@ -168,10 +146,13 @@ public:
         if (is_disparity && video->has_other_pictures()) {
             scene.video->colour = scene.video->depth;
             what += ", colour is its other track";
+        } else if (found->layout == VideoLayout::alone && has_colour_track(*video)) {
+            scene.video->colour = scene.video->depth;
+            what = "colour is another track of the file, " + what.substr(0, what.find(" and has no colour"));
         } else if (found->layout == VideoLayout::alone) {
             if (auto colour = colour_video_beside(file_.path())) {
-                scene.video->colour = *colour;
-                what = "colour is " + *colour + ", " + what.substr(0, what.find(" and has no colour"));
+                scene.video->colour = colour->name;
+                what = "colour is " + colour->name + ", " + what.substr(0, what.find(" and has no colour"));
             }
         }
         const Hints values{{Setting::preset, "hue"}, {Setting::preset, "mean"}};
@@ -276,6 +257,16 @@ private:
                                        " frames and depth " + std::to_string(video.count()) +
                                        ": it is left out, as they are not of the same episodes"});
         }
+    }
+
+    /// Whether the file has, beside depth's track, one in colour.
+    bool has_colour_track(const VideoFile& depth) const {
+        auto other = VideoFile::open(file_, PlaneRole::colour);
+        if (!other || (*other)->stream() == depth.stream()) return false;
+        auto frame = (*other)->next();
+        if (!frame || !*frame) return false;
+        RgbConverter converter;
+        return VideoPicture(std::move(*frame), converter, (*other)->where(0)).has_colours();
     }
 
     Error refuse(const std::string& what) const { return input_error(file_.string() + ": " + what); }
