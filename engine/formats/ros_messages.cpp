@@ -408,13 +408,17 @@ RosPictureKind ros_compressed_kind(std::string_view format) {
                : RosPictureKind::none;
 }
 
-Result<StoredImage> ros_picture(const RosImage& image, const std::string& where) {
+Result<StoredImage> ros_picture(const RosImage& message, const std::string& where) {
+    RosImage image = message;  // only refers to its pixels
     const RosEncoding* const encoding = encoding_named(image.encoding);
     if (encoding == nullptr)
         return input_error(where + ": is of encoding " + in_quotes(image.encoding) +
                            ": must be mono8, mono16, 16UC1, 32FC1, rgb8, bgr8, rgba8, bgra8 or yuv422");
     TRY(check_picture_size(image.width, image.height, where));
     const std::uint64_t row = std::uint64_t{image.width} * static_cast<std::uint64_t>(encoding->bytes);
+    // Some publishers (AirSim's) leave the step at 0. Then rows have no padding.
+    if (image.step == 0 && image.data.size() == row * image.height)
+        image.step = static_cast<std::uint32_t>(row);
     if (image.step < row || image.data.size() < std::uint64_t{image.step} * (image.height - 1) + row)
         return input_error(where + ": is damaged: has " + std::to_string(image.data.size()) + " bytes for " +
                            std::to_string(image.width) + "x" + std::to_string(image.height) + " pixels of " +
@@ -445,7 +449,13 @@ Result<StoredImage> ros_picture(const RosCompressedImage& image, const std::stri
     float quantum[2] = {0, 0};  // a and b of depths in floats
     const bool is_packed_depth = image.format.find("ompressedDepth") != std::string_view::npos;
     const bool is_rvl = is_packed_depth && image.format.find("rvl") != std::string_view::npos;
-    if (is_packed_depth) {
+    // Some cameras publish the PNG alone, without the head. Integers need nothing of the head.
+    const bool has_head = picture_kind(bytes) != "PNG";
+    if (is_packed_depth && !has_head && image.format.starts_with("32FC1"))
+        return input_error(where +
+                           ": has no head of 12 bytes before its PNG, which says what metres its codes are; "
+                           "publish it by compressed_depth_image_transport");
+    if (is_packed_depth && has_head) {
         if (bytes.size() < packed_head) return input_error(where + ": is damaged: is cut");
         std::memcpy(quantum, bytes.data() + 4, sizeof quantum);
         if (!is_rvl) bytes.remove_prefix(packed_head);

@@ -268,6 +268,42 @@ TEST(Bag, RvlIsReadWithAndWithoutWhatRosPutsBeforeIt) {
     }
 }
 
+TEST(Bag, PackedFloatsNeedTheirHead) {
+    const TemporaryFolder folder;
+    Samples memory(2 * 8 * 6, 2);
+    ASSERT_EQ(message(write_png(folder / "d.png", PlaneView{memory.data(), 16, 8, 6, 2, 1})), "");
+    BagBytes bag;
+    bag.add("/depth/compressedDepth", "sensor_msgs/CompressedImage", 1,
+            compressed_message(0, "32FC1; compressedDepth png", read_bytes(folder / "d.png")));
+    write_bytes(folder / "x.bag", bag.file("none"));
+    EXPECT_TRUE(is_refused(open_clip(folder / "x.bag"), "has no head of 12 bytes before its PNG"));
+}
+
+/// As AirSim publishes them. Where the bytes are not as many as rows without padding have, a step of 0 is
+/// damage.
+TEST(Bag, StepOfZeroMeansRowsWithoutPadding) {
+    const TemporaryFolder folder;
+    const auto write = [&](std::size_t bytes) {
+        ImageMessage image;
+        image.width = 8;
+        image.height = 6;
+        image.encoding = "16UC1";
+        for (int k = 0; k < 8 * 6; ++k) put(image.data, static_cast<std::uint16_t>(600 + k));
+        image.data.resize(bytes);
+        BagBytes bag;
+        bag.add("/depth", "sensor_msgs/Image", 1, image.bytes());
+        write_bytes(folder / "x.bag", bag.file("none"));
+    };
+    write(2 * 8 * 6);
+    const auto opened = opened_bag(folder / "x.bag");
+    ASSERT_EQ(opened.frames.size(), 1U);
+    for (int k = 0; k < 8 * 6; ++k) ASSERT_EQ(opened.frames[0].depth.sample(k % 8, k / 8), 600 + k);
+    for (const std::size_t bytes : {2 * 8 * 6 - 2, 2 * 8 * 6 + 2}) {
+        write(bytes);
+        EXPECT_TRUE(is_refused(open_clip(folder / "x.bag"), "is damaged: has"));
+    }
+}
+
 TEST(Bag, DepthOfEveryEncodingIsRead) {
     const TemporaryFolder folder;
     Samples memory(2 * 8 * 6);
@@ -285,6 +321,8 @@ TEST(Bag, DepthOfEveryEncodingIsRead) {
         {"/depth/compressed", "sensor_msgs/CompressedImage", compressed_message(0, "png", png), 0.7},
         {"/depth/compressedDepth", "sensor_msgs/CompressedImage",
          compressed_message(0, "16UC1; compressedDepth", std::string(12, '\0') + png), 0.7},
+        {"/depth/compressedDepth", "sensor_msgs/CompressedImage",
+         compressed_message(0, "16UC1; compressedDepth png", png), 0.7},
         {"/depth/compressedDepth", "sensor_msgs/CompressedImage",
          compressed_message(0, "32FC1; compressedDepth png", config + png), 0.5},
     };
