@@ -11,10 +11,14 @@
 #include "engine/clip/readers.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/colour_video.hpp"
+#include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
+#include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/value_evidence.hpp"
+#include "engine/picture/exr_layers.hpp"
+#include "engine/picture/git_lfs.hpp"
 #include "engine/picture/image.hpp"
 
 namespace touchable {
@@ -106,6 +110,13 @@ bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPi
            has_word(group.pattern, {"rgb", "color", "colour", "image", "grey", "gray"});
 }
 
+/// By the name of depth's channel in a rendering, or else by its values.
+EvidentPreset evident_in(const StoredImage& picture) {
+    if (picture.beside && is_exr_depth_of_unreal(picture.beside->depth_name))
+        return {preset_named("unreal"), "its channel's name is Unreal's"};
+    return evident_preset(picture);
+}
+
 std::string found_there(const std::vector<PictureGroup>& groups) {
     const std::string words =
         listed(std::span(groups).first(std::min<std::size_t>(groups.size(), 4)),
@@ -137,7 +148,8 @@ Result<SharedPicture> telling_depth(const std::vector<fs::path>& files, ReadPict
 /// The picture of the same name in another form, or with another word for depth in it.
 std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictures) {
     const std::string stem = depth.stem().string();
-    std::vector<std::string> stems{stem};
+    std::vector<std::string> stems;
+    if (!realsense_metadata_of(depth)) stems.push_back(stem);  // beside which it is depth in colours
     for (const char* of_depth : {"depth", "Depth", "disp0", "disparity"})
         if (const auto at = stem.find(of_depth); at != std::string::npos)
             for (const char* of_colour : {"color", "colour", "rgb", "image", "Color", "im0"})
@@ -260,11 +272,23 @@ Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& gro
         folder.string() + ": no pictures of depth were found (there are " + found_there(groups);
     const std::string elsewhere = found_elsewhere(folder);
     if (!elsewhere.empty()) return input_error(message + ", " + elsewhere + ')');
+    if (const auto foreign = foreign_file_below(folder)) return input_error(message + "), but " + *foreign);
     return input_error(
         message +
             "): describe them with a scene file, as docs/scene_file.md has it; where grey pictures "
             "are what a network guessed, a preset says so",
         {{Setting::scene_file, "FILE"}, {Setting::preset, "relative-inverse"}});
+}
+
+/// The first group beside depth whose first picture is a Git LFS pointer, which was not fetched; null: there
+/// is none.
+const PictureGroup* unfetched_among(const std::vector<PictureGroup>& groups, const PictureGroup& depth) {
+    constexpr std::size_t most_opened = 8, enough = 64;
+    for (const PictureGroup& group : std::span(groups).first(std::min(groups.size(), most_opened)))
+        if (group.pattern != depth.pattern &&
+            is_git_lfs_pointer(first_bytes(SourceFile(group.first), enough)))
+            return &group;
+    return nullptr;
 }
 
 /// As programs say it: 29.97 stands for 30000/1001.
@@ -696,7 +720,9 @@ std::string length_in_words(double metres) {
 
 Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
     TRY_ASSIGN(const auto preset, known_preset(known));
+    if (const auto foreign = foreign_folder(folder)) return input_error(folder.string() + ": " + *foreign);
     const auto pictures = std::make_shared<ReadPictures>();
+    pictures->take_channel(known.channel);
     TRY_ASSIGN(const auto groups, readable_groups(folder, *pictures));
     std::vector<const PictureGroup*> depths = depths_among(groups, *pictures);
     const bool is_relative = preset != nullptr && preset->stored.kind == StoredDepth::Kind::relative;
@@ -704,6 +730,9 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         (is_relative || has_word(fs::weakly_canonical(folder).filename().string(), {"depth"})))
         depths = greys_among(groups, *pictures);
     if (depths.empty() && stop_requested()) return interrupted_error();
+    // What has no channel of the name that a person said tells which it has.
+    if (depths.empty() && !known.channel.empty())
+        for (const PictureGroup& group : groups) TRY(pictures->look(group.first));
     if (depths.empty()) return without_depth(folder, groups);
     const PictureGroup* const depth = depths.front();
     const PictureGroup* const colour = colour_among(groups, depths, *pictures);
@@ -719,7 +748,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     }
     const bool is_arkit = cameras && preset == nullptr && !known.metres_per_code && holds_words(stored);
     const bool is_open = preset == nullptr && !known.metres_per_code && !is_arkit;
-    const EvidentPreset evident = is_open ? evident_preset(stored) : EvidentPreset();
+    const EvidentPreset evident = is_open ? evident_in(stored) : EvidentPreset();
     SceneGuess guess(known, is_arkit         ? preset_named("arkitscenes")
                             : evident.preset ? evident.preset
                                              : preset);
@@ -759,6 +788,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
                : video           ? ", colour is " + printable(video->name)
                : has_own_colour  ? ", colour is in the same files"
                                  : ", there is no colour"));
+    if (const PictureGroup* const unfetched = colour ? nullptr : unfetched_among(groups, *depth))
+        guess.tell("left out: " + printable(unfetched->pattern) + ", whose first " + git_lfs_words);
     if (beside != nullptr) guess.tell_of_layers(*beside, has_own_colour);
     TRY_ASSIGN(const auto others, left_out(depths, groups, *pictures));
     if (!others.by_path.empty())
@@ -805,11 +836,20 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const std::string name = file.filename().string();
     const auto pictures = std::make_shared<ReadPictures>(source);
     pictures->trust_from(known.least_confidence);
+    pictures->take_channel(known.channel);
     TRY_ASSIGN(const auto told, telling_depth({file}, *pictures));
     const StoredImage& stored = *told;
     const bool is_open = preset == nullptr && !known.metres_per_code;
-    const EvidentPreset evident = is_open ? evident_preset(stored) : EvidentPreset();
-    SceneGuess guess(known, evident.preset ? evident.preset : preset);
+    const auto metadata = realsense_metadata_of(file);
+    const EvidentPreset of_viewer{preset_named("realsense"), "the RealSense Viewer wrote it"};
+    const EvidentPreset evident = !is_open ? EvidentPreset() : metadata ? of_viewer : evident_in(stored);
+    SourceDescription with_camera = known;
+    const bool has_own_camera = metadata && !known.intrinsics && !known.fov;
+    if (has_own_camera) {
+        TRY_ASSIGN(with_camera.intrinsics, read_realsense_metadata(*metadata));
+    }
+    SceneGuess guess(with_camera, evident.preset ? evident.preset : preset);
+    if (has_own_camera) guess.tell("the camera is that of " + printable(metadata->filename().string()));
     guess.know_place({.folder = file.parent_path(), .within = {}, .stem = file.stem().string()});
     if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());
@@ -836,6 +876,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         if (video->file->count() == stack->count()) guess.take_rate(*video);
     }
     GuessedScene made = guess.made();
+    if (metadata) made.inputs.push_back(*metadata);
     made.pictures = pictures;
     if (video) made.video = video->file;
     return made;

@@ -24,6 +24,7 @@
 #include "engine/formats/touch_maps.hpp"
 #include "engine/formats/video_picture.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
+#include "engine/picture/exr.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -71,6 +72,10 @@ public:
         if (stack && !stack->left_out().empty())
             clip.notes.push_back(depth.files.front().filename().string() + ": " + stack->left_out());
         if (!stack) tell_of_pages(depth, clip);
+        if (!pictures_->channel().empty() && !is_exr(first_bytes(SourceFile(depth.files.front()), 4)))
+            return usage_error(
+                depth.files.front().string() + ": is no OpenEXR file, of which a channel could be named",
+                {{depth_channel_setting}});
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->least_confidence() && !has_confidence)
             return usage_error(

@@ -21,9 +21,12 @@
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/bag_file.hpp"
 #include "engine/formats/depth_photo.hpp"
+#include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
+#include "engine/formats/realsense_raw.hpp"
+#include "engine/picture/exr.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/receiving.hpp"
 
@@ -112,6 +115,7 @@ Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wan
     TRY_ASSIGN(const auto lerobot, lerobot_video_in(folder));
     TRY_ASSIGN(const auto recording, ros2_recording_in(folder));
     if (const auto& only = lerobot ? lerobot : recording) return Candidate{*only, {}, {}, wanted};
+    if (const auto snapshot = realsense_snapshot_in(folder)) return Candidate{*snapshot, {}, {}, wanted};
     return Candidate{folder, folder, {}, wanted};
 }
 
@@ -127,6 +131,10 @@ Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>&
     if (wanted.known.least_confidence && !is_described && (is_folder || !is_npy_file(SourceFile(path))))
         return usage_error(path.string() +
                            ": is no .npz with an array conf, of which there could be a least confidence");
+    if (!wanted.known.channel.empty() && !is_described && !is_folder &&
+        !is_exr(first_bytes(SourceFile(path), Candidate::telling_bytes)))
+        return usage_error(path.string() + ": is no OpenEXR file, of which a channel could be named",
+                           {{depth_channel_setting}});
     if (is_scene && (scene_file || is_known))
         return usage_error(path.string() + ": is a scene file itself: leave " +
                                (scene_file ? "the other one" : "camera, unit and preset") + " out",
@@ -158,6 +166,9 @@ bool is_mpeg4(const Candidate& candidate) {
 }
 bool is_picture(const Candidate& candidate) {
     return !picture_kind(candidate.begin).empty();
+}
+bool is_realsense_raw(const Candidate& candidate) {
+    return realsense_metadata_of(candidate.source.path()).has_value();
 }
 bool is_ros_recording(const Candidate& candidate) {
     return is_recording_of_ros(candidate.begin);
@@ -201,6 +212,7 @@ Result<GuessedScene> describe_picture(const Candidate& candidate) {
     GuessedScene made = *candidate.scene;
     made.pictures = std::make_shared<ReadPictures>(candidate.source);
     made.pictures->trust_from(candidate.wanted.known.least_confidence);
+    made.pictures->take_channel(candidate.wanted.known.channel);
     made.scene.video.reset();
     const FolderSource of = made.scene.folder.value_or(FolderSource());
     if (of.depth == name) return made;
@@ -241,6 +253,7 @@ Result<GuessedScene> describe_folder(const Candidate& candidate) {
     GuessedScene made = *candidate.scene;
     made.pictures = std::make_shared<ReadPictures>();
     made.pictures->trust_from(candidate.wanted.known.least_confidence);
+    made.pictures->take_channel(candidate.wanted.known.channel);
     if (made.scene.video) {
         TRY_ASSIGN(made.video, VideoFile::open(candidate.source, PlaneRole::depth));
     }
@@ -299,6 +312,9 @@ const Format formats[] = {
      "a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR (a rendering with its colour, too), NumPy (.npy, "
      ".npz)",
      "touchable play depth.png", Hints{{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}},
+    {FileKind::bare, is_realsense_raw, describe_picture, open_named,
+     "a snapshot of the RealSense Viewer: NAME_Depth.raw with its NAME_Depth_metadata.csv beside it",
+     "touchable play snap_Depth.raw"},
     {FileKind::bare, is_ros_recording, describe_bag, open_bag_clip,
      "a recording of a RealSense or of ROS 1 (.bag), or of ROS 2 (.mcap, .db3 or their folder)",
      "touchable play recording.bag"},
@@ -345,8 +361,18 @@ Error refused_description(const std::string& name, bool has_scene) {
         {{Setting::scene_file, "FILE"}});
 }
 
+/// A file of another program that is known and not opened.
+std::optional<Error> foreign_refusal(const Format* format, const Candidate& candidate) {
+    if (candidate.folder) return {};
+    auto what = misleading_file(candidate.source, candidate.begin);
+    if (!what && format == nullptr) what = foreign_file(candidate.source);
+    if (!what) return {};
+    return input_error(candidate.source.string() + ": " + *what);
+}
+
 /// Why what is of this format (null: of none) is not opened.
 std::optional<Error> refusal(const Format* format, const Candidate& candidate) {
+    if (auto foreign = foreign_refusal(format, candidate)) return foreign;
     const fs::path& file = candidate.source.path();
     const FileKind kind = format ? format->kind : FileKind::described;
     if (kind > FileKind::photo && candidate.wanted.is_known())
@@ -478,6 +504,7 @@ Error nothing_to_guess(const fs::path& file, const char* what, const char* exten
 Result<GuessedScene> guess_file(const fs::path& file, const SourceDescription& known) {
     const Candidate candidate{file, {}, {}, {known}};
     const Format* const format = probe(candidate);
+    if (auto foreign = foreign_refusal(format, candidate)) return std::move(*foreign);
     const FileKind kind = format ? format->kind : FileKind::bare;
     if (kind == FileKind::photo && (!is_jpeg(candidate) || has_jpeg_depth(candidate.source)))
         return nothing_to_guess(file, ": is a photograph that says itself what its depth is", ".png");
@@ -503,7 +530,9 @@ Result<GuessedScene> guess_path(const fs::path& path, const SourceDescription& k
             ": is a LeRobot data set, and a scene file is of its video: touchable init-scene " +
             shell_word(lerobot->string()));
     TRY_ASSIGN(const auto recording, ros2_recording_in(path));
-    return recording ? guess_file(*recording, known) : guess_folder(path, known);
+    if (const auto& file = recording ? recording : realsense_snapshot_in(path))
+        return guess_file(*file, known);
+    return guess_folder(path, known);
 }
 
 /// What was made of files that were read no further, because the caller gave up, may be wrong.

@@ -3,7 +3,9 @@
 #include <set>
 
 #include "engine/base/try.hpp"
+#include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/value_evidence.hpp"
+#include "engine/picture/exr.hpp"
 
 namespace touchable {
 namespace {
@@ -96,11 +98,13 @@ std::shared_ptr<const StoredImage> ReadPictures::kept(const std::filesystem::pat
 }
 
 Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, PictureLayer layer) {
+    if (realsense_metadata_of(file)) return read_realsense_raw(taken_source(file));
     TRY_ASSIGN(auto bytes, read_picture_bytes(taken_source(file)));
     const std::string where = file.string();
     if (!is_exr(bytes)) return decode_stored_image(std::move(bytes), where);
-    const auto decode = [layer, wanted = wanted_](std::string_view exr, const std::string& name) {
-        if (layer == PictureLayer::own) return decode_exr(exr, name, wanted);
+    const auto decode = [layer, wanted = wanted_, channel = channel_](std::string_view exr,
+                                                                      const std::string& name) {
+        if (layer == PictureLayer::own) return decode_exr_depth(exr, name, wanted, channel);
         return layer == PictureLayer::colour ? decode_exr_colour(exr, name) : decode_exr_materials(exr, name);
     };
     return decode_unless_stopped(std::move(bytes), where, decode);

@@ -37,6 +37,9 @@ public:
     /// Of stacks that are opened from now on (open_npy_stack).
     void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }
     std::optional<double> least_confidence() const { return least_confidence_; }
+    /// Of renderings that are read from now on: the channel that is depth, by name. Empty: found.
+    void take_channel(const std::string& channel) { channel_ = channel; }
+    const std::string& channel() const { return channel_; }
     /// Keeps one for `take`, with what is beside it.
     void keep(const std::filesystem::path& file, StoredImage picture) {
         if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
@@ -73,6 +76,7 @@ private:
     std::size_t bytes_ = 0;             // of the pictures
     std::optional<double> least_confidence_;
     BesideDepth::Wanted wanted_{true, true};
+    std::string channel_;                  // depth's in renderings
     std::filesystem::path rendering_;      // the newest whose own picture was taken
     std::shared_ptr<BesideDepth> beside_;  // it; null: nothing
 };

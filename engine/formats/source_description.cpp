@@ -30,6 +30,7 @@ const SourceDescription::Preset presets[] = {
      {721.5377, 721.5377, 609.5593, 172.854, 1242, 375},
      0,
      1.0 / 256},
+    {"unreal", "Unreal's WorldDepth: centimetres", {}, 60, 0.01},
     {"middlebury",
      "Middlebury stereo: disparities, with the calib.txt beside them",
      {},

@@ -58,6 +58,7 @@ struct SourceDescription {
     std::string preset;                     ///< a name of a Preset or of VideoValues; empty: none
     /// Of arrays with a confidence beside depth (open_npy_stack).
     std::optional<double> least_confidence{};
+    std::string channel{};  ///< of renderings (OpenEXR): depth's channel or layer; empty: found by its name
     bool operator==(const SourceDescription&) const = default;
 };
 

@@ -8,6 +8,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/picture/exr.hpp"
 #include "engine/picture/exr_layers.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/picture/number_pictures.hpp"
@@ -305,7 +306,9 @@ public:
         return {};
     }
 
-    Error refused(const std::string& why) const { return input_error(where_ + ": " + why); }
+    Error refused(const std::string& why, Hints hints = {}) const {
+        return input_error(where_ + ": " + why, std::move(hints));
+    }
 
 private:
     /// Of a part that is not deep.
@@ -478,7 +481,8 @@ std::optional<ExrNumbers> materials_of(const ExrFile& file, const std::optional<
 
 Result<ExrNumbers> depth_of(const ExrFile& file, const ExrLayers& layers) {
     if (!layers.depth)
-        return file.refused("has no channel Z, depth, Y or R for each pixel, but " + channel_list(file));
+        return file.refused("has no channel Z, depth, Y or R for each pixel, but " + channel_list(file),
+                            {{depth_channel_setting, "NAME"}});
     const ExrChannel& channel = file.channels()[*layers.depth];
     if (!channel.is_of_each_pixel)
         return file.refused("has channel " + quoted_channel(channel.name) +
@@ -523,8 +527,12 @@ std::optional<StoredImage> read_beside(const ExrFile& file, ExrPicture& picture,
     return read ? std::optional(std::move(*read)) : std::nullopt;
 }
 
-Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& wanted) {
-    const ExrLayers layers = exr_layers(names_of(file));
+Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& wanted,
+                               const std::string& named) {
+    const ExrLayers layers = exr_layers(names_of(file), named);
+    if (!named.empty() && !layers.depth)
+        return file.refused("has no channel " + in_quotes(named) + ", but " + channel_list(file),
+                            {{depth_channel_setting, "NAME"}});
     TRY_ASSIGN(auto depth, depth_of(file, layers));
     auto colour = wanted.colour ? colour_of(file, layers.colour) : std::nullopt;
     auto materials = wanted.materials ? materials_of(file, layers.materials) : std::nullopt;
@@ -534,7 +542,8 @@ Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& w
     if (is_beside(materials)) together.push_back(&*materials);
     TRY(read_together(file, together));
     StoredImage picture = depth.finish();
-    if (!colour && !materials) return picture;
+    const bool tells_its_unit = is_exr_depth_of_unreal(file.channels()[*layers.depth].name);
+    if (!colour && !materials && !tells_its_unit) return picture;
     picture.beside = std::make_shared<BesideDepth>();
     BesideDepth& beside = *picture.beside;
     const auto name = [&](std::size_t place) { return quoted_channel(file.channels()[place].name); };
@@ -563,9 +572,14 @@ Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where)
 
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
                                const BesideDepth::Wanted& wanted) {
+    return decode_exr_depth(bytes, where, wanted, {});
+}
+
+Result<StoredImage> decode_exr_depth(std::string_view bytes, const std::string& where,
+                                     const BesideDepth::Wanted& wanted, const std::string& channel) {
     ExrFile file(bytes, where);
     TRY(file.open());
-    return depth_with(file, wanted);
+    return depth_with(file, wanted, channel);
 }
 
 Result<StoredImage> decode_exr_colour(std::string_view bytes, const std::string& where) {

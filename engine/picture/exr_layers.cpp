@@ -63,8 +63,12 @@ std::optional<ExrColour> colour_in_layer(const ExrChannelNames& channels, const 
     return ExrColour{*red, *green, *blue};
 }
 
+/// Unreal's passes are called FinalImageMovieRenderQueue_WorldDepth or FinalImageSceneDepth.
+bool is_depth_of_unreal(const std::string& word) {
+    return word.ends_with("worlddepth") || word.ends_with("scenedepth");
+}
 bool is_depth_word(const std::string& word) {
-    return word == "depth" || word == "denoising depth";
+    return word == "depth" || word == "denoising depth" || is_depth_of_unreal(word);
 }
 bool is_named_depth(const std::string& channel) {
     const auto words = words_of(channel);
@@ -266,8 +270,33 @@ std::string exr_name_in_part(const std::string& part, const std::string& channel
     return tells && channel.find('.') == std::string::npos ? whole : channel;
 }
 
+bool is_exr_depth_of_unreal(const std::string& channel) {
+    return std::ranges::any_of(words_of(small_letters(channel)), is_depth_of_unreal);
+}
+
 ExrLayers exr_layers(const ExrChannelNames& channels) {
     return layers_among(in_small_letters(channels));
+}
+
+ExrLayers exr_layers(const ExrChannelNames& named, const std::string& depth) {
+    if (depth.empty()) return exr_layers(named);
+    const ExrChannelNames channels = in_small_letters(named);
+    const std::string small = small_letters(depth);
+    ExrLayers layers;
+    if (const auto exact = std::ranges::find(named, depth, &ExrChannelName::name); exact != named.end())
+        layers.depth = static_cast<std::size_t>(exact - named.begin());
+    for (const std::string& name : {small, small + ".r", small + ".z"})
+        if (!layers.depth) layers.depth = channel_named(channels, name, 0);
+    if (!layers.depth) layers.depth = channel_in_layer(channels, small);
+    if (!layers.depth) return layers;
+    layers.depths = 1;
+    layers.colour = colour_beside(channels, *layers.depth);
+    if (!layers.colour) layers.colour = colour_in_layer(channels, "", channels[*layers.depth].part);
+    layers.materials = materials_beside(channels, *layers.depth);
+    // A channel that is depth is nothing else.
+    if (layers.colour && std::ranges::count(*layers.colour, *layers.depth) > 0) layers.colour.reset();
+    if (layers.materials == layers.depth) layers.materials.reset();
+    return layers;
 }
 
 std::optional<ExrColour> exr_colour(const ExrChannelNames& named) {

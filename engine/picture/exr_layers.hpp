@@ -23,9 +23,10 @@ struct ExrChannelName {
 };
 
 /// Which of a file's channels are what, by their places in the list of all. Depth is a channel Z, or one in a
-/// layer `depth` (R, where that is in colour), or else Y, R or the only one. Z of a vector (a normal, a
-/// position) is none. Of several depths the first that has colour of its own is taken: R, G and B in the
-/// layer Combined of its view layer, or beside it. Material indices are the channel of its layer IndexMA.
+/// layer `depth`, or `...WorldDepth` as Unreal calls it (R, where that is in colour), or else Y, R or the
+/// only one. Z of a vector (a normal, a position) is none. Of several depths the first that has colour of its
+/// own is taken: R, G and B in the layer Combined of its view layer, or beside it. Material indices are the
+/// channel of its layer IndexMA.
 struct ExrLayers {
     std::optional<std::size_t> depth;
     std::optional<std::array<std::size_t, 3>> colour;  ///< red, green, blue
@@ -36,6 +37,10 @@ struct ExrLayers {
     int depths = 0;
 };
 ExrLayers exr_layers(const std::vector<ExrChannelName>& channels);
+/// The same where depth is said to be the channel of this name, or the first one (R before others) of the
+/// layer of this name; capital letters count only where two names differ by these. Without depth: there is
+/// none.
+ExrLayers exr_layers(const std::vector<ExrChannelName>& channels, const std::string& depth);
 
 /// Colour of a file with or without depth: of the depth's view layer, else of the first layer that has any.
 std::optional<std::array<std::size_t, 3>> exr_colour(const std::vector<ExrChannelName>& channels);
@@ -45,6 +50,9 @@ std::optional<std::size_t> exr_materials(const std::vector<ExrChannelName>& chan
 /// A channel of one of several parts: where it has no layer of its own, a part whose name says which pass it
 /// is (depth, normal, ...) is that.
 std::string exr_name_in_part(const std::string& part, const std::string& channel);
+
+/// Whether a channel is in a pass of depth as Unreal names them, which is in centimetres.
+bool is_exr_depth_of_unreal(const std::string& channel);
 
 /// "ViewLayer.Combined" of ViewLayer.Combined.R; empty for R.
 std::string exr_layer_of(const std::string& channel);

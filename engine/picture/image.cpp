@@ -16,6 +16,7 @@ extern "C" {
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/git_lfs.hpp"
 #include "engine/picture/number_pictures.hpp"
 
 namespace touchable {
@@ -285,6 +286,7 @@ Result<StoredImage> decode_stored_image(std::string bytes, const std::string& wh
         return input_error(where + ": is larger than " + in_bytes(largest_file) +
                            ": not a picture this program reads");
     const PictureKind* kind = kind_of(bytes);
+    if (!kind && is_git_lfs_pointer(bytes)) return input_error(where + ": " + git_lfs_words);
     if (!kind) return input_error(where + ": is no picture that is read: " + kinds_text());
     if (kind->decode == decode_coded_image) return decode_coded_image(bytes, where);  // looks for itself
     return decode_unless_stopped(std::move(bytes), where, kind->decode);

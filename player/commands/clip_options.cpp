@@ -98,13 +98,15 @@ void add_camera_options(CLI::App& sub, CameraTyped& typed) {
 }
 
 Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
-    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.preset && !typed.least_confidence)
+    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.preset && !typed.least_confidence &&
+        !typed.channel)
         return std::optional<SourceDescription>();
     SourceDescription known;
     known.fov = typed.fov;
     known.metres_per_code = typed.depth_unit;
     known.preset = typed.preset.value_or("");
     known.least_confidence = typed.least_confidence;
+    known.channel = typed.channel.value_or("");
     if (!typed.intrinsics) return std::optional(known);
     const std::vector<double> numbers = numbers_in(*typed.intrinsics);
     if (numbers.size() == 2 || numbers.size() == 4) {
@@ -168,6 +170,10 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
                       "half of the median of frame 0",
                       -1e9, 1e9)
         ->type_name("C");
+    sub.add_option(
+           "--channel", typed.camera.channel,
+           "of a rendering (OpenEXR): the channel or layer that is depth; otherwise found by its name")
+        ->type_name("NAME");
     return clip;
 }
 

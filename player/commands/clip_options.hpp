@@ -15,6 +15,7 @@ struct CameraTyped {
     std::optional<std::string> intrinsics, preset;
     std::optional<double> fov, depth_unit;
     std::optional<double> least_confidence;  ///< of add_clip_options
+    std::optional<std::string> channel;      ///< likewise
 };
 
 /// --intrinsics, --fov, --depth-unit and --preset, which exclude --scene where `sub` has that already.
@@ -33,8 +34,8 @@ struct ClipTyped {
     CameraTyped camera;
 };
 
-/// CLIP, which is given back, --scene, --haptic, --height, --align, --fill-from-motion and
-/// --least-confidence. For a single depth picture add_camera_options goes with them.
+/// CLIP, which is given back, --scene, --haptic, --height, --align, --fill-from-motion,
+/// --least-confidence and --channel. For a single depth picture add_camera_options goes with them.
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
 /// --filters, and an option for each filter that has one (filter_settings).

@@ -56,6 +56,7 @@ Json recorded_facts(const TouchSetup& setup) {
         if (camera->fov) facts["fov"] = *camera->fov;
         if (camera->metres_per_code) facts["depth_unit"] = *camera->metres_per_code;
         if (camera->least_confidence) facts["least_confidence"] = *camera->least_confidence;
+        if (!camera->channel.empty()) facts["channel"] = camera->channel;
         if (!camera->preset.empty()) facts["preset"] = camera->preset;
     }
     if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
@@ -146,6 +147,7 @@ std::optional<SourceDescription> camera_of(const Json& facts) {
     if (facts.contains("fov")) known.fov = number(facts, "fov");
     if (facts.contains("depth_unit")) known.metres_per_code = number(facts, "depth_unit");
     if (facts.contains("least_confidence")) known.least_confidence = number(facts, "least_confidence");
+    if (facts.contains("channel")) known.channel = text(facts, "channel");
     if (facts.contains("preset")) known.preset = text(facts, "preset");
     if (known == SourceDescription()) return std::nullopt;
     return known;

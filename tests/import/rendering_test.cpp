@@ -1,6 +1,11 @@
 // Renderings as clips: a file, or a numbered folder of files, with depth, colour and material indices in them
 // (tests/picture/blender/render_seeds.py made the files).
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
 #include <gtest/gtest.h>
+#include <half.h>
 
 #include <algorithm>
 
@@ -182,6 +187,66 @@ TEST_F(Rendering, IndicesThatNobodyUsesAreToldOnce) {
         EXPECT_TRUE(is_noted(**reader, "the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"))
             << name;
     }
+}
+
+/// As Unreal's Movie Render Queue writes them: colour, and the pass WorldDepth, in halves.
+void write_unreals(const std::filesystem::path& file, float centimetres) {
+    Imf::Header header(16, 12);
+    std::vector<half> depth(16 * 12, half(centimetres)), light(16 * 12, half(0.5F));
+    depth[0] = half(65504.0F);  // the sky
+    Imf::FrameBuffer frame;
+    for (const std::string layer : {"", "FinalImageMovieRenderQueue_WorldDepth."})
+        for (const char* own : {"R", "G", "B", "A"}) {
+            header.channels().insert(layer + own, Imf::Channel(Imf::HALF));
+            half* const from = layer.empty() || *own == 'A' ? light.data() : depth.data();
+            frame.insert(layer + own, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(from), sizeof(half),
+                                                 16 * sizeof(half)));
+        }
+    Imf::OutputFile output(file.c_str(), header);
+    output.setFrameBuffer(frame);
+    output.writePixels(12);
+}
+
+TEST_F(Rendering, UnrealsWorldDepthIsInCentimetres) {
+    write_unreals(folder / "Shot.0001.exr", 150);
+    for (const char* name : {"shots", "pictures"}) std::filesystem::create_directories(folder / name);
+    for (const char* name : {"Shot.0001.exr", "Shot.0002.exr"})
+        std::filesystem::copy_file(folder / "Shot.0001.exr", folder / "shots" / name);
+    for (const char* name : {"Shot.0001.exr", "shots"}) {
+        SCOPED_TRACE(name);
+        auto reader = open_clip(folder / name);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(is_noted(**reader, "Unreal's WorldDepth: centimetres"));
+        const auto frame = (*reader)->next();
+        ASSERT_EQ(message(frame), "");
+        ASSERT_TRUE(frame->has_value());
+        const Scene& scene = (*reader)->scene();
+        EXPECT_NEAR(scene.depth.depth((*frame)->depth.sample(7, 5)) * scene.metres_per_unit, 1.5, 1e-3);
+        EXPECT_FALSE(scene.depth.is_valid((*frame)->depth.sample(0, 0)));
+        EXPECT_FALSE((*frame)->colour.empty());
+    }
+    // A channel or a layer by name, for which a scene file may say the rest.
+    SourceDescription named;
+    for (const char* channel : {"A", "finalimagemovierenderqueue_worlddepth", "G"}) {
+        named.channel = channel;
+        const auto reader = open_clip(folder / "Shot.0001.exr", {}, named);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_EQ(bool(is_noted(**reader, "centimetres")), named.channel.size() > 1) << channel;
+    }
+    named.channel = "Z";
+    for (const char* name : {"Shot.0001.exr", "shots"})
+        EXPECT_TRUE(is_refused(open_clip(folder / name, {}, named), "has no channel \"Z\", but A, B, "))
+            << name;
+    Samples memory(2 * 16 * 12, 3);
+    ASSERT_EQ(message(write_png(folder / "pictures/depth_1.png", PlaneView{memory.data(), 32, 16, 12, 2, 1})),
+              "");
+    for (const char* name : {"pictures/depth_1.png", "pictures"})
+        EXPECT_TRUE(is_refused(open_clip(folder / name, {}, named), "is no OpenEXR file")) << name;
+    SourceDescription known;
+    known.metres_per_code = 1;
+    const auto metres = open_clip(folder / "Shot.0001.exr", {}, known);
+    ASSERT_EQ(message(metres), "");
+    EXPECT_FALSE(is_noted(**metres, "centimetres"));
 }
 
 }  // namespace

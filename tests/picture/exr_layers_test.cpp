@@ -59,6 +59,12 @@ TEST(ExrLayers, AreFoundByTheirNames) {
     EXPECT_EQ(layers_in({"B", "G", "R", "depth.Z"}), "depth.Z R -");
     EXPECT_EQ(layers_in({"B", "G", "R", "|", "Z"}), "Z R -");
     EXPECT_EQ(layers_in({"B", "G", "R", "|", "B", "G", "R", "Z"}), "Z R -");
+    // Unreal's: the pass is a word that ends so, and R, G and B are alike.
+    EXPECT_EQ(layers_in({"A", "B", "FinalImageMovieRenderQueue_WorldDepth.A",
+                         "FinalImageMovieRenderQueue_WorldDepth.B", "FinalImageMovieRenderQueue_WorldDepth.G",
+                         "FinalImageMovieRenderQueue_WorldDepth.R", "G", "R"}),
+              "FinalImageMovieRenderQueue_WorldDepth.R R -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "SceneDepth.R"}), "SceneDepth.R R -");
     // Neither depth of a vector nor colour in parts.
     EXPECT_EQ(layers_in({"N.X", "N.Y", "N.Z"}), "- - -");
     EXPECT_EQ(layers_in({"B", "G", "|", "R", "Z"}), "Z - -");
@@ -73,6 +79,27 @@ TEST(ExrLayers, AreFoundByTheirNames) {
     EXPECT_EQ(layers_in({"B", "G", "R", "crypto00.r"}), "- - -");
     EXPECT_EQ(layers_in({"", ".", "..Z", "Depth"}), "..Z - -");
     EXPECT_EQ(layers_in({}), "- - -");
+}
+
+TEST(ExrLayers, DepthIsWhatAPersonNames) {
+    const std::vector<ExrChannelName> channels{{0, "B"},          {0, "G"},          {0, "R"},
+                                               {0, "Dist.G"},     {0, "Dist.R"},     {0, "V.Mist.Z"},
+                                               {0, "V.Normal.X"}, {0, "V.Normal.Y"}, {0, "v.mist.z"}};
+    const auto depth = [&](const std::string& named) {
+        const ExrLayers found = exr_layers(channels, named);
+        EXPECT_TRUE(found.same_as_depth.empty());
+        return found.depth ? channels[*found.depth].name : std::string("-");
+    };
+    EXPECT_EQ(depth("V.Mist.Z"), "V.Mist.Z");
+    EXPECT_EQ(depth("v.mist.z"), "v.mist.z");
+    EXPECT_EQ(depth("V.MIST.Z"), "V.Mist.Z");
+    EXPECT_EQ(depth("dist"), "Dist.R");
+    EXPECT_EQ(depth("V.Normal"), "V.Normal.X");
+    EXPECT_EQ(depth("G"), "G");
+    EXPECT_EQ(depth("V"), "-");
+    EXPECT_EQ(depth("Z"), "-");
+    EXPECT_TRUE(exr_layers(channels, "dist").colour.has_value());
+    EXPECT_FALSE(exr_layers(channels, "G").colour.has_value()) << "it is depth";
 }
 
 int depths_in(const std::vector<std::string>& names) {

@@ -223,6 +223,7 @@ TEST(SegmentsDependOn, WhatIsSaidOfTheFramesOfAClip) {
         with([](ClipChoice& choice) { choice.fill_from_motion = true; }),
         with([](ClipChoice& choice) { choice.camera.emplace().fov = 60; }),
         with([](ClipChoice& choice) { choice.camera.emplace().least_confidence = 0.5; }),
+        with([](ClipChoice& choice) { choice.camera.emplace().channel = "V.Depth.Z"; }),
         with([](ClipChoice& choice) {
             choice.camera.emplace().intrinsics = Intrinsics{500, 500, {}, {}};
         })};

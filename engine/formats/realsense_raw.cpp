@@ -1,0 +1,113 @@
+#include "engine/formats/realsense_raw.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view metadata_ending = "_metadata.csv";
+
+/// The value in the row of a name: "Fx,105.75". Nothing where there is no such row.
+std::optional<std::string_view> value_of_row(std::string_view table, std::string_view name) {
+    for (std::size_t at = 0; at < table.size();) {
+        const std::size_t end = std::min(table.find('\n', at), table.size());
+        std::string_view row = table.substr(at, end - at);
+        at = end + 1;
+        if (row.ends_with('\r')) row.remove_suffix(1);
+        if (!row.starts_with(name) || row.size() <= name.size() || row[name.size()] != ',') continue;
+        row.remove_prefix(name.size() + 1);
+        return row;
+    }
+    return {};
+}
+
+Result<double> number_of_row(std::string_view table, const std::string& name, const std::string& where) {
+    const auto text = value_of_row(table, name);
+    double number = 0;
+    const bool is_read =
+        text && std::from_chars(text->data(), text->data() + text->size(), number).ec == std::errc();
+    if (is_read && std::isfinite(number)) return number;
+    return input_error(where + ": has no row \"" + name + ",NUMBER\"");
+}
+
+bool is_snapshot(const fs::path& file) {
+    return file.filename().string().ends_with("_Depth.raw") && realsense_metadata_of(file);
+}
+
+}  // namespace
+
+std::optional<fs::path> realsense_metadata_of(const fs::path& raw) {
+    if (small_letters(raw.extension().string()) != ".raw") return {};
+    fs::path metadata = raw.parent_path() / (raw.stem().string() + std::string(metadata_ending));
+    std::error_code ignored;
+    if (!fs::is_regular_file(metadata, ignored)) return {};
+    return metadata;
+}
+
+std::optional<fs::path> realsense_snapshot_in(const fs::path& folder) {
+    constexpr std::size_t most_entries = 1000;
+    std::optional<fs::path> found;
+    std::size_t entries = 0;
+    std::error_code failure;
+    for (fs::directory_iterator at(folder, failure), end; !failure && at != end; at.increment(failure)) {
+        if (++entries > most_entries) return {};
+        if (!is_snapshot(at->path())) continue;
+        if (found) return {};
+        found = at->path();
+    }
+    return found;
+}
+
+Result<Intrinsics> parse_realsense_metadata(std::string_view text, const std::string& where) {
+    const auto format = value_of_row(text, "Format");
+    if (format != "Z16")
+        return input_error(where + ": must have a row \"Format,Z16\", as depth has" +
+                           (format ? ", not " + in_quotes(*format) : ""));
+    TRY_ASSIGN(const double width, number_of_row(text, "Resolution x", where));
+    TRY_ASSIGN(const double height, number_of_row(text, "Resolution y", where));
+    constexpr double most = 1e6;  // of a side, to be a whole number; the picture's limit is lower
+    const auto side = [&](double number) { return static_cast<int>(std::clamp(number, 0.0, most)); };
+    TRY(check_picture_size(side(width), side(height), where));
+    Intrinsics camera{.width = side(width), .height = side(height)};
+    TRY_ASSIGN(camera.fx, number_of_row(text, "Fx", where));
+    TRY_ASSIGN(camera.fy, number_of_row(text, "Fy", where));
+    TRY_ASSIGN(camera.cx, number_of_row(text, "PPx", where));
+    TRY_ASSIGN(camera.cy, number_of_row(text, "PPy", where));
+    if (!(camera.fx > 0) || !(camera.fy > 0))
+        return input_error(where + ": its focal lengths Fx and Fy must be above 0");
+    return camera;
+}
+
+Result<Intrinsics> read_realsense_metadata(const fs::path& metadata) {
+    constexpr std::size_t largest = std::size_t{64} << 10;
+    TRY_ASSIGN(const auto text, SourceFile(metadata).read("metadata of the RealSense Viewer", largest));
+    return parse_realsense_metadata(text, metadata.string());
+}
+
+Result<StoredImage> read_realsense_raw(const SourceFile& raw) {
+    const auto metadata = realsense_metadata_of(raw.path());
+    if (!metadata)
+        return input_error(raw.string() + ": has no " + raw.path().stem().string() +
+                           std::string(metadata_ending) + " beside it, which says how large its picture is");
+    TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
+    TRY_ASSIGN(const auto bytes, read_picture_bytes(raw));
+    const std::size_t needed =
+        2 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+    if (bytes.size() != needed)
+        return input_error(raw.string() + ": has " + std::to_string(bytes.size()) + " bytes: must be " +
+                           std::to_string(needed) + " for the " + std::to_string(camera.width) + 'x' +
+                           std::to_string(camera.height) + " pixels of 16 bits that " +
+                           metadata->filename().string() + " states");
+    StoredImage picture{{camera.width, camera.height, 2, 1, {}}, "raw", "gray16le"};
+    picture.bits = 16;
+    picture.image.samples.assign(bytes.begin(), bytes.end());
+    return picture;
+}
+
+}  // namespace touchable
