@@ -73,7 +73,7 @@ public:
 
     /// Whether pictures like this one have to be looked at before codes are made.
     bool needs_looks(const StoredImage& first) const {
-        return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes;
+        return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes || stored_.packed;
     }
     /// One more.
     void look(const StoredImage& picture);
@@ -82,7 +82,7 @@ public:
     /// Whether the far plane is still to be found in the codes.
     bool leaves_far_open() const { return far_is_open_ && !is_settled_; }
     /// Whether pictures are not their codes already.
-    bool makes_codes() const { return is_settled_ || stored_.bytes_swapped || stored_.rotated > 0; }
+    bool makes_codes() const { return is_settled_ || stored_.is_reordered(); }
     /// As the settled scene has them: of 16 bits where it makes them.
     Image codes(StoredImage picture) const;
 
@@ -94,7 +94,7 @@ private:
         if (stored_.bytes_swapped) value = (value << 8 | value >> 8) & 0xffffU;
         if (stored_.rotated > 0)
             value = (value >> stored_.rotated | value << (16 - stored_.rotated)) & 0xffffU;
-        return value;
+        return value & ((1U << stored_.used_bits) - 1);
     }
     template <class Begin, class Work>
     void for_each(const StoredImage& picture, Begin&& begin, Work&& work) const;

@@ -34,9 +34,14 @@ constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth wit
 
 using SharedPicture = std::shared_ptr<const StoredImage>;
 
-/// Colour that is grey everywhere as grey.
-Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file) {
+/// Colour that is grey everywhere as grey, and depth of 24 bits as floats.
+Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, bool is_packed = false) {
     if (!stored->values.empty() || stored->image.channels == 1) return stored;
+    if (is_packed || looks_packed(stored->image)) {
+        auto unpacked = std::make_shared<StoredImage>(*stored);
+        if (unpack_depth(*unpacked)) return SharedPicture(std::move(unpacked));
+        if (stop_requested()) return interrupted_error();
+    }
     auto grey = as_grey(stored->image);
     if (stop_requested()) return interrupted_error();
     if (!grey)
@@ -48,9 +53,9 @@ Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file) {
 }
 
 /// Of a picture, or the first of a stack.
-Result<SharedPicture> depth_in(const fs::path& file, ReadPictures& pictures) {
+Result<SharedPicture> depth_in(const fs::path& file, ReadPictures& pictures, bool is_packed) {
     auto looked = pictures.look(file);
-    return looked ? as_depth(std::move(*looked), file) : looked;
+    return looked ? as_depth(std::move(*looked), file, is_packed) : looked;
 }
 
 Result<SharedPicture> depth_in_stack(ImageStack& stack, std::int64_t frame, const fs::path& file) {
@@ -86,8 +91,9 @@ int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
     const auto looked = pictures.look(group.first);
     if (!looked) return 0;
     const StoredImage& first = **looked;
-    if (first.values.empty() && !is_grey(first.image)) return 0;
-    const bool is_deep = !first.values.empty() || first.image.bytes_per_sample == 2;
+    const bool is_packed = first.values.empty() && looks_packed(first.image);
+    if (first.values.empty() && !is_packed && !is_grey(first.image)) return 0;
+    const bool is_deep = is_packed || !first.values.empty() || first.image.bytes_per_sample == 2;
     // Less than what is dense, and what is depth, beside it.
     if (has_word(group.pattern, {"sparse"}) || names_infrared(group.pattern)) return is_deep ? 1 : 0;
     return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
@@ -126,8 +132,10 @@ std::string found_there(const std::vector<PictureGroup>& groups) {
 
 /// Cameras may begin blank: the first of the telling frames that has depth, or else the first of all.
 /// `files`: one a frame, or one that is a stack of them.
-Result<SharedPicture> telling_depth(const std::vector<fs::path>& files, ReadPictures& pictures) {
-    TRY_ASSIGN(const auto first, depth_in(files.front(), pictures));
+Result<SharedPicture> telling_depth(const std::vector<fs::path>& files, ReadPictures& pictures,
+                                    const SourceDescription::Preset* preset) {
+    const bool is_packed = preset != nullptr && preset->stored.packed;
+    TRY_ASSIGN(const auto first, depth_in(files.front(), pictures, is_packed));
     TRY_ASSIGN(const bool any_in_first, holds_values(*first));
     if (any_in_first) return first;
     TRY_ASSIGN(const auto stack, pictures.stack_in(files.front()));
@@ -135,7 +143,7 @@ Result<SharedPicture> telling_depth(const std::vector<fs::path>& files, ReadPict
     for (const std::int64_t n : telling_frames(is_stack ? stack->count() : std::ssize(files))) {
         if (stop_requested()) return interrupted_error();
         const fs::path& file = files[is_stack ? 0 : static_cast<std::size_t>(n)];
-        auto stored = is_stack ? depth_in_stack(*stack, n, file) : depth_in(file, pictures);
+        auto stored = is_stack ? depth_in_stack(*stack, n, file) : depth_in(file, pictures, is_packed);
         const bool is_alike = stored && (*stored)->image.width == first->image.width &&
                               (*stored)->image.height == first->image.height;
         if (!is_alike) continue;
@@ -300,6 +308,26 @@ FrameRate stated_rate(double per_second) {
     return {thousandths / common, 1000 / common};
 }
 
+/// Whether a name has one of these words, all letters small, as a word of its own: "disp" of "disp0.pfm" and
+/// "disp_occ/1.png", not of "display.png".
+bool has_whole_word(const std::string& name, std::initializer_list<std::string_view> words) {
+    const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+    std::string word;
+    for (const char c : name + '.') {
+        if (is_letter(c)) {
+            word += static_cast<char>(c | 0x20);
+            continue;
+        }
+        if (std::ranges::count(words, std::string_view(word)) > 0) return true;
+        word.clear();
+    }
+    return false;
+}
+
+bool is_named_disparity(const std::string& name) {
+    return has_whole_word(name, {"disp", "disparity", "disparities"});
+}
+
 bool holds_words(const StoredImage& picture) {
     return picture.values.empty() && picture.image.bytes_per_sample == 2 && picture.bits == 16;
 }
@@ -340,6 +368,7 @@ public:
             const EstimatedValues values = estimate_values(depth);
             if (stop_requested()) return interrupted_error();
             TRY(find_unit(values));
+            scene_.stored.packed = is_unpacked(depth);
             doubt_unit(values);
             set_invalid(depth, values.has_negative_none);
         }
@@ -393,6 +422,8 @@ public:
     }
 
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
+    /// Of depth's pictures.
+    void know_name(const std::string& name) { says_disparity_ = is_named_disparity(name); }
     void know_list(const std::string& file) { list_ = file; }
     /// Where a camera's file is sought; its folder is that of `describe`.
     void know_place(PicturesOfCamera place) { place_ = std::move(place); }
@@ -528,6 +559,21 @@ private:
             set_metric(*known_.metres_per_code);
             return {};
         }
+        if (!preset_ && says_disparity_) {
+            if (file_.baseline > 0) {
+                preset_ = preset_named("middlebury");
+                say("depth is disparities, as the name says; baseline and focal length are those of " +
+                        printable(beside_.file.filename().string()),
+                    Hints{{Setting::preset}, {Setting::depth_unit}});
+            } else {
+                say("depth is disparities, as the name says, and no file beside it has their baseline",
+                    "with a calib.txt that has it they have a scale",
+                    {{Setting::preset, "middlebury"}, {Setting::depth_unit}});
+                set_relative(true, true);
+                scene_.depth.invalid_code_count = 1;  // 0 is infinitely far
+                return {};
+            }
+        }
         if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
             scene_.stored = preset_->stored;
             if (scene_.stored.baseline == 0) {
@@ -615,11 +661,44 @@ private:
             const bool fine = values.median > 12000, coarse = values.median < 100;
             const double unit = fine || !list_.empty() ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
             set_metric(unit);
-            say("a code is " + short_number(1000 * unit) + " mm, as " +
-                    (list_.empty() ? "their median is " + short_number(values.median)
-                                   : "recordings with a " + list_ + " have it (TUM RGB-D)"),
-                otherwise);
+            say_unit(values, unit);
         }
+    }
+
+    /// The unit of words that was guessed, and others that fit them too, with the size of the scene in each.
+    void say_unit(const EstimatedValues& values, double unit) {
+        const std::string guess = "a code is " + short_number(1000 * unit) + " mm, as ";
+        if (!list_.empty()) {
+            say(guess + "recordings with a " + list_ + " have it (TUM RGB-D)", Hints{{Setting::depth_unit}});
+            return;
+        }
+        constexpr double near_for_a_camera = 600, far_for_a_room = 4000;  // of a median, millimetres
+        constexpr double most_of_lidar = 0.5, least_sky = 0.01;           // shares of the pixels
+        struct Reading {
+            bool is_possible;
+            const char* unit;
+            const char* when;
+        };
+        const bool is_millimetre = unit == 0.001;
+        const Reading readings[] = {
+            {is_millimetre && values.largest > least_sky && values.zeros == 0, "0.01",
+             "if they are centimetres and 65535 is the sky (Virtual KITTI)"},
+            {is_millimetre && (values.median < near_for_a_camera || values.zeros > most_of_lidar),
+             "0.00390625", "if 256 codes are a metre (KITTI, VOID)"},
+            {is_millimetre && values.median > far_for_a_room, "0.0002", "if 5000 codes are a metre (TUM)"},
+            {!is_millimetre, "0.001", "if they are millimetres"},
+            {unit < 0.001, "0.0001", "if they are tenths of a millimetre"}};
+        const auto size = [&](double metres) { return short_number(values.median * metres, 3) + " m"; };
+        std::string others;
+        Hints hints;
+        for (const auto& [is_possible, other, when] : readings) {
+            if (!is_possible) continue;
+            others += "; " + size(*parsed_number(other)) + ' ' + when;
+            hints.push_back({Setting::depth_unit, other});
+        }
+        if (hints.empty()) hints = {{Setting::depth_unit}};
+        say(guess + "their median is " + short_number(values.median),
+            others.empty() ? "" : "that is " + size(unit) + others, std::move(hints));
     }
 
     /// Cameras measure in whole millimetres, and files may have these times 5, 10 or 100. Whether that
@@ -706,6 +785,7 @@ private:
     CameraBeside beside_;
     CameraFile file_;                       // that beside_ has, if any
     std::optional<GuessedCameras> frames_;  // that have one each
+    bool says_disparity_ = false;           // the pictures' name
     std::string list_;                      // of pictures and their times; empty: there is none
     bool has_camera_of_depth_ = false;      // which was said, or read
 };
@@ -740,7 +820,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     FolderSource all;
     all.depth = depth->pattern;
     const auto files = depth_files(folder, all);
-    TRY_ASSIGN(const auto told, telling_depth(files ? files->files : std::vector{depth->first}, *pictures));
+    TRY_ASSIGN(const auto told,
+               telling_depth(files ? files->files : std::vector{depth->first}, *pictures, preset));
     const StoredImage& stored = *told;
     std::optional<GuessedCameras> cameras;
     if (!known.intrinsics && !known.fov) {
@@ -755,6 +836,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (cameras) guess.know_cameras(*cameras);
     if (is_list_of_depth(depth->pattern)) guess.know_list(depth->pattern);
     guess.know_place({.folder = folder, .within = folder_of(*depth), .is_whole_folder = true});
+    guess.know_name((fs::weakly_canonical(folder).filename() / depth->pattern).string());
     if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
     if (is_arkit)
@@ -837,7 +919,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const auto pictures = std::make_shared<ReadPictures>(source);
     pictures->trust_from(known.least_confidence);
     pictures->take_channel(known.channel);
-    TRY_ASSIGN(const auto told, telling_depth({file}, *pictures));
+    TRY_ASSIGN(const auto told, telling_depth({file}, *pictures, preset));
     const StoredImage& stored = *told;
     const bool is_open = preset == nullptr && !known.metres_per_code;
     const auto metadata = realsense_metadata_of(file);
@@ -851,6 +933,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     SceneGuess guess(with_camera, evident.preset ? evident.preset : preset);
     if (has_own_camera) guess.tell("the camera is that of " + printable(metadata->filename().string()));
     guess.know_place({.folder = file.parent_path(), .within = {}, .stem = file.stem().string()});
+    guess.know_name((fs::weakly_canonical(file).parent_path().filename() / name).string());
     if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());
     guess.tell_of_preset(evident);

@@ -56,7 +56,7 @@ public:
     FolderPictures(fs::path folder, const Scene& scene, std::shared_ptr<ReadPictures> pictures,
                    std::shared_ptr<VideoFile> colour_video)
         : folder_(std::move(folder)),
-          rules_{scene.depth.kind, scene.folder->haptic_may_be_lossy},
+          rules_{scene.depth.kind, scene.folder->haptic_may_be_lossy, scene.stored.packed},
           pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()),
           colour_video_(std::move(colour_video)) {}
 

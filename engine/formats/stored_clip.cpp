@@ -4,6 +4,7 @@
 #include "engine/base/try.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/depth_values.hpp"
+#include "engine/formats/value_evidence.hpp"
 
 namespace touchable {
 namespace {
@@ -195,6 +196,10 @@ private:
 
 Result<TrackPicture> track_picture(StoredImage stored, PlaneRole role, const StillRules& rules,
                                    const std::string& where) {
+    if (role == PlaneRole::depth && rules.depth_is_packed && !unpack_depth(stored)) {
+        if (stop_requested()) return interrupted_error();
+        return input_error(where + ": is not RGB of 8 bits, which depth of 24 bits is");
+    }
     const bool is_grey =
         (role == PlaneRole::depth && rules.depth != DepthCodingKind::hue) || role == PlaneRole::height;
     if (is_grey && stored.image.channels == 3)

@@ -1,5 +1,6 @@
 #include "engine/formats/value_evidence.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -62,18 +63,99 @@ int divisor_of(const Words& words) {
     return 1;
 }
 
+constexpr unsigned kinect_none = 2047;
+
 /// Disparities of a Kinect are of 11 bits, 2047 is none, and beyond 1092 nothing is that it could see.
-bool is_swapped_kinect(const Words& words) {
-    const auto is_near = [](unsigned word) { return swapped(word) >= 300 && swapped(word) <= 1092; };
-    const auto is_usual = [&](unsigned word) { return is_near(word) || swapped(word) == 2047; };
-    return words.nearly_all([](unsigned word) { return swapped(word) <= 2047; }) &&
+template <class Order>
+bool is_kinect(const Words& words, Order&& order) {
+    const auto is_near = [&](unsigned word) { return order(word) >= 300 && order(word) <= 1092; };
+    const auto is_usual = [&](unsigned word) { return is_near(word) || order(word) == kinect_none; };
+    return words.nearly_all([&](unsigned word) { return order(word) <= kinect_none; }) &&
            words.that(is_near) > words.pixels / 4 && words.that(is_usual) > words.pixels * 9 / 10;
+}
+
+/// Disparities in their plain order could be millimetres but for two things: 2047 piles up, as each Kinect
+/// has a shadow beside what is near, and nothing lies between what it can see and that.
+bool is_plain_kinect(const Words& words) {
+    constexpr std::int64_t least_pile = 200;  // one pixel in so many
+    const auto same = [](unsigned word) { return word; };
+    return is_kinect(words, same) &&
+           words.that([](unsigned word) { return word == kinect_none; }) > words.pixels / least_pile &&
+           words.nearly_all([](unsigned word) { return word <= 1092 || word == kinect_none; });
+}
+
+/// `work(a, b)` for the words of neighbours that both are depth.
+template <class Work>
+void for_neighbours(const StoredImage& picture, Work&& work) {
+    const Image& image = picture.image;
+    const auto width = static_cast<std::size_t>(image.width);
+    const auto is_depth = [](unsigned word) { return word > 0 && word < 65535; };
+    until_stopped(pixel_count(image), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const unsigned word = sample_at(image, k);
+            if (!is_depth(word)) continue;
+            const unsigned right = (k + 1) % width != 0 ? sample_at(image, k + 1) : 0U,
+                           above = k >= width ? sample_at(image, k - width) : 0U;
+            if (is_depth(right)) work(word, right);
+            if (is_depth(above)) work(word, above);
+        }
+    });
+}
+
+/// On one surface: within 3 %.
+bool is_smooth(unsigned a, unsigned b) {
+    return a > 0 && b > 0 && 33 * (a > b ? a - b : b - a) <= std::max(a, b);
+}
+
+unsigned rotated_millimetres(unsigned word) {
+    return word >> 3 | (word & 7U) << 13;
+}
+
+/// Kinect for Windows SDK 1: millimetres x 8, with the number of the person who is there in the 3 lowest
+/// bits. Those bits may also be what is beyond 8.191 m (`is_rotated`). A person is told by surfaces that go
+/// on across the edge, or by a 2 or more where no 1 is, which would be depth from 16.384 m on behind none
+/// from 8.192 m on.
+bool has_player(const StoredImage& picture, const Words& words) {
+    constexpr unsigned nearest = 400, deepest = 8000;  // what a Kinect sees
+    constexpr std::int64_t fewest_pairs = 16, one_in = 20;
+    const auto person = [](unsigned word) { return word & 7U; };
+    const auto millimetres = [](unsigned word) { return word >> 3; };
+    const std::int64_t persons = words.that([&](unsigned word) { return person(word) > 0; });
+    if (100 * persons < words.pixels || 2 * persons > words.pixels) return false;
+    if (!words.nearly_all([&](unsigned word) {
+            return millimetres(word) >= nearest && millimetres(word) <= deepest && person(word) < 7;
+        }))
+        return false;
+    if (words.that([&](unsigned word) { return person(word) == 1; }) == 0) return true;
+    std::int64_t pairs = 0, smooth = 0, smooth_rotated = 0;
+    for_neighbours(picture, [&](unsigned a, unsigned b) {
+        if (person(a) == person(b)) return;
+        ++pairs;
+        smooth += is_smooth(millimetres(a), millimetres(b));
+        smooth_rotated += is_smooth(rotated_millimetres(a), rotated_millimetres(b));
+    });
+    return smooth >= fewest_pairs && one_in * smooth >= pairs && smooth > 4 * smooth_rotated;
+}
+
+/// Android's DEPTH16: 13 bits of millimetres, and a confidence in the 3 highest. Where these differ between
+/// neighbours, the others go on as if nothing was.
+bool has_confidence(const StoredImage& picture, const Words& words) {
+    constexpr unsigned lengths = 0x1fff;
+    if (20 * words.that([](unsigned word) { return word > lengths; }) < words.pixels) return false;
+    std::int64_t pairs = 0, smooth = 0, smooth_whole = 0;
+    for_neighbours(picture, [&](unsigned a, unsigned b) {
+        if (((a ^ b) & ~lengths) == 0) return;
+        ++pairs;
+        smooth += is_smooth(a & lengths, b & lengths);
+        smooth_whole += is_smooth(a, b);
+    });
+    return 200 * pairs > words.pixels && 2 * smooth > pairs && smooth > 4 * smooth_whole;
 }
 
 /// Millimetres times 8, with the bits above 16 below: 1 from 8.192 m on, 2 from 16.384 m on.
 bool is_rotated(const Words& words) {
     constexpr unsigned nearest = 250, deepest = 24'000;
-    const auto millimetres = [](unsigned word) { return word >> 3 | (word & 7U) << 13; };
+    const auto millimetres = rotated_millimetres;
     const int divisor = divisor_of(words);
     return (divisor == 1 || divisor == 8) &&
            words.nearly_all([&](unsigned word) { return millimetres(word) < deepest; }) &&
@@ -392,12 +474,71 @@ int common_divisor(const StoredImage& picture) {
     return divisor_of(Words(picture));
 }
 
+bool looks_packed(const Image& image) {
+    if (image.channels != 3 || image.bytes_per_sample != 1) return false;
+    constexpr std::int64_t fewest = 16, one_in = 5;
+    constexpr int jump = 192;
+    std::int64_t pairs = 0, ran_over = 0;
+    bool seen[2][256] = {};
+    const auto width = static_cast<std::size_t>(image.width);
+    const auto compare = [&](const std::uint8_t* a, const std::uint8_t* b) {
+        const int blue = a[2] - b[2], green = a[1] - b[1];
+        if (blue != 1 && blue != -1) return;
+        ++pairs;
+        ran_over += blue * green <= -jump;
+    };
+    until_stopped(pixel_count(image), [&](std::size_t begin, std::size_t end) {
+        const std::uint8_t* at = image.samples.data() + 3 * begin;
+        for (std::size_t k = begin; k < end; ++k, at += 3) {
+            seen[0][at[0]] = seen[1][at[1]] = true;
+            if ((k + 1) % width != 0) compare(at, at + 3);
+            if (k >= width) compare(at, at - 3 * width);
+        }
+    });
+    constexpr std::ptrdiff_t fewest_values = 64;
+    for (const auto& values : seen)
+        if (std::count(std::begin(values), std::end(values), true) < fewest_values) return false;
+    return ran_over >= fewest && one_in * ran_over >= pairs;
+}
+
+bool unpack_depth(StoredImage& picture) {
+    if (is_unpacked(picture)) return true;
+    if (picture.image.channels != 3 || picture.image.bytes_per_sample != 1 || !picture.values.empty())
+        return false;
+    std::vector<float> values(pixel_count(picture.image));
+    const bool all_done = until_stopped(values.size(), [&](std::size_t begin, std::size_t end) {
+        const std::uint8_t* at = picture.image.samples.data() + 3 * begin;
+        for (std::size_t k = begin; k < end; ++k, at += 3)
+            values[k] = static_cast<float>(at[0] + 256 * at[1] + 65536 * at[2]);
+    });
+    if (!all_done) return false;
+    picture.values = std::move(values);
+    picture.image.samples = {};
+    picture.image.channels = 1;
+    picture.pixel_format = "rgb24";
+    return true;
+}
+
 EvidentPreset evident_preset(const StoredImage& picture) {
+    if (is_unpacked(picture))
+        return {preset_named("carla"),
+                "its colours are the three bytes of a number: where blue grows by 1 green runs over"};
     const Words words(picture);
     if (!words.tell()) return {};
-    if (is_swapped_kinect(words))
+    if (is_plain_kinect(words))
+        return {
+            preset_named("kinect-raw"),
+            "its values are a Kinect's disparities of 11 bits, from 300 to 1092, and 2047 where it saw none"};
+    if (is_kinect(words, swapped))
         return {preset_named("nyu"),
                 "with their bytes swapped its values are a Kinect's disparities, from 0 to 2047"};
+    if (has_player(picture, words))
+        return {preset_named("kinect-sdk1"),
+                "its 3 lowest bits are 0 but for areas, as the numbers of persons are, and depth goes on "
+                "above them"};
+    if (has_confidence(picture, words))
+        return {preset_named("depth16"),
+                "its 3 highest bits change between neighbours whose other bits are nearly the same"};
     if (is_rotated(words))
         return {preset_named("sun"),
                 "its values are multiples of 8, with the bits of what is beyond 8.191 m below them"};
@@ -423,7 +564,8 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     const std::size_t pixels = pixel_count(picture.image);
     MedianCounts median;
     double sums[2] = {0, 0};
-    std::size_t counts[2] = {0, 0}, at_least = 0, at_most = 0, beyond = 0, negative = 0, usable = 0;
+    std::size_t counts[2] = {0, 0}, at_least = 0, at_most = 0, beyond = 0, negative = 0, usable = 0,
+                zeros = 0, largest = 0;
     const RendererBackground background(picture);
     const auto none = negative_none(picture, background);
     values.has_negative_none = none.has_value();
@@ -442,6 +584,8 @@ EstimatedValues estimate_values(const StoredImage& picture) {
             at_most += value > 0.98 * most && value <= most;
             beyond += value > most;
             negative += value < 0;
+            zeros += value == 0;
+            largest += !values.is_float && value == most;
             if (!is_usable(value)) continue;
             median.add(static_cast<float>(value));
             ++usable;
@@ -462,6 +606,8 @@ EstimatedValues estimate_values(const StoredImage& picture) {
         }
     });
     values.median = median.median();
+    values.zeros = static_cast<double>(zeros) / static_cast<double>(pixels);
+    values.largest = static_cast<double>(largest) / static_cast<double>(pixels);
     values.negative = static_cast<double>(negative) / static_cast<double>(pixels);
     // All of the range is used, and nothing stands for what was not seen.
     values.is_normalised = values.bits != 8 && !values.has_background && !none && beyond == 0 &&

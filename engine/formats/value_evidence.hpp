@@ -34,8 +34,25 @@ inline std::size_t pixel_count(const Image& image) {
 /// differ are no evidence.
 int common_divisor(const StoredImage& picture);
 
-/// Whose data set stores depth like this: raw disparities with their bytes swapped (nyu), bits rotated by 3
-/// (sun). Null: no evidence of any, as in `common_divisor`.
+/// Depth of 24 bits in an RGB picture of 8 bits (StoredDepth::packed): red has the lowest bits. Its largest
+/// value is no depth.
+inline constexpr double packed_none = 0xffffff;
+/// Whether an RGB picture looks like that. Where blue differs by 1 between neighbours, a byte that ran over
+/// has green jump back by nearly all of its range; no photograph and no colour map does so. Depth that stays
+/// within one step of blue (4 m of 1 km) shows nothing.
+bool looks_packed(const Image& image);
+/// Makes floats of such a picture, exact whole numbers. False, and unchanged, if it is not RGB of 8 bits, or
+/// the thread is asked to stop.
+bool unpack_depth(StoredImage& picture);
+/// Whether a picture's floats came from `unpack_depth`.
+inline bool is_unpacked(const StoredImage& picture) {
+    return !picture.values.empty() && picture.pixel_format == "rgb24";
+}
+
+/// The preset that the values of 16 bits show: a Kinect's raw disparities (kinect-raw; nyu with bytes
+/// swapped), bits rotated by 3 (sun), a player's number in the 3 lowest bits (kinect-sdk1), a confidence in
+/// the 3 highest (depth16). Of floats: depth of 24 bits (carla). Null: no evidence of any, as in
+/// `common_divisor`.
 struct EvidentPreset {
     const SourceDescription::Preset* preset = nullptr;
     std::string why{};  ///< "its values ...", in words
@@ -70,8 +87,9 @@ struct EstimatedValues {
     double upper = 0, lower = 0;  ///< means of the upper and the lower third of the picture
     double negative = 0;          ///< share of all; 0 where all of them are one number, which is none then
     bool has_negative_none = false;
-    bool is_normalised = false;  ///< from the least that can be stored (floats: 0) to the most (1)
-    int divisor = 1;             ///< of integers of 16 bits (common_divisor)
+    double zeros = 0, largest = 0;  ///< share of 0, and of integers of 16 bits of 65535
+    bool is_normalised = false;     ///< from the least that can be stored (floats: 0) to the most (1)
+    int divisor = 1;                ///< of integers of 16 bits (common_divisor)
     /// Of 8 bits that were stretched to 16.
     bool is_of_bytes() const { return divisor == 256 || divisor == 257; }
 };

@@ -71,6 +71,7 @@ std::optional<DepthInVideo> record3d_depth(VideoPicture& picture, std::optional<
 std::string words_of(const DepthInVideo& found) {
     const std::string kind = found.values == VideoValues::grey  ? "grey"
                              : found.values == VideoValues::hue ? "hue"
+                             : found.is_ramp                    ? "a ramp from black through colours to white"
                                                                 : "nearly grey";
     const std::string what =
         found.values == VideoValues::mean ? ", and a value is the mean of its colours" : "";
@@ -421,10 +422,10 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
     const VideoSource& source = *described.scene.video;
     const StoredDepth& stored = described.scene.stored;
     StoredClip clip{(folder / source.depth).string(), described};
-    if (stored.kind == StoredDepth::Kind::disparity || stored.bytes_swapped || stored.rotated > 0)
+    if (stored.kind == StoredDepth::Kind::disparity || stored.is_reordered() || stored.packed)
         return input_error(
             clip.name +
-            ": depth.coding disparity, depth.bytes and depth.rotated are of pictures in files, "
+            ": depth.coding disparity, depth.bytes, rotated, used_bits and packed are of pictures in files, "
             "not of videos: must be linear, inverse, metric, hue, relative or relative-inverse");
     clip.inputs = {folder / source.depth};
     clip.alignment = alignment;

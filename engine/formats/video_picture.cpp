@@ -1,5 +1,6 @@
 #include "engine/formats/video_picture.hpp"
 
+#include <array>
 #include <bit>
 #include <cstdlib>
 
@@ -27,22 +28,53 @@ std::optional<Image> in_host_order(const AVFrame& frame) {
     return image;
 }
 
+/// Counts pixels of a ramp that goes from black to one full colour, on to a mixed one and to white: one
+/// channel after another is filled, each when the one before is full ("black-blue-cyan-white", "hot"). The
+/// mean of the colours grows along it; the hue does not begin before the first channel is full.
+class RampCounts {
+public:
+    void add(const std::uint8_t* pixel) {
+        constexpr int off = 24, full = 255 - off;  // codecs move colours by so much
+        constexpr int dark = 48;                   // no depth, where depth is hue
+        for (std::size_t k = 0; k < orders_.size(); ++k) {
+            const int first = pixel[orders_[k][0]], second = pixel[orders_[k][1]],
+                      third = pixel[orders_[k][2]];
+            fits_[k] += (second <= off || first >= full) && (third <= off || second >= full);
+            unsaturated_[k] += second <= off ? first > dark && first < full - off : third > off;
+        }
+    }
+    /// Nearly all fit one order, and many of them are no full hue: darker, or on the way to white.
+    bool is_ramp(std::int64_t pixels) const {
+        for (std::size_t k = 0; k < orders_.size(); ++k)
+            if (100 * fits_[k] >= 97 * pixels && 10 * unsaturated_[k] >= pixels) return true;
+        return false;
+    }
+
+private:
+    static constexpr std::array<std::array<std::uint8_t, 3>, 6> orders_{
+        {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
+    std::array<std::int64_t, 6> fits_{}, unsaturated_{};
+};
+
 /// What the colours of a part look like.
 struct PartLook {
     bool is_grey = false, is_hue = false, is_nearly_grey = false;
-    bool is_even = true;  ///< the same everywhere: a bar, and no depth
+    bool is_ramp = false;  ///< of colours whose mean grows (RampCounts)
+    bool is_even = true;   ///< the same everywhere: a bar, and no depth
 
     bool is(VideoValues values) const {
-        return values == VideoValues::grey ? is_grey : values == VideoValues::hue ? is_hue : is_nearly_grey;
+        if (values == VideoValues::grey) return is_grey;
+        return values == VideoValues::hue ? is_hue : is_nearly_grey || is_ramp;
     }
 };
 
 /// A margin is left out: codecs mix colours across the border of two halves.
 PartLook look_of(const PlaneView& rgb) {
-    constexpr int codec_noise = 24, tint = 40, dark = 48;
+    constexpr int codec_noise = 24, tint = 40, dark = 48, least_full = 192;
     const int margin = std::min({16, rgb.width / 8, rgb.height / 8});
-    std::int64_t pixels = 0, grey = 0, nearly = 0, lit = 0, vivid = 0;
+    std::int64_t pixels = 0, grey = 0, nearly = 0, lit = 0, vivid = 0, full = 0;
     int least = 255, most = 0;
+    RampCounts ramp;
     for (int y = margin; y < rgb.height - margin; ++y)
         for (int x = margin; x < rgb.width - margin; ++x) {
             const std::uint8_t* pixel = rgb.row(y) + 3 * std::ptrdiff_t{x};
@@ -52,12 +84,16 @@ PartLook look_of(const PlaneView& rgb) {
             ++pixels;
             grey += high - low <= codec_noise;
             nearly += high - low <= tint;
+            ramp.add(pixel);
             if (high < dark) continue;
             ++lit;
             vivid += 5 * (high - low) >= 3 * high;
+            full += high >= least_full;
         }
-    return {100 * grey >= 99 * pixels, 10 * lit >= pixels && 10 * vivid >= 9 * lit,
-            100 * nearly >= 98 * pixels, most - least <= 8};
+    const bool is_ramp = 100 * nearly < 98 * pixels && ramp.is_ramp(pixels);
+    return {100 * grey >= 99 * pixels,
+            !is_ramp && 10 * lit >= pixels && 10 * vivid >= 9 * lit && 10 * full >= 7 * lit,
+            100 * nearly >= 98 * pixels, is_ramp, most - least <= 8};
 }
 
 /// Columns in the middle that are all of one colour: Depth Anything's videos have 50 white ones there, of
@@ -89,7 +125,8 @@ std::optional<DepthInVideo> half_of(const PlaneView& rgb, VideoValues values, in
         if (!part) continue;
         const PartLook depth = look_of(part_of(rgb, *part));
         const PartLook colour = look_of(part_of(rgb, colour_part(layout, rgb.width, rgb.height, half.bar)));
-        if (depth.is(values) && !depth.is_even && !colour.is(values)) return half;
+        if (!depth.is(values) || depth.is_even || colour.is(values)) continue;
+        return DepthInVideo{half.layout, values, half.bar, depth.is_ramp};
     }
     return {};
 }
@@ -220,7 +257,7 @@ std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<V
     if (whole.is_hue) return DepthInVideo{alone, VideoValues::hue};
     for (const VideoValues values : {VideoValues::grey, VideoValues::hue})
         if (auto half = half_of(rgb->view, values, bar)) return half;
-    if (whole.is_nearly_grey) return DepthInVideo{alone, VideoValues::mean};
+    if (whole.is(VideoValues::mean)) return DepthInVideo{alone, VideoValues::mean, 0, whole.is_ramp};
     return half_of(rgb->view, VideoValues::mean, bar);
 }
 

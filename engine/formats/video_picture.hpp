@@ -70,12 +70,13 @@ private:
 struct DepthInVideo {
     VideoLayout layout = VideoLayout::alone;
     VideoValues values = VideoValues::grey;
-    int bar = 0;  ///< columns between both halves
+    int bar = 0;           ///< columns between both halves
+    bool is_ramp = false;  ///< of `mean`: from black through colours to white
 };
-/// By one picture. Grey comes first, then hue (of what is lit nine tenths are of full colour), then what is
-/// nearly grey, whose depth is the mean of its colours; each everywhere, or in one half where the other half
-/// is not so. Where `said` tells what values are, they are that: in such a half, otherwise everywhere.
-/// Nothing of a picture in which no depth is.
+/// By one picture. Grey comes first, then hue (of what is lit nine tenths are of full colour: one channel
+/// full and one at 0), then what is nearly grey or a ramp, whose depth is the mean of its colours. Each
+/// counts everywhere, or in one half where the other half is not so. Where `said` tells what values are, they
+/// are that: in such a half, otherwise everywhere. Nothing of a picture in which no depth is.
 std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said);
 /// The same of depth whose layout is known.
 std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part);

@@ -401,7 +401,11 @@ struct StoredDepth {
     double scale = 1, offset = 0;  ///< pixels of disparity per stored value, and at 0
     bool bytes_swapped = false;    ///< of 16 bits: low byte first where the file's format has it last
     int rotated = 0;               ///< 16 bits: so many to the left, 0 to 15, the upper ones come back below
-    bool is_plain() const { return kind == Kind::codes && !bytes_swapped && rotated == 0; }
+    /// 16 bits, in that order: so many low ones are depth, 8 to 16; those above mean something else.
+    int used_bits = 16;
+    bool packed = false;  ///< 24 bits in three channels: red + 256 green + 65536 blue; all bits set: no depth
+    bool is_reordered() const { return bytes_swapped || rotated > 0 || used_bits < 16; }
+    bool is_plain() const { return kind == Kind::codes && !is_reordered() && !packed; }
     bool operator==(const StoredDepth&) const = default;
 };
 

@@ -32,6 +32,7 @@ constexpr std::pair<const char*, Coding> coding_names[] = {
     {"relative", {DepthCodingKind::linear, StoredDepth::Kind::relative}},
     {"relative-inverse", {DepthCodingKind::inverse, StoredDepth::Kind::relative}}};
 constexpr std::pair<const char*, bool> byte_order_names[] = {{"plain", false}, {"swapped", true}};
+constexpr std::pair<const char*, bool> packed_names[] = {{"plain", false}, {"rgb24", true}};
 constexpr std::pair<const char*, DepthSemantics> semantics_names[] = {{"range", DepthSemantics::range},
                                                                       {"planar", DepthSemantics::planar}};
 constexpr std::pair<const char*, bool> near_is_high_names[] = {{"high", true}, {"low", false}};
@@ -276,9 +277,17 @@ void read_invalid_codes(const Node& node, int largest, DepthCoding& depth) {
 void read_order(const Node& node, Scene& scene) {
     if (node.has("bytes")) scene.stored.bytes_swapped = node["bytes"].one_of(byte_order_names);
     if (node.has("rotated")) scene.stored.rotated = static_cast<int>(node["rotated"].integer(0, 15));
-    if (!scene.stored.bytes_swapped && scene.stored.rotated == 0) return;
+    if (node.has("used_bits")) scene.stored.used_bits = static_cast<int>(node["used_bits"].integer(8, 16));
+    if (node.has("packed")) scene.stored.packed = node["packed"].one_of(packed_names);
+    const StoredDepth& stored = scene.stored;
+    if (stored.packed && (scene.depth.kind != DepthCodingKind::metric || stored.is_reordered()))
+        node["packed"].refuse("left out: 24 bits are of coding metric, in their plain order");
+    if (!stored.is_reordered()) return;
     if (scene.depth_bits != 16 || scene.depth.kind == DepthCodingKind::hue)
-        node[scene.stored.rotated > 0 ? "rotated" : "bytes"].refuse("left out: depth.bits is not 16");
+        node[stored.used_bits < 16 ? "used_bits"
+             : stored.rotated > 0  ? "rotated"
+                                   : "bytes"]
+            .refuse("left out: depth.bits is not 16");
 }
 
 void read_disparity(const Node& node, Scene& scene) {
@@ -299,7 +308,8 @@ void read_depth(const Node& node, SceneDescription& described) {
     Scene& scene = described.scene;
     DepthCoding& depth = scene.depth;
     node.allow_only({"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is", "shift",
-                     "least_sum", "invalid", "baseline", "offset", "bytes", "rotated"});
+                     "least_sum", "invalid", "baseline", "offset", "bytes", "rotated", "used_bits",
+                     "packed"});
     const Coding coding = node["coding"].one_of(coding_names);
     depth.kind = coding.kind;
     scene.stored.kind = coding.stored;
@@ -491,6 +501,8 @@ OrderedJson write_depth(const SceneDescription& described) {
     json["bits"] = scene.depth_bits;
     if (stored.bytes_swapped) json["bytes"] = "swapped";
     if (stored.rotated > 0) json["rotated"] = stored.rotated;
+    if (stored.used_bits < 16) json["used_bits"] = stored.used_bits;
+    if (stored.packed) json["packed"] = name_of(packed_names, stored.packed);
     if (!disparity) json["code_max"] = depth.code_max;
     if (!metric && !disparity) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
     if (depth.kind == DepthCodingKind::log || depth.shift != 0) json["shift"] = depth.shift;

@@ -26,6 +26,8 @@ SceneDescription scene_of(Taken& taken) {
     scene.depth.kind = codings[coding % codings.size()];
     const bool is_metric = scene.depth.kind == DepthCodingKind::metric;
     described.unstated.far = is_metric && (coding & 0x80U) != 0;
+    if ((coding & 0x20U) != 0) scene.stored.used_bits = 13;
+    scene.stored.packed = is_metric && (coding & 0x10U) != 0;
     scene.depth.near = is_metric && (coding & 0x40U) != 0 ? 0 : 10;
     scene.depth.far = 5000;
     scene.depth.scale = 1;

@@ -332,6 +332,8 @@ TEST(DepthValues, WordsInAnotherOrderAreTurnedBack) {
     EXPECT_EQ(turned.view().sample(0, 0), 800);
     EXPECT_EQ(turned.view().sample(1, 0), 9000);
     EXPECT_EQ(turned.view().sample(2, 0), 5 << 13);
+    scene.stored.used_bits = 13;
+    EXPECT_EQ(DepthValues(scene).codes(words(1, {800 << 3 | 5})).view().sample(0, 0), 800);
     scene.stored = {};
     scene.stored.bytes_swapped = true;
     EXPECT_EQ(DepthValues(scene).codes(words(3, {0x0102, 0xff00, 7})).view().sample(0, 0), 0x0201);

@@ -210,6 +210,31 @@ TEST(GuessedVideo, AHalfOfHuesIsDepthBesideColourThatIsNot) {
 }
 
 /// Grey with a tint, as chroma of lossy videos has it; and what a person says stands against what is seen.
+TEST(GuessedVideo, ARampFromBlackThroughBlueToWhiteIsNoHue) {
+    const TemporaryFolder folder;
+    // Black, blue, cyan, white: each channel is filled before the next one.
+    const auto level = [](int x, int y) { return 60 + 18 * x + 4 * y; };
+    write_rgb(folder / "d.mov", 32, 16, [&](int x, int y) {
+        const auto part = [&](int from) { return std::clamp(level(x, y) - from, 0, 255); };
+        return Rgb{part(510), part(255), part(0)};
+    });
+    auto clip = open_clip(folder / "d.mov");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(**clip, "depth is a ramp from black through colours to white"));
+    const auto frame = (*clip)->next();
+    ASSERT_EQ(message(frame), "");
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 32; ++x)
+            ASSERT_EQ((**frame).depth.sample(x, y), (level(x, y) + 1) / 3) << x << ',' << y;
+    // Full hues from red to yellow beside pixels without depth are no ramp.
+    write_rgb(folder / "hue.mov", 32, 16, [&](int x, int y) {
+        return x < 8 ? Rgb{0, 0, 0} : of_hue(10 + 6 * x + 2 * y);
+    });
+    clip = open_clip(folder / "hue.mov");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().depth.kind, DepthCodingKind::hue);
+}
+
 TEST(GuessedVideo, WhatIsNearlyGreyIsTheMeanOfItsColoursAndAPresetSaysOtherwise) {
     const TemporaryFolder folder;
     const auto tinted = [](int x, int y) {

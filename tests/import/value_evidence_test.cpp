@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 
 #include "engine/content/seeded_noise.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/scene/frames.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
@@ -121,6 +123,223 @@ TEST(ValueEvidence, RotatedBitsAreThoseOfSun) {
             folder / "my.png", [&](int x, int y) { return 0.001 * room_millimetres(x, y, farthest); });
         EXPECT_NE(notes.find("preset sun"), std::string::npos) << notes;
     }
+}
+
+/// Depth along the camera's axis at each pixel, whatever the camera is; 0 is a hole. Returns the notes.
+std::string expect_depths(const std::filesystem::path& path,
+                          const std::function<double(int x, int y)>& metres, double tolerance,
+                          const SourceDescription& known = {}) {
+    auto reader = open_clip(path, std::nullopt, known);
+    EXPECT_EQ(message(reader), "");
+    if (!reader) return "";
+    const auto frame = (*reader)->next();
+    EXPECT_EQ(message(frame), "");
+    if (!frame) return "";
+    const Scene& scene = (*reader)->scene();
+    std::string notes;
+    for (const std::string& note : clip_notes(**reader)) notes += note + '\n';
+    for (int y = 0; y < shown_high; ++y)
+        for (int x = 0; x < shown_wide; ++x) {
+            const std::uint16_t code = stored_code((**frame).depth, scene.depth, x, y);
+            const double z = metres(x, y);
+            const double got =
+                scene.depth.is_valid(code) ? scene.depth.depth(code) * scene.metres_per_unit : 0;
+            EXPECT_NEAR(got, z, tolerance * z) << x << ", " << y << '\n' << notes;
+            if (std::abs(got - z) > tolerance * z) return notes;
+        }
+    return notes;
+}
+
+/// A wall, a box before it that stands on a floor, and holes beside the box.
+double room(int x, int y) {
+    const bool is_box = x > 20 && x < 44 && y > 12 && y < 40;
+    if (!is_box && x >= 44 && x < 47 && y > 12 && y < 40) return 0;
+    const double wall = 2.2 + 0.004 * x, floor = 2.2 - 0.03 * (y - 20);
+    return is_box ? 1.3 + 0.002 * x : y > 20 ? std::min(wall, floor) : wall;
+}
+
+unsigned millimetres_of(double metres) {
+    return static_cast<unsigned>(std::lround(1000 * metres));
+}
+
+/// libfreenect's 11 bits; the curve is the one by which people convert them.
+TEST(ValueEvidence, RawDisparitiesOfAKinectAreKnown) {
+    const TemporaryFolder folder;
+    const auto raw = [](double z) {
+        return z == 0 ? 2047U : static_cast<unsigned>(std::lround((std::atan(z / 0.1236) - 1.1863) * 2842.5));
+    };
+    write_words(folder / "a.png", [&](int x, int y) { return raw(room(x, y)); });
+    const std::string notes = expect_depths(folder / "a.png", room, 0.02);
+    EXPECT_NE(notes.find("preset kinect-raw"), std::string::npos) << notes;
+}
+
+/// Millimetres that are as small, with a pile at what a Kinect has for none, but not without what it sees.
+TEST(ValueEvidence, SmallMillimetresAreNoDisparities) {
+    const TemporaryFolder folder;
+    write_words(folder / "a.png", [&](int x, int y) { return millimetres_of(room(x, y) / 2.5); });
+    const std::string notes = expect_depths(
+        folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y) / 2.5) / 1e3; }, 1e-6);
+    EXPECT_NE(notes.find("a code is 1 mm"), std::string::npos) << notes;
+    write_words(folder / "b.png",
+                [&](int x, int y) { return x < 8 ? 2047U : 1000U + static_cast<unsigned>(10 * x + 7 * y); });
+    expect_depths(
+        folder / "b.png", [](int x, int y) { return x < 8 ? 2.047 : (1000 + 10 * x + 7 * y) / 1e3; }, 1e-6);
+}
+
+TEST(ValueEvidence, PersonsInTheLowBitsAreNoLengths) {
+    const TemporaryFolder folder;
+    for (const unsigned person : {1U, 2U, 5U}) {
+        const auto word = [&](int x, int y) {
+            // A person's edge is never quite that of the person.
+            const bool is_person = x > 18 && x < 42 && y > 12 && y < 46;
+            const unsigned z = millimetres_of(room(x, y));
+            return z == 0 ? 0 : z << 3 | (is_person ? person : 0);
+        };
+        write_words(folder / "a.png", word);
+        const std::string notes = expect_depths(
+            folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+        EXPECT_NE(notes.find("preset kinect-sdk1"), std::string::npos) << notes;
+    }
+    std::filesystem::create_directory(folder / "clip");
+    std::filesystem::rename(folder / "a.png", folder / "clip/a.png");
+    const auto guessed = guess_folder(folder / "clip", {});
+    ASSERT_EQ(message(guessed), "");
+    write_bytes(folder / "clip/scene.json", scene_to_json(*guessed));
+    expect_depths(
+        folder / "clip", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+}
+
+/// What lies beyond 8.191 m is not a person, whatever stands before it.
+TEST(ValueEvidence, DepthThatGoesOnBeyondEightMetresIsNoPerson) {
+    const TemporaryFolder folder;
+    const auto millimetres = [](int x, int y) {
+        return x > 20 && x < 40 && y < 30 ? 2000U + static_cast<unsigned>(x)
+                                          : static_cast<unsigned>(9300 - 60 * y + x);
+    };
+    write_words(folder / "a.png",
+                [&](int x, int y) { return (millimetres(x, y) << 3 | millimetres(x, y) >> 13) & 0xffffU; });
+    const std::string notes = expect_depths(
+        folder / "a.png", [&](int x, int y) { return millimetres(x, y) / 1e3; }, 1e-6);
+    EXPECT_NE(notes.find("preset sun"), std::string::npos) << notes;
+}
+
+TEST(ValueEvidence, ConfidenceInTheHighBitsIsNoLength) {
+    const TemporaryFolder folder;
+    write_words(folder / "a.png", [](int x, int y) {
+        return millimetres_of(room(x, y)) | static_cast<unsigned>((x / 3 + y / 5) % 8) << 13;
+    });
+    const std::string notes = expect_depths(
+        folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+    EXPECT_NE(notes.find("preset depth16"), std::string::npos) << notes;
+}
+
+/// 24 bits over three channels.
+void write_packed(const std::filesystem::path& file, double scale) {
+    Image image{shown_wide, shown_high, 1, 3, {}};
+    for (int y = 0; y < shown_high; ++y)
+        for (int x = 0; x < shown_wide; ++x) {
+            const double z = room(x, y) == 0 ? 1000 : scale * room(x, y);
+            const auto code = static_cast<unsigned>(std::lround(z / 1000 * 0xffffff));
+            for (const unsigned shift : {0U, 8U, 16U})
+                image.samples.push_back(static_cast<std::uint8_t>(code >> shift & 0xffU));
+        }
+    ASSERT_EQ(message(write_png(file, image.view())), "");
+}
+
+TEST(ValueEvidence, ThreeChannelsMayBeOneNumber) {
+    const TemporaryFolder folder;
+    const auto metres = [](int x, int y) { return 8 * room(x, y); };
+    std::filesystem::create_directories(folder / "clip/a");
+    std::filesystem::create_directories(folder / "clip/b");
+    for (const char* number : {"1", "2"}) {
+        write_packed(folder / ("clip/a/" + std::string(number) + ".png"), 8);
+        Image colour{shown_wide, shown_high, 1, 3, {}};
+        for (int k = 0; k < 3 * shown_wide * shown_high; ++k)
+            colour.samples.push_back(static_cast<std::uint8_t>(k * 5 / 7 + k % 3));
+        ASSERT_EQ(message(write_png(folder / ("clip/b/" + std::string(number) + ".png"), colour.view())), "");
+        EXPECT_FALSE(looks_packed(colour));
+    }
+    for (const char* name : {"clip/a/1.png", "clip"}) {
+        const std::string notes = expect_depths(folder / name, metres, 1e-4);
+        EXPECT_NE(notes.find("preset carla"), std::string::npos) << notes;
+    }
+    const auto guessed = guess_folder(folder / "clip", {});
+    ASSERT_EQ(message(guessed), "");
+    write_bytes(folder / "clip/scene.json", scene_to_json(*guessed));
+    expect_depths(folder / "clip", metres, 1e-4);
+    // Nothing shows within one step of the highest byte; a person says it.
+    write_packed(folder / "near.png", 1);
+    EXPECT_TRUE(is_refused(open_clip(folder / "near.png"), "is in colour"));
+    SourceDescription known;
+    known.preset = "carla";
+    expect_depths(folder / "near.png", room, 1e-4, known);
+}
+
+TEST(ValueEvidence, ColourMapsAreNoNumbers) {
+    for (int map = 0; map < 3; ++map) {
+        Image image{256, 64, 1, 3, {}};
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 256; ++x) {
+                const int up = (x + y) & 255, wave = std::abs(((x * 3 + y) & 511) - 255);
+                for (const int c : map == 0 ? std::array{up, wave, 255 - up}
+                                   : map == 1
+                                       ? std::array{wave, 255 - wave, up}
+                                       : std::array{(x * 7 + y * 13) & 255, (x * 31) & 255, (y * 17) & 255})
+                    image.samples.push_back(static_cast<std::uint8_t>(c));
+            }
+        EXPECT_FALSE(looks_packed(image)) << map;
+    }
+}
+
+TEST(ValueEvidence, DisparitiesAreKnownByTheirName) {
+    const TemporaryFolder folder;
+    const auto disparity = [](int x, int y) { return y < 4 ? 0U : static_cast<unsigned>(40 + x + 2 * y); };
+    for (const char* name : {"disp1.png", "left_disparity.png", "display.png"})
+        write_words(folder / name, disparity);
+    for (const char* name : {"disp1.png", "left_disparity.png"}) {
+        auto reader = open_clip(folder / name);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(is_noted(**reader, "depth is disparities, as the name says, and no file"));
+        EXPECT_EQ((*reader)->scene().depth.kind, DepthCodingKind::inverse);
+        EXPECT_TRUE((*reader)->scene().depth.near_is_high);
+        const auto frame = (*reader)->next();
+        ASSERT_EQ(message(frame), "");
+        const DepthCoding& depth = (*reader)->scene().depth;
+        EXPECT_FALSE(depth.is_valid(stored_code((**frame).depth, depth, 5, 2)));
+        EXPECT_TRUE(depth.is_valid(stored_code((**frame).depth, depth, 5, 9)));
+    }
+    auto other = open_clip(folder / "display.png");
+    ASSERT_EQ(message(other), "");
+    EXPECT_FALSE(is_noted(**other, "disparities"));
+    write_bytes(folder / "calib.txt",
+                "cam0=[80 0 31.5; 0 80 23.5; 0 0 1]\ncam1=[80 0 31.5; 0 80 23.5; 0 0 1]\ndoffs=0\n"
+                "baseline=200\nwidth=64\nheight=48\n");
+    const std::string notes = expect_depths(
+        folder / "disp1.png",
+        [&](int x, int y) { return disparity(x, y) == 0 ? 0 : 80 * 0.2 / disparity(x, y); }, 1e-3);
+    EXPECT_NE(notes.find("baseline and focal length are those of calib.txt"), std::string::npos) << notes;
+}
+
+/// Values that more than one unit fits: each is named with what the scene is in it.
+TEST(ValueEvidence, UnitsThatFitAsWellAreNamed) {
+    const TemporaryFolder folder;
+    const auto noted = [&](const std::function<unsigned(int x, int y)>& word, const std::string& part) {
+        write_words(folder / "a.png", word);
+        auto reader = open_clip(folder / "a.png");
+        EXPECT_EQ(message(reader), "");
+        return reader && is_noted(**reader, part);
+    };
+    const auto of_256 = [](int x, int y) { return static_cast<unsigned>(std::lround(256 * room(x, y))); };
+    EXPECT_TRUE(noted(of_256, "m if 256 codes are a metre"));
+    const auto with_sky = [](int x, int y) {
+        return y < 10 ? 65535U : 2000U + static_cast<unsigned>(3 * x + y);
+    };
+    EXPECT_TRUE(noted(with_sky, "if they are centimetres and 65535 is the sky"));
+    const auto of_tum = [](int x, int y) { return static_cast<unsigned>(std::lround(5003 * room(x, y))); };
+    EXPECT_TRUE(noted(of_tum, "if 5000 codes are a metre"));
+    const auto plain = [](int x, int y) { return millimetres_of(room(x, y)); };
+    EXPECT_FALSE(noted(plain, "codes are a metre"));
+    EXPECT_FALSE(noted(plain, "if they are"));
 }
 
 TEST(ValueEvidence, OrdinaryMillimetresHaveNone) {
