@@ -26,6 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr Setting::Name depth_setting = "depth";
 constexpr std::string_view doubt_mark = "the median depth is ";
 /// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
 constexpr double soft_holes = 0.1;
@@ -328,6 +329,12 @@ bool is_named_disparity(const std::string& name) {
     return has_whole_word(name, {"disp", "disparity", "disparities"});
 }
 
+/// Distances from the camera's centre. Hypersim's depth_meters are such.
+bool is_named_range(const std::string& name) {
+    return has_whole_word(name, {"range", "ranges", "ray", "euclidean"}) ||
+           name.find("depth_meters") != std::string::npos;
+}
+
 bool holds_words(const StoredImage& picture) {
     return picture.values.empty() && picture.image.bytes_per_sample == 2 && picture.bits == 16;
 }
@@ -371,7 +378,9 @@ public:
             scene_.stored.packed = is_unpacked(depth);
             doubt_unit(values);
             set_invalid(depth, values.has_negative_none);
+            find_semantics(!depth.values.empty());
         }
+        if (known_.semantics) scene_.depth.semantics = *known_.semantics;
         derive_valid_range(scene_.depth);
         const auto valid = validate(described_);
         if (valid) return {};
@@ -423,7 +432,10 @@ public:
 
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     /// Of depth's pictures.
-    void know_name(const std::string& name) { says_disparity_ = is_named_disparity(name); }
+    void know_name(const std::string& name) {
+        says_disparity_ = is_named_disparity(name);
+        says_range_ = is_named_range(name);
+    }
     void know_list(const std::string& file) { list_ = file; }
     /// Where a camera's file is sought; its folder is that of `describe`.
     void know_place(PicturesOfCamera place) { place_ = std::move(place); }
@@ -609,6 +621,28 @@ private:
         return {};
     }
 
+    /// Whether lengths go along the ray of each pixel, as the name may say, or along the camera's axis. Depth
+    /// cameras measure the latter; floats are as a renderer or a laser has them.
+    void find_semantics(bool is_float) {
+        if (known_.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
+        if (says_range_) {
+            scene_.depth.semantics = DepthSemantics::range;
+            say("depth goes along each pixel's ray, as the name says", Hints{{depth_setting, "planar"}});
+            return;
+        }
+        if (!is_float || preset_ != nullptr) return;
+        const Camera& camera = scene_.camera;
+        const double x = std::max(camera.cx, scene_.width - 1 - camera.cx) / camera.fx,
+                     y = std::max(camera.cy, scene_.height - 1 - camera.cy) / camera.fy;
+        const double nearer = 100 * (1 - 1 / std::sqrt(1 + x * x + y * y));
+        constexpr double least_felt = 5;  // per cent
+        if (nearer < least_felt) return;
+        say("depth goes along the camera's axis (planar); if it goes along each pixel's ray, the corners "
+            "are " +
+                short_number(nearer, 2) + " % nearer",
+            "", Hints{{depth_setting, "range"}});
+    }
+
     void set_metric(double metres_per_code) {
         DepthCoding& depth = scene_.depth;
         depth.kind = DepthCodingKind::metric;
@@ -783,11 +817,11 @@ private:
     std::vector<fs::path> inputs_;
     PicturesOfCamera place_;
     CameraBeside beside_;
-    CameraFile file_;                       // that beside_ has, if any
-    std::optional<GuessedCameras> frames_;  // that have one each
-    bool says_disparity_ = false;           // the pictures' name
-    std::string list_;                      // of pictures and their times; empty: there is none
-    bool has_camera_of_depth_ = false;      // which was said, or read
+    CameraFile file_;                                   // that beside_ has, if any
+    std::optional<GuessedCameras> frames_;              // that have one each
+    bool says_disparity_ = false, says_range_ = false;  // the pictures' name
+    std::string list_;                                  // of pictures and their times; empty: there is none
+    bool has_camera_of_depth_ = false;                  // which was said, or read
 };
 
 /// For a person: "1861 km", "0.5 m", "0.2 mm".

@@ -52,10 +52,11 @@ struct SourceDescription {
     };
 
     std::optional<Intrinsics> intrinsics;
-    std::optional<double> fov;              ///< from the left edge to the right one, degrees
-    std::optional<double> metres_per_code;  ///< of metric depth: of a stored 1
-    std::filesystem::path file;             ///< that `intrinsics` were read from, if any
-    std::string preset;                     ///< a name of a Preset or of VideoValues; empty: none
+    std::optional<double> fov;                  ///< from the left edge to the right one, degrees
+    std::optional<double> metres_per_code;      ///< of metric depth: of a stored 1
+    std::filesystem::path file;                 ///< that `intrinsics` were read from, if any
+    std::optional<DepthSemantics> semantics{};  ///< along the camera's axis (planar) or along the ray (range)
+    std::string preset;                         ///< a name of a Preset or of VideoValues; empty: none
     /// Of arrays with a confidence beside depth (open_npy_stack).
     std::optional<double> least_confidence{};
     std::string channel{};  ///< of renderings (OpenEXR): depth's channel or layer; empty: found by its name

@@ -89,21 +89,31 @@ void add_camera_options(CLI::App& sub, CameraTyped& typed) {
     auto* unit = add_number_option(sub, "--depth-unit", typed.depth_unit,
                                    "likewise: metres that a stored 1 stands for", 1e-9, 1e6)
                      ->type_name("METRES");
+    const auto read_depth = [&typed](const std::string& word) -> Result<void> {
+        TRY_ASSIGN(const double place, read_word({.words = {"range", "planar"}}, word));
+        typed.depth = place == 0 ? DepthSemantics::range : DepthSemantics::planar;
+        return {};
+    };
+    auto* depth = add_read_option(sub, "--depth", read_depth,
+                                  "likewise: whether depth is a distance along each pixel's ray (range) or "
+                                  "along the camera's axis (planar)")
+                      ->type_name("WORD");
     auto* preset = sub.add_option("--preset", typed.preset,
                                   "likewise, what is known of " + names +
                                       "; of videos also that depth is hue, or the mean of colours")
                        ->type_name("NAME");
     if (CLI::Option* const scene = sub.get_option_no_throw("--scene"))
-        for (CLI::Option* option : {intrinsics, fov, unit, preset}) option->excludes(scene);
+        for (CLI::Option* option : {intrinsics, fov, unit, depth, preset}) option->excludes(scene);
 }
 
 Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
-    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.preset && !typed.least_confidence &&
-        !typed.channel)
+    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.depth && !typed.preset &&
+        !typed.least_confidence && !typed.channel)
         return std::optional<SourceDescription>();
     SourceDescription known;
     known.fov = typed.fov;
     known.metres_per_code = typed.depth_unit;
+    known.semantics = typed.depth;
     known.preset = typed.preset.value_or("");
     known.least_confidence = typed.least_confidence;
     known.channel = typed.channel.value_or("");

@@ -14,11 +14,13 @@ namespace touchable {
 struct CameraTyped {
     std::optional<std::string> intrinsics, preset;
     std::optional<double> fov, depth_unit;
+    std::optional<DepthSemantics> depth;
     std::optional<double> least_confidence;  ///< of add_clip_options
     std::optional<std::string> channel;      ///< likewise
 };
 
-/// --intrinsics, --fov, --depth-unit and --preset, which exclude --scene where `sub` has that already.
+/// --intrinsics, --fov, --depth-unit, --depth and --preset, which exclude --scene where `sub` has that
+/// already.
 void add_camera_options(CLI::App& sub, CameraTyped& typed);
 
 /// Nothing where none was typed. Refused (ErrorKind::usage) where numbers are none; a camera's file is read.

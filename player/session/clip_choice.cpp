@@ -317,6 +317,8 @@ std::string segments_depend_on(const ClipChoice& choice) {
     }
     if (of_camera.fov) said["fov"] = *of_camera.fov;
     if (of_camera.metres_per_code) said["depth-unit"] = *of_camera.metres_per_code;
+    if (of_camera.semantics)
+        said["depth"] = *of_camera.semantics == DepthSemantics::range ? "range" : "planar";
     if (!of_camera.file.empty()) said["camera-file"] = whole(of_camera.file);
     if (!of_camera.preset.empty()) said["preset"] = of_camera.preset;
     if (of_camera.least_confidence) said["least-confidence"] = *of_camera.least_confidence;

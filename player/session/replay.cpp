@@ -55,6 +55,8 @@ Json recorded_facts(const TouchSetup& setup) {
         }
         if (camera->fov) facts["fov"] = *camera->fov;
         if (camera->metres_per_code) facts["depth_unit"] = *camera->metres_per_code;
+        if (camera->semantics)
+            facts["depth"] = camera->semantics == DepthSemantics::range ? "range" : "planar";
         if (camera->least_confidence) facts["least_confidence"] = *camera->least_confidence;
         if (!camera->channel.empty()) facts["channel"] = camera->channel;
         if (!camera->preset.empty()) facts["preset"] = camera->preset;
@@ -146,6 +148,8 @@ std::optional<SourceDescription> camera_of(const Json& facts) {
     if (facts.contains("intrinsics")) known.intrinsics = intrinsics_of(facts);
     if (facts.contains("fov")) known.fov = number(facts, "fov");
     if (facts.contains("depth_unit")) known.metres_per_code = number(facts, "depth_unit");
+    if (facts.contains("depth"))
+        known.semantics = text(facts, "depth") == "range" ? DepthSemantics::range : DepthSemantics::planar;
     if (facts.contains("least_confidence")) known.least_confidence = number(facts, "least_confidence");
     if (facts.contains("channel")) known.channel = text(facts, "channel");
     if (facts.contains("preset")) known.preset = text(facts, "preset");

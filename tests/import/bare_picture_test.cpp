@@ -133,6 +133,36 @@ std::string ball_file(bool is_pfm, float background) {
     return bytes;
 }
 
+/// Distances along rays and depth along the camera's axis differ most at the corners.
+TEST(BarePicture, PlanarityIsSaidByNameOptionAndNote) {
+    const TemporaryFolder folder;
+    std::string pfm = "Pf\n4 3\n-1\n";
+    for (int k = 0; k < 12; ++k) {
+        const float metres = 1.0F + 0.0371F * static_cast<float>(k * k);
+        pfm.append(reinterpret_cast<const char*>(&metres), sizeof metres);
+    }
+    for (const char* name : {"a.pfm", "range_1.pfm", "arrange.pfm", "frame.0000.depth_meters.pfm"})
+        write_bytes(folder / name, pfm);
+    const auto semantics = [&](const char* name, const SourceDescription& known, const std::string& note) {
+        auto clip = open_clip(folder / name, std::nullopt, known);
+        EXPECT_EQ(message(clip), "") << name;
+        if (!clip) return DepthSemantics::planar;
+        EXPECT_TRUE(note.empty() || is_noted(**clip, note)) << name;
+        EXPECT_EQ(note.empty(), !is_noted(**clip, "depth goes along")) << name;
+        return (*clip)->scene().depth.semantics;
+    };
+    EXPECT_EQ(semantics("a.pfm", {}, "if it goes along each pixel's ray, the corners are"),
+              DepthSemantics::planar);
+    EXPECT_EQ(semantics("arrange.pfm", {}, "along the camera's axis"), DepthSemantics::planar);
+    EXPECT_EQ(semantics("range_1.pfm", {}, "ray, as the name says"), DepthSemantics::range);
+    EXPECT_EQ(semantics("frame.0000.depth_meters.pfm", {}, "ray, as the name says"), DepthSemantics::range);
+    SourceDescription known;
+    known.semantics = DepthSemantics::range;
+    EXPECT_EQ(semantics("a.pfm", known, ""), DepthSemantics::range);
+    known.semantics = DepthSemantics::planar;
+    EXPECT_EQ(semantics("range_1.pfm", known, ""), DepthSemantics::planar);
+}
+
 /// Most of the picture is background: the ball has to be the surface, and not the hole in one.
 TEST(BarePicture, ARenderersBackgroundIsTheHole) {
     for (const auto& [name, background] :
