@@ -433,6 +433,7 @@ public:
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
     /// Of depth's pictures.
     void know_name(const std::string& name) {
+        is_named_ = true;
         says_disparity_ = is_named_disparity(name);
         says_range_ = is_named_range(name);
     }
@@ -622,7 +623,8 @@ private:
     }
 
     /// Whether lengths go along the ray of each pixel, as the name may say, or along the camera's axis. Depth
-    /// cameras measure the latter; floats are as a renderer or a laser has them.
+    /// cameras measure the latter, and recordings have it so; floats in files are as a renderer or a laser
+    /// has them.
     void find_semantics(bool is_float) {
         if (known_.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
         if (says_range_) {
@@ -630,7 +632,7 @@ private:
             say("depth goes along each pixel's ray, as the name says", Hints{{depth_setting, "planar"}});
             return;
         }
-        if (!is_float || preset_ != nullptr) return;
+        if (!is_float || !is_named_ || preset_ != nullptr) return;
         const Camera& camera = scene_.camera;
         const double x = std::max(camera.cx, scene_.width - 1 - camera.cx) / camera.fx,
                      y = std::max(camera.cy, scene_.height - 1 - camera.cy) / camera.fy;
@@ -721,14 +723,19 @@ private:
              "0.00390625", "if 256 codes are a metre (KITTI, VOID)"},
             {is_millimetre && values.median > far_for_a_room, "0.0002", "if 5000 codes are a metre (TUM)"},
             {!is_millimetre, "0.001", "if they are millimetres"},
-            {unit < 0.001, "0.0001", "if they are tenths of a millimetre"}};
+            {unit < 0.001 || (is_millimetre && values.median > far_for_a_room), "0.0001",
+             "if they are tenths of a millimetre"}};
         const auto size = [&](double metres) { return short_number(values.median * metres, 3) + " m"; };
         std::string others;
         Hints hints;
         for (const auto& [is_possible, other, when] : readings) {
             if (!is_possible) continue;
             others += "; " + size(*parsed_number(other)) + ' ' + when;
-            hints.push_back({Setting::depth_unit, other});
+            // The sky is no depth, which the preset knows.
+            if (std::string_view(other) == "0.01")
+                hints.push_back({Setting::preset, "vkitti"});
+            else
+                hints.push_back({Setting::depth_unit, other});
         }
         if (hints.empty()) hints = {{Setting::depth_unit}};
         say(guess + "their median is " + short_number(values.median),
@@ -817,11 +824,11 @@ private:
     std::vector<fs::path> inputs_;
     PicturesOfCamera place_;
     CameraBeside beside_;
-    CameraFile file_;                                   // that beside_ has, if any
-    std::optional<GuessedCameras> frames_;              // that have one each
-    bool says_disparity_ = false, says_range_ = false;  // the pictures' name
-    std::string list_;                                  // of pictures and their times; empty: there is none
-    bool has_camera_of_depth_ = false;                  // which was said, or read
+    CameraFile file_;                                                      // that beside_ has, if any
+    std::optional<GuessedCameras> frames_;                                 // that have one each
+    bool is_named_ = false, says_disparity_ = false, says_range_ = false;  // the pictures' names
+    std::string list_;                  // of pictures and their times; empty: there is none
+    bool has_camera_of_depth_ = false;  // which was said, or read
 };
 
 /// For a person: "1861 km", "0.5 m", "0.2 mm".

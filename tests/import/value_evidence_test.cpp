@@ -335,8 +335,13 @@ TEST(ValueEvidence, UnitsThatFitAsWellAreNamed) {
         return y < 10 ? 65535U : 2000U + static_cast<unsigned>(3 * x + y);
     };
     EXPECT_TRUE(noted(with_sky, "if they are centimetres and 65535 is the sky"));
+    SourceDescription known;
+    known.preset = "vkitti";
+    expect_depths(
+        folder / "a.png", [&](int x, int y) { return y < 10 ? 0 : 0.01 * with_sky(x, y); }, 1e-6, known);
     const auto of_tum = [](int x, int y) { return static_cast<unsigned>(std::lround(5003 * room(x, y))); };
     EXPECT_TRUE(noted(of_tum, "if 5000 codes are a metre"));
+    EXPECT_TRUE(noted(of_tum, "if they are tenths of a millimetre"));
     const auto plain = [](int x, int y) { return millimetres_of(room(x, y)); };
     EXPECT_FALSE(noted(plain, "codes are a metre"));
     EXPECT_FALSE(noted(plain, "if they are"));
