@@ -581,7 +581,8 @@ EstimatedValues estimate_values(const StoredImage& picture) {
             }
             if (value == none) continue;
             at_least += value >= 0 && value < 0.02 * most;
-            at_most += value > 0.98 * most && value <= most;
+            // 65535 alone, far above all others, is a sky or none.
+            at_most += value > 0.98 * most && (values.is_float ? value <= most : value < most);
             beyond += value > most;
             negative += value < 0;
             zeros += value == 0;

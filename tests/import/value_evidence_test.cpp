@@ -335,6 +335,12 @@ TEST(ValueEvidence, UnitsThatFitAsWellAreNamed) {
         return y < 10 ? 65535U : 2000U + static_cast<unsigned>(3 * x + y);
     };
     EXPECT_TRUE(noted(with_sky, "if they are centimetres and 65535 is the sky"));
+    // A small sky does not make of lengths what uses the whole range.
+    const auto with_little = [](int x, int y) {
+        return y < 1 ? 65535U : 1000U + static_cast<unsigned>(13 * x + y);
+    };
+    EXPECT_TRUE(noted(with_little, "if they are centimetres and 65535 is the sky"));
+    EXPECT_TRUE(noted(with_sky, "if they are centimetres and 65535 is the sky"));
     SourceDescription known;
     known.preset = "vkitti";
     expect_depths(
