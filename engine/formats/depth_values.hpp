@@ -73,7 +73,7 @@ public:
 
     /// Whether pictures like this one have to be looked at before codes are made.
     bool needs_looks(const StoredImage& first) const {
-        return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes || stored_.packed;
+        return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes;
     }
     /// One more.
     void look(const StoredImage& picture);
