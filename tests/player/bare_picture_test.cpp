@@ -51,6 +51,24 @@ TEST_F(BarePicture, IsTouchedReplayedExportedAndDescribedByItsCamera) {
     EXPECT_EQ(exported.code, 0) << exported.err;
 }
 
+/// What a recording says is what was typed: depth along rays is replayed as such.
+TEST_F(BarePicture, DepthIsAlongRaysWhereThatIsSaid) {
+    const std::string recording = folder / "run.rec", out = folder / "out";
+    const Outcome touched =
+        run({"touch", picture(), "--seconds", "0.1", "--depth", "range", "--record", recording}, camera);
+    ASSERT_EQ(touched.code, 0) << touched.err;
+    const Outcome replayed = run_touchable({"touch", "--replay", recording});
+    EXPECT_EQ(replayed.code, 0) << replayed.err;
+    for (const char* word : {"range", "planar"}) {
+        const Outcome exported =
+            run({"export", picture(), "--frame", "0", "--depth", word, "--out", out + word}, camera);
+        ASSERT_EQ(exported.code, 0) << exported.err;
+        const auto codes = nlohmann::json::parse(file_contents(out + word + "/codes.json"));
+        EXPECT_EQ(codes["depth"]["semantics"], word);
+    }
+    EXPECT_EQ(run({"info", picture(), "--depth", "sideways"}, camera).code, 2);
+}
+
 TEST_F(BarePicture, WithoutACameraIsTouchedByWhatIsGuessedAndSaid) {
     const std::string recording = folder / "run.rec";
     const Outcome touched = run_touchable({"touch", picture(), "--seconds", "0.1", "--record", recording});
