@@ -267,7 +267,7 @@ Result<LeftOut> left_out(std::vector<const PictureGroup*> depths, const std::vec
         auto& names = has_own_folder || is_still(other->pattern) ? told.by_path : told.by_pattern;
         const std::string name = has_own_folder ? folder : other->pattern;
         if (names.size() == most_told || std::ranges::count(names, name) > 0) continue;
-        const auto looked = depth_in(other->first, pictures);
+        const auto looked = depth_in(other->first, pictures, false);
         if (!looked) continue;
         TRY_ASSIGN(const bool any, holds_values(**looked));
         if (any) names.push_back(name);
