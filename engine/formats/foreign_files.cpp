@@ -1,4 +1,5 @@
 #include "engine/formats/foreign_files.hpp"
+#include "engine/picture/image.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +10,6 @@
 #include <utility>
 
 #include "engine/base/words.hpp"
-#include "engine/picture/git_lfs.hpp"
 
 namespace touchable {
 namespace {

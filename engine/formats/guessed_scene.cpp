@@ -17,8 +17,6 @@
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/value_evidence.hpp"
-#include "engine/picture/exr_layers.hpp"
-#include "engine/picture/git_lfs.hpp"
 #include "engine/picture/image.hpp"
 
 namespace touchable {

@@ -24,7 +24,6 @@
 #include "engine/formats/touch_maps.hpp"
 #include "engine/formats/video_picture.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
-#include "engine/picture/exr.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 

@@ -13,6 +13,7 @@
 // frames are brought onto one pinhole camera. guess_clip goes as far as `describe`.
 
 #include "engine/formats/open_clip.hpp"
+#include "engine/picture/image.hpp"
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -26,7 +27,6 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/formats/realsense_raw.hpp"
-#include "engine/picture/exr.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/receiving.hpp"
 

@@ -1,11 +1,11 @@
 #include "engine/formats/read_pictures.hpp"
+#include "engine/picture/image.hpp"
 
 #include <set>
 
 #include "engine/base/try.hpp"
 #include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/value_evidence.hpp"
-#include "engine/picture/exr.hpp"
 
 namespace touchable {
 namespace {

@@ -8,7 +8,6 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/picture/exr.hpp"
 #include "engine/picture/exr_layers.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/picture/number_pictures.hpp"

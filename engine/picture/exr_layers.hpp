@@ -51,9 +51,6 @@ std::optional<std::size_t> exr_materials(const std::vector<ExrChannelName>& chan
 /// is (depth, normal, ...) is that.
 std::string exr_name_in_part(const std::string& part, const std::string& channel);
 
-/// Whether a channel is in a pass of depth as Unreal names them, which is in centimetres.
-bool is_exr_depth_of_unreal(const std::string& channel);
-
 /// "ViewLayer.Combined" of ViewLayer.Combined.R; empty for R.
 std::string exr_layer_of(const std::string& channel);
 

@@ -16,7 +16,6 @@ extern "C" {
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "engine/picture/git_lfs.hpp"
 #include "engine/picture/number_pictures.hpp"
 
 namespace touchable {

@@ -134,6 +134,14 @@ Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where)
 /// The same with what is wanted beside it, as far as the file has it (StoredImage::beside), unpacked once.
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
                                const BesideDepth::Wanted& wanted);
+/// The setting by which a person names depth's channel, for hints.
+inline constexpr Setting::Name depth_channel_setting = "channel";
+/// The same of the channel or the layer of this name; empty: found by the names of all channels. A file
+/// without it is refused with the names that it has.
+Result<StoredImage> decode_exr_depth(std::string_view bytes, const std::string& where,
+                                     const BesideDepth::Wanted& wanted, const std::string& channel);
+/// Whether a channel is in a pass of depth as Unreal names them, which is in centimetres.
+bool is_exr_depth_of_unreal(const std::string& channel);
 
 /// Colour alone: linear light of R, G and B as sRGB of 8 bits, at exposure 1, without alpha; black beyond the
 /// data window.
@@ -169,5 +177,15 @@ bool is_npy_file(const SourceFile& file);
 
 /// The pages of a TIFF that are stored as the first one is. Null of a file with a single page.
 Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file);
+
+/// Whether a file is a pointer of Git LFS, a small text in place of a large file that was not fetched, by its
+/// first 64 bytes.
+inline bool is_git_lfs_pointer(std::string_view begin) {
+    return begin.starts_with("version https://git-lfs.github.com/spec/") ||
+           begin.starts_with("version https://hawser.github.com/spec/");  // its name before 2014
+}
+/// What is said of such a file behind its name.
+inline constexpr const char* git_lfs_words =
+    "is a Git LFS pointer in place of the file itself: git lfs pull, in its repository, fetches all of them";
 
 }  // namespace touchable
