@@ -50,7 +50,7 @@ protected:
         V4l2Choice choice{depth_node};
         choice.colour = colour_node;
         choice.system = video;
-        return open_v4l2_camera(choice, SourceDescription{{}, 60, 0.001, {}, {}});
+        return open_v4l2_camera(choice, SourceDescription{{}, 60, 0.001, {}, {}, {}});
     }
     const std::shared_ptr<FakeVideo> video = std::make_shared<FakeVideo>();
 };

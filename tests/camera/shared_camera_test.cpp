@@ -23,7 +23,7 @@ TEST(SharedCamera, IsHandedOverFromRunToRun) {
     add_depth_node(*video, "/dev/video0", 16, 8).period_ns = 2'000'000;
     V4l2Choice choice{"/dev/video0"};
     choice.system = video;
-    const SourceDescription known{{}, 60, 0.001, {}, {}};
+    const SourceDescription known{{}, 60, 0.001, {}, {}, {}};
     {
         const auto shared = std::make_shared<SharedCamera>();
         auto before = shared->open(choice, known);

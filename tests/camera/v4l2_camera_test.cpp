@@ -22,7 +22,7 @@ using std::chrono::steady_clock;
 
 constexpr int w = 20, h = 12;
 const std::string node = "/dev/video7";
-const SourceDescription millimetres{{}, 60, 0.001, {}, {}};
+const SourceDescription millimetres{{}, 60, 0.001, {}, {}, {}};
 
 std::string notes_of(const ClipReader& camera) {
     std::string notes;
