@@ -75,27 +75,33 @@ TEST(SrtOutput, LateCallerBeginsWithNewestKey) {
 /// What one caller cannot take costs another nothing.
 TEST(SrtOutput, LeavesFramesetsOutForNarrowCallerAlone) {
     constexpr std::size_t frameset_bytes = 20'000;
-    constexpr std::int64_t framesets = 300, most_ahead = 3;
+    constexpr std::int64_t most_framesets = 3000, far_behind = 100;
     SentOut sent;
     const int port = unused_port();
-    // It takes 60 s for what the other one takes as quickly as it comes.
     const auto relay = Relay::open(Relay::Kind::udp, port, {.bytes_per_second = 100'000});
     ASSERT_TRUE(relay);
     const auto output = sent.open(place_of(port));
     std::string narrow_heard;
-    std::thread narrow([&] { narrow_heard = SrtPeer(Kind::calls, (*relay)->port()).hear_all(); });
-    std::atomic<std::size_t> wide_heard{0};
+    std::atomic<std::size_t> narrow_heard_bytes{0}, wide_heard{0};
+    std::thread narrow([&] {
+        const SrtPeer caller(Kind::calls, (*relay)->port());
+        while (const auto some = caller.hear()) narrow_heard_bytes = (narrow_heard += *some).size();
+    });
     std::thread wide([&] {
         const SrtPeer caller(Kind::calls, port);
         while (const auto some = caller.hear()) wide_heard += some->size();
     });
     while (sent.audience.there() < 2) std::this_thread::sleep_for(a_moment);
     sent.ring.begin(sent.header());
-    for (std::int64_t n = 0; n < framesets; ++n) {
-        const auto letter = static_cast<std::uint8_t>('a' + n % 26);
-        sent.ring.add({n, n % 5 == 0, std::vector<std::uint8_t>(frameset_bytes, letter)});
-        while (wide_heard + most_ahead * frameset_bytes < static_cast<std::size_t>(n) * frameset_bytes)
-            std::this_thread::sleep_for(a_moment);
+    // At the pace of the wide caller, however slow this machine is, until the narrow one is far behind: what
+    // is on its way to it and what waits for it are then less than that.
+    std::int64_t framesets = 0;
+    const auto bytes = [&] { return static_cast<std::size_t>(framesets) * frameset_bytes; };
+    while (framesets < most_framesets && bytes() < narrow_heard_bytes + far_behind * frameset_bytes) {
+        const auto letter = static_cast<std::uint8_t>('a' + framesets % 26);
+        sent.ring.add({framesets, framesets % 5 == 0, std::vector<std::uint8_t>(frameset_bytes, letter)});
+        ++framesets;
+        while (wide_heard < bytes()) std::this_thread::sleep_for(a_moment);
     }
     sent.ring.end();
     narrow.join();
