@@ -9,10 +9,12 @@
 #include <sstream>
 
 #include "engine/base/files.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/picture_files.hpp"
+#include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/scene/checked_json.hpp"
 
@@ -242,18 +244,23 @@ std::vector<double> numbers_in(std::string_view text) {
     return numbers;
 }
 
-/// Of 3x3 numbers by rows or by columns, or 4x4 by rows.
+/// A matrix of 3x3 numbers by rows or by columns, or of 3x4 or 4x4 by rows. Of shares of a picture's sides it
+/// is taken where both its points are near the middle.
 std::optional<Intrinsics> from_matrix(const std::vector<double>& m) {
-    if (m.size() == 16) return from_matrix({m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]});
+    if (m.size() == 16 || m.size() == 12)
+        return from_matrix({m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]});
     if (m.size() != 9) return {};
     const bool by_rows = m[2] != 0 || m[5] != 0;
     // Other matrices, a rotation or a pose, are no camera's. A pixel's skew moves no place by more than half.
     constexpr double most_skew = 1, least_focal = 1;
+    const double cx = by_rows ? m[2] : m[6], cy = by_rows ? m[5] : m[7];
+    const auto is_middle = [](double at) { return at > 0.25 && at < 0.75; };
+    const bool is_of_shares = is_middle(cx) && is_middle(cy) && m[1] == 0 && m[3] == 0 && m[0] > 0.1;
     const bool last_is_unit = (by_rows ? m[6] == 0 && m[7] == 0 : m[2] == 0 && m[5] == 0) && m[8] == 1;
     const bool is_camera = last_is_unit && std::abs(m[1]) <= most_skew && std::abs(m[3]) <= most_skew &&
-                           m[0] > least_focal && std::abs(m[4]) > least_focal;
+                           ((m[0] > least_focal && std::abs(m[4]) > least_focal) || is_of_shares);
     if (!is_camera) return {};
-    return Intrinsics{m[0], m[4], by_rows ? m[2] : m[6], by_rows ? m[5] : m[7]};
+    return Intrinsics{m[0], m[4], cx, cy};
 }
 
 void flatten(const Json& value, std::vector<double>& numbers) {
@@ -261,53 +268,179 @@ void flatten(const Json& value, std::vector<double>& numbers) {
     if (value.is_array())
         for (const Json& each : value)
             if (numbers.size() <= 16) flatten(each, numbers);
-}
-
-/// Of a member that is a list, of lists or with its numbers in `data`; at most 17.
-std::vector<double> list_of(const Json& object, std::initializer_list<const char*> names) {
-    std::vector<double> numbers;
-    for (const char* name : names) {
-        if (!object.contains(name)) continue;
-        const Json& list = object[name];
-        flatten(list.is_object() && list.contains("data") ? list["data"] : list, numbers);
-        if (!numbers.empty()) break;
+    if (value.is_string() && numbers.empty()) {  // KITTI's "P2: 721 0 609 ..."
+        const auto& text = value.get_ref<const std::string&>();
+        if (text.size() < 1000 && text.find_first_not_of("0123456789+-.eE, \t") == std::string::npos)
+            numbers = numbers_in(text);
     }
-    return numbers;
 }
 
-double number_of(const Json& object, std::initializer_list<const char*> names) {
-    for (const char* name : names)
-        if (object.contains(name) && object[name].is_number()) return object[name].get<double>();
-    return 0;
+/// An object's members by their bare names: fl_x, FL.x and flx are one. Of several with one bare name the
+/// first is there. Refers to the object.
+class Members {
+public:
+    explicit Members(const Json& object) {
+        constexpr std::size_t most = 1000;  // more are frames, or something else
+        if (!object.is_object() || object.size() > most) return;
+        for (const auto& [name, value] : object.items()) named_.emplace_back(bare_name(name), &value);
+    }
+    const Json* find(std::string_view name) const {
+        const auto found = std::ranges::find(named_, name, &std::pair<std::string, const Json*>::first);
+        return found == named_.end() ? nullptr : found->second;
+    }
+    bool has(std::string_view name) const { return find(name) != nullptr; }
+    /// The first of these that is a number; 0: none is.
+    double number(std::initializer_list<const char*> names) const {
+        for (const char* name : names)
+            if (const Json* value = find(name); value != nullptr && value->is_number())
+                return value->get<double>();
+        return 0;
+    }
+    /// Of a member that is a list, of lists or with its numbers in `data`; at most 17.
+    std::vector<double> list(std::initializer_list<const char*> names) const {
+        std::vector<double> numbers;
+        for (const char* name : names) {
+            const Json* value = find(name);
+            if (value == nullptr) continue;
+            if (value->is_object() && value->contains("data")) value = &(*value)["data"];
+            if (value->is_number()) continue;
+            flatten(*value, numbers);
+            if (!numbers.empty()) break;
+        }
+        return numbers;
+    }
+
+private:
+    std::vector<std::pair<std::string, const Json*>> named_;
+};
+
+double degrees_of(double angle, bool is_radians) {
+    return is_radians ? angle * 180 / pi : angle;
+}
+
+/// How wide a camera sees: an angle, or a renderer's focal length and aperture in millimetres.
+std::optional<Intrinsics> view_of(const Members& members) {
+    constexpr double widest = 179, least = 1, most_radians = 3.13;
+    double x = members.number({"fovx", "hfov", "horizontalfov", "fovh", "fovxdeg", "xfov"}),
+           y = members.number({"fovy", "vfov", "verticalfov", "fovv", "fovydeg", "yfov"});
+    if (x == 0 && y == 0) x = members.number({"fov", "fieldofview", "fovdegrees", "fovdeg", "camerafov"});
+    const double largest = std::max(x, y);
+    const bool is_radians = largest > 0 && largest < most_radians;
+    x = degrees_of(x, is_radians), y = degrees_of(y, is_radians);
+    if (x == 0 && y == 0) {  // NeRF's
+        x = degrees_of(members.number({"cameraanglex"}), true);
+        y = degrees_of(members.number({"cameraangley"}), true);
+    }
+    if (x == 0 && y == 0) {
+        const double lens = members.number(
+            {"lens", "camerafocallength", "focallength", "focallengthmm", "focalmm", "lensmm"});
+        const auto pair = members.list({"cameraaperture", "aperture", "sensorsize"});
+        const double wide = pair.size() == 2
+                                ? pair[0]
+                                : members.number({"sensorwidth", "horizontalaperture", "sensorwidthmm",
+                                                  "aperturewidth", "filmwidth", "filmbackwidth"});
+        if (lens > 0 && wide > 0) x = 360 / pi * arctangent(0.5 * wide / lens);
+        // The height of a sensor says nothing: renderers cut it to the picture's shape.
+    }
+    const auto is_angle = [](double degrees) { return degrees >= least && degrees <= widest; };
+    if (!is_angle(x) && !is_angle(y)) return {};
+    Intrinsics seen;
+    if (is_angle(x)) seen.fov_x = x;
+    if (is_angle(y)) seen.fov_y = y;
+    return seen;
 }
 
 std::optional<Intrinsics> intrinsics_of(const Json& object) {
+    const Members members(object);
     const auto centre = [&](std::initializer_list<const char*> names) {
-        const double at = number_of(object, names);
+        const double at = members.number(names);
         return at == 0 ? std::optional<double>() : std::optional(at);  // the middle where it is not said
     };
-    const auto cx = centre({"ppx", "cx", "u0"}), cy = centre({"ppy", "cy", "v0"});
-    double fx = number_of(object, {"fx", "focal_length_x", "fl_x"}),
-           fy = number_of(object, {"fy", "focal_length_y", "fl_y"});
-    if (fx == 0 && object.contains("u0")) fx = number_of(object, {"px"}), fy = number_of(object, {"py"});
+    auto cx = centre({"ppx", "cx", "u0", "cu", "k02", "principalpointx", "cxdepth", "mxdepth", "cxd"}),
+         cy = centre({"ppy", "cy", "v0", "cv", "k12", "principalpointy", "cydepth", "mydepth", "cyd"});
+    if (const auto pair = members.list({"principalpoint", "pp", "c", "center", "opticalcenter"});
+        pair.size() == 2 && !cx)
+        cx = pair[0], cy = pair[1];
+    double fx = members.number({"fx", "focallengthx", "flx", "fu", "k00", "focalx", "fxdepth", "fxd"}),
+           fy = members.number({"fy", "focallengthy", "fly", "fv", "k11", "focaly", "fydepth", "fyd"});
+    if (fx == 0 && members.has("u0"))
+        fx = members.number({"px", "alphau"}), fy = members.number({"py", "alphav"});
+    if (fx == 0 && cx)
+        if (const auto pair = members.list({"focallength", "focal", "focals", "f"}); pair.size() == 2)
+            fx = pair[0], fy = pair[1];
+    // One number is pixels only beside a principal point in pixels.
+    if (fx == 0 && cx && *cx > 1) fx = members.number({"focallength", "focal", "focallengthpx", "f"});
     if (fx > 0) return Intrinsics{fx, fy > 0 ? fy : fx, cx, cy};
-    for (const char* matrix : {"intrinsic_matrix", "K", "k", "intrinsicMatrix", "camera_matrix",
-                               "Camera_Matrix", "cameraMatrix", "cam_K"})
-        if (const auto found = from_matrix(list_of(object, {matrix}))) return found;
-    const auto four = list_of(object, {"intrinsics"});  // Kalibr
-    const bool is_pinhole = !object.contains("camera_model") || object["camera_model"] == "pinhole";
+    for (const char* matrix : {"intrinsicmatrix",
+                               "k",
+                               "cameramatrix",
+                               "camk",
+                               "depthk",
+                               "intrinsicsmatrix",
+                               "depthintrinsics",
+                               "depthintrinsic",
+                               "intrinsics",
+                               "intrinsic",
+                               "cameraintrinsics",
+                               "cameraintrinsic",
+                               "kmatrix",
+                               "depthcameramatrix",
+                               "calibrationmatrix",
+                               "perframeintrinsiccoeffs",
+                               "p",
+                               "p2",
+                               "prect02",
+                               "p0",
+                               "prect00",
+                               "krect02",
+                               "k02"})
+        if (const auto found = from_matrix(members.list({matrix}))) return found;
+    const auto four =
+        members.list({"intrinsics", "intrinsic", "perframeintrinsiccoeffs"});  // Kalibr, Record3D
+    const Json* const model = members.find("cameramodel");
+    const bool is_pinhole = model == nullptr || *model == "pinhole";
     if (four.size() == 4 && is_pinhole && four[0] > 1 && four[1] > 1)
         return Intrinsics{four[0], four[1], four[2], four[3]};
-    return {};
+    return view_of(members);
 }
 
 bool says_distortion(const Json& object) {
-    std::vector<double> terms =
-        list_of(object, {"distortion_coefficients", "Distortion_Coefficients", "distortion_coeffs",
-                         "dist_coeffs", "distCoeffs", "coeffs", "D", "d"});
+    const Members members(object);
+    std::vector<double> terms = members.list(
+        {"distortioncoefficients", "distortioncoeffs", "distcoeffs", "coeffs", "distortion", "d"});
     for (const char* name : {"k1", "k2", "k3", "p1", "p2", "kud", "kdu"})
-        terms.push_back(number_of(object, {name}));
+        terms.push_back(members.number({name}));
     return std::ranges::any_of(terms, [](double term) { return term != 0; });
+}
+
+/// How many codes a metre has, by an object's own members; 0: it does not say. Three ways are in use: codes
+/// in a metre (Open3D, ORB-SLAM, ScanNet), metres of a code (RealSense, instant-ngp, nerfstudio), and
+/// millimetres of a code (BOP, beside cam_K).
+double codes_per_metre_of(const Json& object) {
+    const Members members(object);
+    constexpr double most_metres = 0.005, most_millimetres = 20, least_codes = 50, most_codes = 1e6;
+    const auto is_count = [](double codes) { return codes >= least_codes && codes <= most_codes; };
+    const auto is_metres = [](double metres) { return metres > 1e-9 && metres <= most_metres; };
+    const double codes = members.number(
+        {"depthmapfactor", "pngdepthscale", "depthfactor", "mdepthshift", "depthshift", "depthmapscale"});
+    if (codes > 0) return is_count(codes) ? codes : is_metres(codes) ? 1 / codes : 0;
+    const double metres = members.number({"integerdepthscale", "depthunitscalefactor", "depthunit",
+                                          "depthunits", "depthunitm", "depthscalefactor", "metrespercode"});
+    if (metres > 0) return is_metres(metres) ? 1 / metres : is_count(metres) ? metres : 0;
+    double scale = members.number({"depthscale", "depthscales", "scaledepth"});
+    if (scale > 0 && scale <= most_millimetres && members.has("camk")) return 1000 / scale;
+    // 1 is BOP's millimetre, or says that there is nothing to do.
+    if (scale > 0 && scale != 1)
+        return scale <= most_metres ? 1 / scale : scale <= most_millimetres ? 1000 / scale : scale;
+    scale = members.has("fx") ? members.number({"scale"}) : 0;  // Replica
+    return is_count(scale) ? scale : 0;
+}
+
+double rate_of_members(const Json& object) {
+    constexpr double highest = 1000;
+    const double rate =
+        Members(object).number({"fps", "framerate", "camerafps", "framespersecond", "depthfps"});
+    return rate > 0 && rate <= highest ? rate : 0;
 }
 
 /// Adds the cameras in `json` to `found`, depth's first. What has focal lengths or a matrix is one camera,
@@ -320,13 +453,20 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const std::s
         std::size_t looked = 0;
         for (const Json& each : json)
             if (each.is_object() && looked++ < most_cameras)
-                find_cameras(each, found, name, width, height, depth + 1);
+                find_cameras(each, found, name == "frames" ? std::to_string(looked) : name, width, height,
+                             depth + 1);
         return;
     }
     if (!json.is_object()) return;
-    const auto pair = list_of(json, {"resolution", "image_size", "image_dimension"});
-    const double own_width = pair.size() == 2 ? pair[0] : number_of(json, {"width", "w", "image_width"}),
-                 own_height = pair.size() == 2 ? pair[1] : number_of(json, {"height", "h", "image_height"});
+    const Members members(json);
+    const auto pair = members.list({"resolution", "imagesize", "imagedimension", "renderproductresolution"});
+    const double own_width =
+                     pair.size() == 2
+                         ? pair[0]
+                         : members.number({"width", "w", "imagewidth", "depthwidth", "resolutionx", "imw"}),
+                 own_height = pair.size() == 2 ? pair[1]
+                                               : members.number({"height", "h", "imageheight", "depthheight",
+                                                                 "resolutiony", "imh"});
     if (is_side(own_width) && is_side(own_height)) {
         width = static_cast<int>(own_width);
         height = static_cast<int>(own_height);
@@ -339,7 +479,10 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const std::s
     if (auto camera = intrinsics_of(json)) {
         camera->width = width;
         camera->height = height;
-        found.push_back({.intrinsics = *camera, .has_distortion = says_distortion(json), .name = own_name});
+        found.push_back({.intrinsics = *camera,
+                         .codes_per_metre = codes_per_metre_of(json),
+                         .has_distortion = says_distortion(json),
+                         .name = own_name});
         return;
     }
     constexpr const char* first[] = {"depth", "depth_intrinsics", "intrinsics", "intrinsic", "camera"};
@@ -353,27 +496,16 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const std::s
         if (std::ranges::find(first, member) == std::end(first)) inner(member);
 }
 
-/// How many codes a metre has. Open3D says so much; RealSense metres, and BOP millimetres a code.
-double codes_per_metre_in(const Json& json) {
+/// Of the whole text, or of a member of it: ORB-SLAM's Camera, a configuration's cam.
+template <class Of>
+double first_said(const Json& json, Of of) {
     if (!json.is_object()) return 0;
-    const double factor = number_of(json, {"DepthMapFactor"});  // ORB-SLAM
-    if (factor > 0) return factor;
-    const double scale = number_of(json, {"depth_scale"});
-    constexpr double most_metres = 0.005, most_millimetres = 20;
-    if (!(scale > 0) || scale == 1) return 0;  // 1 is BOP's millimetre, or says that there is nothing to do
-    return scale <= most_metres ? 1 / scale : scale <= most_millimetres ? 1000 / scale : scale;
-}
-
-double rate_in(const Json& json) {
-    constexpr double highest = 1000;
-    const auto of = [](const Json& object) {
-        return object.is_object()
-                   ? number_of(object, {"fps", "frame_rate", "frameRate", "framerate", "FrameRate"})
-                   : 0;
-    };
-    double rate = of(json);
-    if (rate == 0 && json.is_object() && json.contains("Camera")) rate = of(json["Camera"]);  // ORB-SLAM
-    return rate > 0 && rate <= highest ? rate : 0;
+    double said = of(json);
+    constexpr std::size_t most = 20;
+    std::size_t looked = 0;
+    for (const auto& [name, value] : json.items())
+        if (said == 0 && value.is_object() && looked++ < most) said = of(value);
+    return said;
 }
 
 /// An element as JSON has it: numbers, words, members; several of one name are a list.
@@ -485,20 +617,85 @@ std::optional<Intrinsics> from_pincam(const std::vector<double>& numbers) {
                       static_cast<int>(numbers[1])};
 }
 
+/// fx fy cx cy and no more.
+std::optional<Intrinsics> from_four(const std::vector<double>& n) {
+    constexpr double least = 10, most_apart = 2;
+    if (n.size() != 4 || !std::ranges::all_of(n, [](double number) { return number > least; })) return {};
+    if (n[0] > most_apart * n[1] || n[1] > most_apart * n[0]) return {};
+    return Intrinsics{n[0], n[1], n[2], n[3]};
+}
+
+/// How often a table's frames come, by their times: of one that counts frames or says where a camera stood.
+void read_times(const NumberTable& table, CameraText& said) {
+    const int time = table.column({"timestamp", "timestamps", "time", "t", "sec", "seconds", "timestampns"});
+    const bool counts = table.column({"frame", "frameid", "frameindex", "framenumber", "index"}) >= 0;
+    if (time < 0 || (!counts && table.column({"qx", "qw"}) < 0)) return;
+    std::vector<double> seconds;
+    for (const std::vector<double>& row : table.rows) seconds.push_back(row[static_cast<std::size_t>(time)]);
+    // Since 1970, in nano-, micro- and milliseconds.
+    constexpr std::pair<double, double> units[] = {{1e17, 1e-9}, {1e14, 1e-6}, {1e11, 1e-3}};
+    for (const auto& [least, unit] : units)
+        if (seconds.front() > least) {
+            const double first = seconds.front();
+            for (double& each : seconds) each = (each - first) * unit;
+            break;
+        }
+    if (!std::ranges::is_sorted(seconds)) return;
+    const auto rate = rate_of_seconds(seconds);
+    constexpr double highest = 1000;
+    if (rate && rate->per_second() <= highest) said.frames_per_second = rate->per_second();
+    said.timed_rows = seconds.size();
+}
+
+/// A row of a table is an object, as in a list of JSON; at most `most_cameras`, evenly.
+void read_rows(const NumberTable& table, CameraText& said) {
+    const std::size_t count = std::min(table.rows.size(), most_cameras);
+    for (std::size_t n = 0; n < count; ++n) {
+        const std::vector<double>& row = table.rows[n * table.rows.size() / count];
+        Json object = Json::object();
+        for (std::size_t k = 0; k < row.size(); ++k) object.emplace(table.names[k], row[k]);
+        find_cameras(object, said.cameras, std::to_string(n));
+    }
+}
+
+bool is_number_name(const std::string& name) {
+    return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// Where each camera is that of a frame, as numbers for names tell, all become one: the median.
+void join_frames(CameraText& said) {
+    std::vector<CameraFile>& cameras = said.cameras;
+    if (cameras.size() < 2 || !std::ranges::all_of(cameras, is_number_name, &CameraFile::name)) return;
+    said.cameras = {median_camera_file(cameras)};
+}
+
 /// No camera in the text is no error here.
 CameraText cameras_in_text(std::string_view text) {
     if (auto found = from_calib(text)) return {{std::move(*found)}};
     if (text.find_first_not_of("0123456789+-.eE, \t\r\n[];") == std::string_view::npos) {
         const auto numbers = numbers_in(text);
         if (const auto found = from_matrix(numbers)) return {{{.intrinsics = *found}}};
-        if (const auto found = from_pincam(numbers)) return {{{.intrinsics = *found}}};
+        if (const auto found = from_pincam(numbers)) return {{{.intrinsics = *found, .is_bare = true}}};
+        if (const auto found = from_four(numbers)) return {{{.intrinsics = *found, .is_bare = true}}};
     }
-    const Json json = json_in(text);
     CameraText said;
-    find_cameras(json, said.cameras);
-    said.frames_per_second = rate_in(json);
+    const auto take = [&](const Json& json) {
+        find_cameras(json, said.cameras);
+        if (said.frames_per_second == 0) said.frames_per_second = first_said(json, rate_of_members);
+        if (said.codes_per_metre == 0) said.codes_per_metre = first_said(json, codes_per_metre_of);
+    };
+    if (const NumberTable table = table_in(text); !table.rows.empty()) {
+        read_rows(table, said);
+        read_times(table, said);
+    }
+    if (said.cameras.empty()) take(json_in(text));
     if (said.cameras.empty()) said.cameras = from_colmap(text);
-    for (CameraFile& camera : said.cameras) camera.codes_per_metre = codes_per_metre_in(json);
+    if (said.cameras.empty()) take(members_in_lines(text));
+    for (CameraFile& camera : said.cameras)
+        if (camera.codes_per_metre == 0) camera.codes_per_metre = said.codes_per_metre;
+    join_frames(said);
+    if (said.codes_per_metre == 0 && said.cameras.size() == 1)
+        said.codes_per_metre = said.cameras.front().codes_per_metre;
     return said;
 }
 
@@ -511,11 +708,32 @@ bool is_near_picture(const Intrinsics& camera) {
 }
 
 bool has_focal_lengths(const Intrinsics& camera) {
+    if (camera.fx == 0 && (camera.fov_x > 0 || camera.fov_y > 0)) return true;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0 && value < 1e6; };
     return is_length(camera.fx) && is_length(camera.fy);
 }
 
 }  // namespace
+
+CameraFile median_camera_file(std::span<const CameraFile> cameras) {
+    CameraFile median = cameras.front();
+    const auto middle = [&](auto value_of) {
+        std::vector<double> all;
+        for (const CameraFile& each : cameras) all.push_back(value_of(each));
+        std::ranges::sort(all);
+        median.differs = median.differs || all.back() - all.front() > 1e-3 * std::abs(all.back());
+        return all[(all.size() - 1) / 2];
+    };
+    Intrinsics& of = median.intrinsics;
+    of.fx = middle([](const CameraFile& each) { return each.intrinsics.fx; });
+    of.fy = middle([](const CameraFile& each) { return each.intrinsics.fy; });
+    if (of.cx) of.cx = middle([](const CameraFile& each) { return each.intrinsics.cx.value_or(0); });
+    if (of.cy) of.cy = middle([](const CameraFile& each) { return each.intrinsics.cy.value_or(0); });
+    median.codes_per_metre = middle([](const CameraFile& each) { return each.codes_per_metre; });
+    median.frames = cameras.size();
+    median.name.clear();
+    return median;
+}
 
 Result<CameraText> read_camera_text(const std::filesystem::path& file) {
     TRY_ASSIGN(auto text, read_given_file(file, file.string(), "a camera's file", longest_camera_file));
@@ -541,13 +759,53 @@ Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
     return input_error(
         file.string() +
         ": has no camera that could be read: must have fx, fy, cx, cy or px, py, u0, v0 (JSON, YAML, XML), a "
-        "matrix K, intrinsic_matrix or camera_matrix (likewise), 3x3 numbers, or be COLMAP's cameras.txt, "
+        "matrix K, intrinsic_matrix or camera_matrix (likewise), fov_x in degrees, 3x3 numbers, or be "
+        "COLMAP's cameras.txt, "
         "Kalibr's camchain.yaml, Middlebury's calib.txt or ARKitScenes' .pincam (width height fx fy cx cy)");
 }
 
 Result<Intrinsics> read_intrinsics(const std::filesystem::path& file) {
     TRY_ASSIGN(const auto read, read_camera_file(file));
     return read.intrinsics;
+}
+
+CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
+    constexpr std::size_t of_matrix = 9;
+    CameraText said;
+    Json numbers = Json::object();
+    for (const SmallArray& array : arrays) {
+        const auto& shape = array.shape;
+        if (array.numbers.size() == 1) numbers.emplace(array.name, array.numbers.front());
+        const std::size_t sides = shape.size();
+        const bool is_matrices = sides >= 2 && shape[sides - 1] == 3 && shape[sides - 2] == 3;
+        const bool is_quads = sides >= 1 && shape[sides - 1] == 4 && !(sides > 1 && shape[sides - 2] == 4);
+        const std::size_t each = is_matrices ? of_matrix : is_quads ? 4 : 0;
+        if (each == 0 || array.numbers.size() % each != 0) continue;
+        const std::size_t count = array.numbers.size() / each;
+        std::vector<CameraFile> cameras;
+        for (std::size_t n = 0; n < std::min(count, most_cameras); ++n) {
+            const auto first =
+                array.numbers.begin() +
+                static_cast<std::ptrdiff_t>(each * (n * count / std::min(count, most_cameras)));
+            Json object = Json::object();
+            object[array.name] = std::vector<double>(first, first + static_cast<std::ptrdiff_t>(each));
+            if (const auto found = intrinsics_of(object)) cameras.push_back({.intrinsics = *found});
+        }
+        std::erase_if(cameras, [](const CameraFile& each_of) {
+            return !has_focal_lengths(each_of.intrinsics) ||
+                   !std::isfinite(each_of.intrinsics.cx.value_or(0)) ||
+                   !std::isfinite(each_of.intrinsics.cy.value_or(0));
+        });
+        if (!cameras.empty() && said.cameras.empty()) {
+            said.cameras.push_back(median_camera_file(cameras));
+            said.cameras.back().name = array.name.substr(0, longest_name);
+        }
+    }
+    if (said.cameras.empty()) find_cameras(numbers, said.cameras);
+    std::erase_if(said.cameras, [](const CameraFile& each) { return !has_focal_lengths(each.intrinsics); });
+    said.codes_per_metre = codes_per_metre_of(numbers);
+    said.frames_per_second = rate_of_members(numbers);
+    return said;
 }
 
 std::optional<Intrinsics> intrinsics_in_json(const std::string& text) {

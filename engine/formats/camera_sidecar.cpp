@@ -1,5 +1,6 @@
 #include "engine/formats/camera_sidecar.hpp"
 
+#include <map>
 #include <sstream>
 
 #include "engine/base/same_bits.hpp"
@@ -20,46 +21,154 @@ constexpr double most_apart_seconds = 0.02;  // between a frame and its pose
 struct CameraCandidate {
     fs::path file;
     bool is_named = false;  // as a camera's file is
+    bool is_text = false;   // neither named so nor of members: only what names its numbers is a camera
 };
+
+bool is_any_of_names(const std::string& name, std::initializer_list<const char*> known) {
+    return std::ranges::find(known, name) != known.end();
+}
 
 /// What programs call a camera's file. Poses are none.
 bool is_named_camera(const std::string& name, const std::string& stem) {
     if (has_word(name, {"extrinsic", "pose", "trajector", "groundtruth"})) return false;
     const bool is_numbered_cam =
         stem.starts_with("cam") && stem.find_first_not_of("0123456789", 3) == std::string::npos;
-    return has_word(name, {"camera", "intrinsic", "calib", "camchain"}) || stem == "k" || is_numbered_cam ||
-           name == "metadata.json";
+    return has_word(name, {"camera", "intrinsic", "calib", "camchain"}) || stem == "k" || stem == "fov" ||
+           is_numbered_cam || name == "metadata.json" || name == "transforms.json";
+}
+
+/// Lists of pictures and of poses, which have readers of their own, and what this program writes.
+bool is_of_others(const std::string& name) {
+    return is_any_of_names(
+               name, {"scene.json", "poses.txt", "groundtruth.txt", "trajectory.log", "depth.txt", "rgb.txt",
+                      "associations.txt", "associate.txt", "metadata.json", "depth_m_color.txt"}) ||
+           has_word(name, {"readme", "license", "extrinsic"});
 }
 
 bool is_any_of(const std::string& extension, std::initializer_list<const char*> known) {
     return std::ranges::find(known, extension) != known.end();
 }
 
-/// Files of a folder that may be a camera's, named ones first.
-std::vector<CameraCandidate> candidates_in(const fs::path& folder, const PicturesOfCamera& pictures) {
-    constexpr std::size_t most_named = 100, most_others = 16;  // more are of something else
-    constexpr std::uintmax_t longest_other = 1 << 20;
-    std::vector<CameraCandidate> named, others;
+/// What lies in a folder, by name.
+std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>& picture_stems) {
+    constexpr std::size_t most = 20'000;
+    std::vector<fs::path> texts;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        const std::string name = small_letters(entry.path().filename().string()),
-                          stem = small_letters(entry.path().stem().string()),
-                          extension = small_letters(entry.path().extension().string());
-        std::error_code failure;
-        if (name.starts_with('.') || !entry.is_regular_file(failure)) continue;
+        const std::string extension = small_letters(entry.path().extension().string());
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with('.')) continue;
+        const bool is_picture =
+            is_any_of(extension, {".png", ".exr", ".tif", ".tiff", ".pgm", ".pfm", ".npy", ".npz", ".jpg",
+                                  ".jpeg", ".heic", ".mkv", ".mp4", ".mov", ".avi"});
+        if (texts.size() + picture_stems.size() >= most) break;
+        if (is_picture)
+            picture_stems.push_back(small_letters(entry.path().stem().string()));
+        else
+            texts.push_back(entry.path());
+    }
+    std::ranges::sort(texts);
+    std::ranges::sort(picture_stems);
+    return texts;
+}
+
+bool is_small_text(const std::string& extension) {
+    return is_any_of(extension, {".json", ".yaml", ".yml", ".xml", ".txt", ".csv", ".ini", ".toml", ".cfg",
+                                 ".conf", ".cal"});
+}
+
+/// Files of a folder that may be a camera's, named ones first. Of pictures' own files only this picture's.
+std::vector<CameraCandidate> candidates_in(const fs::path& folder, const PicturesOfCamera& pictures) {
+    constexpr std::size_t most_named = 100, most_others = 16;  // more are of something else
+    constexpr std::uintmax_t longest_other = 1 << 20, longest_text = 1 << 22;
+    std::vector<std::string> picture_stems;
+    std::vector<CameraCandidate> named, others;
+    const std::vector<fs::path> texts = texts_in(folder, picture_stems);
+    for (const fs::path& file : texts) {
+        const std::string name = small_letters(file.filename().string()),
+                          stem = small_letters(file.stem().string()),
+                          extension = small_letters(file.extension().string());
+        if (!is_file(file)) continue;
         const bool has_members = is_any_of(extension, {".json", ".yaml", ".yml", ".xml"});
+        std::error_code failure;
         if (is_named_camera(name, stem)) {
             if (has_members || is_any_of(extension, {"", ".txt", ".ini", ".toml", ".cfg", ".conf", ".cal",
                                                      ".bin", ".mat", ".csv", ".pincam"}))
-                if (named.size() < most_named) named.push_back({entry.path(), true});
-        } else if (has_members && others.size() <= most_others && name != "scene.json" &&
-                   (pictures.is_whole_folder || (!stem.empty() && stem == small_letters(pictures.stem)))) {
-            if (entry.file_size(failure) <= longest_other && !failure) others.push_back({entry.path()});
+                if (named.size() < most_named) named.push_back({file, true});
+        } else if (!pictures.only_named && is_small_text(extension) && others.size() <= most_others &&
+                   !is_of_others(name)) {
+            const bool is_own = !stem.empty() && stem == small_letters(pictures.stem);
+            // A picture of a folder: what is no other picture's may be of all.
+            const bool is_shared = !std::ranges::binary_search(picture_stems, stem);
+            if (!is_own && !pictures.is_whole_folder && !is_shared) continue;
+            if (fs::file_size(file, failure) <= (has_members ? longest_other : longest_text) && !failure)
+                others.push_back({file, false, !has_members});
         }
     }
     if (others.size() <= most_others) named.insert(named.end(), others.begin(), others.end());
     std::ranges::sort(named, {}, &CameraCandidate::file);
     return named;
+}
+
+/// Digits at the end of a stem, without zeros before them; empty: there are none.
+std::string last_number(const std::string& stem) {
+    const auto last = stem.find_last_of("0123456789");
+    if (last == std::string::npos) return "";
+    const auto before = stem.find_last_not_of("0123456789", last);
+    std::string digits = stem.substr(before == std::string::npos ? 0 : before + 1,
+                                     last - (before == std::string::npos ? std::string::npos : before));
+    digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size() - 1));
+    return digits;
+}
+
+/// Cameras of a folder in which each frame has a file of its own, of the same name or number.
+struct OwnCameras {
+    CameraFile median;
+    fs::path first;
+    std::string files;  ///< "*.json"
+};
+std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const PicturesOfCamera& pictures) {
+    constexpr std::size_t most_read = 64;
+    const std::size_t frames = pictures.frames.size();
+    if (frames < 2) return {};
+    std::vector<std::string> ignored;
+    std::map<std::string, std::map<std::string, fs::path>> by_extension;
+    for (const fs::path& file : texts_in(folder, ignored)) {
+        const std::string extension = small_letters(file.extension().string());
+        if (!is_any_of(extension, {".json", ".yaml", ".yml", ".xml", ".txt"})) continue;
+        by_extension[extension].emplace(file.stem().string(), file);
+    }
+    for (const auto& [extension, files] : by_extension) {
+        if (files.size() < 2) continue;
+        std::map<std::string, fs::path> by_number;
+        for (const auto& [stem, file] : files)
+            // cam0 and cam1 are two cameras of all frames.
+            if (const std::string number = last_number(stem); !number.empty() && stem != "cam" + number)
+                by_number.emplace(number, file);
+        std::vector<CameraFile> cameras;
+        OwnCameras own;
+        const std::size_t count = std::min(frames, most_read);
+        for (std::size_t n = 0; n < count && cameras.size() == n; ++n) {
+            if (stop_requested()) return {};
+            const std::string stem = pictures.frames[n * frames / count].stem().string();
+            auto found = files.find(stem);
+            if (found == files.end()) {
+                found = by_number.find(last_number(stem));
+                if (found == by_number.end()) break;
+            }
+            auto said = read_camera_text(found->second);
+            if (!said || said->cameras.size() != 1) break;
+            if (n == 0) own.first = found->second;
+            cameras.push_back(std::move(said->cameras.front()));
+        }
+        if (cameras.size() != count) continue;
+        own.median = median_camera_file(cameras);
+        own.median.frames = frames;
+        own.median.is_of_files = true;
+        own.files = '*' + own.first.extension().string();
+        return own;
+    }
+    return {};
 }
 
 /// How well a camera goes with depth's pictures, what counts most first.
@@ -74,31 +183,85 @@ std::array<bool, 5> mark_of(const CameraCandidate& candidate, const CameraFile& 
             !is_of_colour, !camera.has_distortion};
 }
 
+/// Whether a text has a number in it: its first 64 KiB.
+bool has_number(const fs::path& file) {
+    constexpr std::size_t longest = 1 << 16;
+    const auto text = read_given_file(file, file.string(), "a text", longest);
+    return !text || text->find_first_of("0123456789") != std::string::npos;
+}
+
+void take_rate(double frames_per_second, const fs::path& file, CameraBeside& beside) {
+    if (beside.frames_per_second > 0 || frames_per_second <= 0) return;
+    beside.frames_per_second = frames_per_second;
+    beside.rate_file = file;
+}
+
+void take_scale(double codes_per_metre, const fs::path& file, CameraBeside& beside) {
+    if (beside.codes_per_metre > 0 || codes_per_metre <= 0) return;
+    beside.codes_per_metre = codes_per_metre;
+    beside.scale_file = file;
+}
+
+/// Takes the cameras of a folder in which each frame has its own.
+void take_frames(const fs::path& folder, const PicturesOfCamera& pictures, CameraBeside& beside) {
+    auto own = cameras_of_frames(folder, pictures);
+    if (!own) return;
+    take_scale(own->median.codes_per_metre, own->first, beside);
+    const fs::path within = folder.lexically_relative(pictures.folder);
+    beside.file = own->first;
+    if (own->median.differs && !within.empty() && *within.begin() != "..")
+        beside.frame_cameras = (within == "." ? fs::path(own->files) : within / own->files).string();
+    beside.camera = std::move(own->median);
+}
+
 /// Adds to `beside` what files of one folder say. `tells`: also names those that are not understood.
 void look_in(const fs::path& folder, const PicturesOfCamera& pictures, bool tells, CameraBeside& beside) {
     std::array<bool, 5> best{};
+    bool is_of_here = false;
+    if (!beside.camera) take_frames(folder, pictures, beside);
+    const bool is_known = beside.camera.has_value();
+    if (is_known && !tells) return;
     for (const CameraCandidate& candidate : candidates_in(folder, pictures)) {
+        if (stop_requested()) return;
+        const std::string name = candidate.file.filename().string();
         auto said = read_camera_text(candidate.file);
+        // A camera is what names its numbers, or is a whole matrix; four or six numbers may be anything.
+        if (said && candidate.is_text)
+            std::erase_if(said->cameras, [](const CameraFile& camera) { return camera.is_bare; });
         const bool has_camera = said && !said->cameras.empty();
-        if (!has_camera && candidate.is_named && tells &&
-            small_letters(candidate.file.filename().string()) != "metadata.json")
-            beside.not_understood.push_back(candidate.file.filename().string());
+        const bool is_odometry = said && said->timed_rows > 0;
+        const double rate = said && (candidate.is_named || has_camera || is_odometry || !candidate.is_text)
+                                ? said->frames_per_second
+                                : 0;
+        const double scale = said ? said->codes_per_metre : 0;
+        const bool is_silent = !has_camera && rate <= 0 && scale <= 0;
+        if (!has_camera && candidate.is_named && tells && small_letters(name) != "metadata.json" &&
+            (is_silent || !is_odometry))
+            beside.not_understood.push_back(name);
+        else if (is_silent && tells && pictures.is_whole_folder && has_number(candidate.file))
+            beside.not_used.push_back(name);
         if (!said) continue;
-        if (beside.frames_per_second == 0 && said->frames_per_second > 0 &&
-            (candidate.is_named || has_camera)) {
-            beside.frames_per_second = said->frames_per_second;
-            beside.rate_file = candidate.file;
-        }
+        take_rate(rate, candidate.file, beside);
+        take_scale(scale, candidate.file, beside);
         const bool is_one = said->cameras.size() == 1;
         for (CameraFile& camera : said->cameras) {
             const auto mark = mark_of(candidate, camera, pictures);
-            if (beside.camera && mark <= best) continue;
+            if (is_known || (is_of_here && mark <= best)) continue;
             if (is_one) camera.name.clear();
             best = mark;
+            is_of_here = true;
             beside.camera = std::move(camera);
             beside.file = candidate.file;
         }
     }
+}
+
+/// Whether a folder is a part of a recording by its name: what lies above it is of the recording as well.
+bool is_part_by_name(const fs::path& folder) {
+    const std::string name = small_letters(folder.filename().string());
+    return has_word(name, {"depth", "disp", "camera", "cam_", "frames", "image", "rgb", "color", "colour",
+                           "data", "keyframes", "left", "right"}) ||
+           (!name.empty() && name.find_first_not_of("0123456789") == std::string::npos);
 }
 
 /// How far a point is from the middle of a side, of which it is a share.
@@ -285,26 +448,75 @@ std::string guessed_field_of_view(double degrees) {
            short_number(100 * (1 - width(degrees) / width(other)), 2) + " % too narrow";
 }
 
-CameraBeside camera_beside(const PicturesOfCamera& pictures) {
+CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
+    constexpr int farthest_above = 3;
+    PicturesOfCamera pictures = pictures_of;
     CameraBeside beside;
     std::error_code failure;
     fs::path here = fs::weakly_canonical(pictures.folder.empty() ? "." : pictures.folder, failure);
     if (failure) here = pictures.folder;
+    pictures.folder = here;
+    if (!pictures.own.cameras.empty()) {
+        beside.camera = pictures.own.cameras.front();
+        beside.file = pictures.own_file;
+    }
+    beside.not_used = pictures.own_not_used;
+    take_scale(pictures.own.codes_per_metre, pictures.own_file, beside);
+    take_rate(pictures.own.frames_per_second, pictures.own_file, beside);
+    const fs::path of_depth =
+        pictures.within.empty() ? here : (here / pictures.within / "").lexically_normal().parent_path();
     std::vector<fs::path> folders{here};
-    if (!pictures.within.empty()) folders.push_back((here / pictures.within).lexically_normal());
+    if (of_depth != here) folders.push_back(of_depth);
     folders.push_back(here / "sparse" / "0");
+    std::vector<fs::path> around{here};
+    if (of_depth.parent_path() != here) around.push_back(of_depth.parent_path());
+    for (const fs::path& base : around)
+        for (const char* name : {"cameras", "camera", "intrinsics", "intrinsic", "calib", "calibration",
+                                 "corrected_cameras", "cam", "poses", "pose"})
+            folders.push_back(base / name);
     for (const fs::path& folder : folders)
-        if (!beside.camera) look_in(folder, pictures, true, beside);
-    if (!beside.camera) {
-        PicturesOfCamera above = pictures;
-        above.is_whole_folder = false;
-        look_in(here.parent_path(), above, false, beside);
+        look_in(folder, pictures, folder == here || folder == of_depth, beside);
+    PicturesOfCamera above = pictures;
+    above.is_whole_folder = false;
+    above.stem.clear();
+    above.frames.clear();
+    fs::path at = here;
+    for (int n = 0; n < farthest_above && !beside.camera && at.has_relative_path(); ++n) {
+        const bool goes_on = is_part_by_name(at);
+        at = at.parent_path();
+        above.only_named = !goes_on;
+        look_in(at, above, false, beside);
+        if (!goes_on) break;
     }
     if (beside.camera)
         beside.camera->intrinsics =
             trusted_intrinsics(beside.camera->intrinsics, pictures.width, pictures.height, beside.doubt);
     return beside;
 }
+
+namespace {
+
+/// A size of pictures in use, of the shape of these and at most a thirtieth from this width; nothing where
+/// there is none.
+std::optional<std::pair<int, int>> usual_size(double near_width, int width, int height) {
+    constexpr std::pair<int, int> usual[] = {
+        {320, 240},   {480, 360},   {512, 384},   {512, 424},   {640, 360},   {640, 480},
+        {640, 576},   {720, 960},   {848, 480},   {960, 540},   {960, 720},   {1024, 576},
+        {1024, 768},  {1080, 1440}, {1280, 720},  {1280, 800},  {1280, 960},  {1280, 1024},
+        {1440, 1080}, {1440, 1920}, {1600, 1200}, {1920, 1080}, {1920, 1440}, {2048, 1536},
+        {2560, 1440}, {2560, 1920}, {3024, 4032}, {3840, 2160}, {4032, 3024}, {4096, 3072}};
+    std::optional<std::pair<int, int>> best;
+    double nearest = near_width / 30;
+    for (const auto& [w, h] : usual) {
+        const bool is_of_shape = std::abs(double(w) * height - double(h) * width) < 0.01 * w * height;
+        if (!is_of_shape || std::abs(w - near_width) > nearest) continue;
+        nearest = std::abs(w - near_width);
+        best = {w, h};
+    }
+    return best;
+}
+
+}  // namespace
 
 Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::string& doubt) {
     if (!camera.cx || !camera.cy || width <= 0 || height <= 0) return camera;
@@ -332,6 +544,12 @@ Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::str
         camera.height = static_cast<int>(std::lround(std::min(times * height, 1e6)));
         doubt =
             "whose principal point is the middle of pictures " + short_number(times, 3) + " times as large";
+        if (const auto usual = usual_size(times * width, width, height)) {
+            camera.width = usual->first;
+            camera.height = usual->second;
+            doubt +=
+                ", which is taken for " + std::to_string(usual->first) + "x" + std::to_string(usual->second);
+        }
     }
     return camera;
 }

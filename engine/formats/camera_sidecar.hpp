@@ -8,10 +8,12 @@
 #include <filesystem>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/source_description.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -35,6 +37,10 @@ struct CameraFile {
     double codes_per_metre = 0;   ///< of its depth; 0: not said
     bool has_distortion = false;  ///< by its lens, which nothing here undoes
     std::string name{};           ///< its members, its own name, its topic
+    std::size_t frames = 1;       ///< of which it is the median
+    bool differs = false;         ///< these are not all the same
+    bool is_of_files = false;     ///< of frames that have a file each
+    bool is_bare = false;         ///< four or six numbers without names
     bool operator==(const CameraFile&) const = default;
 };
 
@@ -47,7 +53,12 @@ std::optional<Intrinsics> intrinsics_in_json(const std::string& text);
 struct CameraText {
     std::vector<CameraFile> cameras;  ///< in the order of the text, at most 64
     double frames_per_second = 0;     ///< 0: not said
+    std::size_t timed_rows = 0;       ///< of a table, by whose times that is
+    double codes_per_metre = 0;       ///< of depth; 0: not said
 };
+
+/// One camera for these frames, each number the median; of one or more.
+CameraFile median_camera_file(std::span<const CameraFile> cameras);
 
 /// What a camera's own file says (read_camera_file). No camera in it is no error; an error says that it
 /// cannot be read, or that every principal point is far beside its picture.
@@ -62,6 +73,11 @@ struct PicturesOfCamera {
     /// with this stem.
     bool is_whole_folder = false;
     std::string stem{};
+    bool only_named = false;                      ///< of files, those that are named as a camera's
+    std::vector<std::filesystem::path> frames{};  ///< depth's pictures, one a frame; empty: not known
+    CameraText own{};                             ///< what the pictures' own file says, which goes first
+    std::filesystem::path own_file{};             ///< that is this
+    std::vector<std::string> own_not_used{};      ///< what else is in it
 };
 
 /// What files beside pictures say of their camera.
@@ -71,13 +87,24 @@ struct CameraBeside {
     std::string doubt{};               ///< how it was taken otherwise than the file says; empty: as it says
     double frames_per_second = 0;      ///< 0: none of them says it
     std::filesystem::path rate_file{};
+    double codes_per_metre = 0;  ///< of depth; 0: none of them says it
+    std::filesystem::path scale_file{};
     std::vector<std::string> not_understood{};  ///< names of files that call themselves a camera's
+    /// Names of other files there with numbers in them, of which nothing was taken.
+    std::vector<std::string> not_used{};
+    /// Cameras that differ from frame to frame, as FolderSource::cameras; empty: one camera serves all.
+    std::string frame_cameras{};
 };
 
-/// Of files in the folder, in depth's, in sparse/0 (COLMAP), and, where none of these has one, in the folder
-/// above. Of several cameras that of a file which calls itself a camera's, of depth, of pictures of this
-/// size, without a lens's distortion, the first by its name.
+/// Looks in the folder, in depth's, in sparse/0 (COLMAP), in folders of cameras beside these (cameras/,
+/// poses/, intrinsic/ ...), and, where none of these has a camera, in the folder above, and farther up as
+/// long as the folders' names are those of parts of a recording. Of several cameras that of a file which
+/// calls itself a camera's, of depth, of pictures of this size, without a lens's distortion, the first by its
+/// name. Where each frame has a file of its own, the median of their cameras.
 CameraBeside camera_beside(const PicturesOfCamera& pictures);
+
+/// What arrays say that lie beside depth in its own file (.npz).
+CameraText cameras_in_arrays(std::span<const SmallArray> arrays);
 
 /// The same camera for pictures of this size, where what its file says of sizes cannot be: the principal
 /// point is near the middle of a picture, and tells of which. `doubt`: what was changed.

@@ -92,7 +92,14 @@ void find_camera(const DepthPhoto& photo, const SourceDescription& known, Scene&
     const int width = scene.width, height = scene.height;
     const Image& colour = photo.colour.image;
     if (known.intrinsics) {
-        scene.camera = scaled_camera(*known.intrinsics, width, height);
+        std::string doubt;
+        const Intrinsics camera = known.file.empty()
+                                      ? *known.intrinsics
+                                      : trusted_intrinsics(*known.intrinsics, width, height, doubt);
+        if (!doubt.empty())
+            add_remark(scene.remarks,
+                       {"the camera is that of " + printable(known.file.filename().string()) + ", " + doubt});
+        scene.camera = scaled_camera(camera, width, height);
     } else if (known.fov) {
         scene.camera = camera_of_fov(*known.fov, width, height);
     } else if (photo.camera) {

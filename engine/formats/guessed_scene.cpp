@@ -366,7 +366,7 @@ public:
         scene_.depth.near_is_high = true;
         described_.unstated.filters = all_unstated;
         scene_.hole_stiffness = soft_holes;
-        find_camera(folder);
+        TRY(find_camera(folder));
         if (coding) {
             scene_.depth = *coding;
         } else {
@@ -436,6 +436,11 @@ public:
         says_range_ = is_named_range(name);
     }
     void know_list(const std::string& file) { list_ = file; }
+    /// Cameras that differ from frame to frame, as FolderSource::cameras.
+    const std::string& frame_cameras() const { return beside_.frame_cameras; }
+    bool takes_frame_cameras() const {
+        return !beside_.frame_cameras.empty() && !known_.intrinsics && !known_.fov && !frames_;
+    }
     /// Where a camera's file is sought; its folder is that of `describe`.
     void know_place(PicturesOfCamera place) { place_ = std::move(place); }
     /// That of a video of colour with as many frames as depth.
@@ -500,18 +505,39 @@ public:
 
 private:
     std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
-    void find_camera(const fs::path& folder) {
+    /// A camera's file that a person named is scaled as one that is found, or refused.
+    Result<Intrinsics> named_intrinsics() {
+        if (known_.file.empty()) return *known_.intrinsics;
+        std::string doubt;
+        const Intrinsics camera = trusted_intrinsics(*known_.intrinsics, scene_.width, scene_.height, doubt);
+        const std::string name = printable(known_.file.filename().string());
+        const auto is_beside = [](const std::optional<double>& at, int side) {
+            return at && (*at < -0.5 || *at > side - 0.5);
+        };
+        if (camera.width <= 0 && (is_beside(camera.cx, scene_.width) || is_beside(camera.cy, scene_.height)))
+            return input_error(
+                printable(known_.file.string()) + ": is of other pictures: its principal point, " +
+                    short_number(camera.cx.value_or(0)) + ", " + short_number(camera.cy.value_or(0)) +
+                    ", is not in these of " + std::to_string(scene_.width) + "x" +
+                    std::to_string(scene_.height) + " pixels; must say the width and height that it is of",
+                {{Setting::intrinsics}});
+        if (!doubt.empty()) tell("the camera is that of " + name + ", " + doubt, {}, {{Setting::intrinsics}});
+        return camera;
+    }
+
+    Result<void> find_camera(const fs::path& folder) {
         place_.folder = folder;
         place_.width = scene_.width;
         place_.height = scene_.height;
         beside_ = camera_beside(place_);
         if (beside_.camera) {
             file_ = *beside_.camera;
-            inputs_.push_back(beside_.file);
+            if (beside_.file != place_.own_file) inputs_.push_back(beside_.file);
         }
         has_camera_of_depth_ = known_.intrinsics || known_.fov || frames_ || beside_.camera;
         if (known_.intrinsics) {
-            take(*known_.intrinsics, "the camera that was said");
+            TRY_ASSIGN(const Intrinsics named, named_intrinsics());
+            take(named, "the camera that was said");
             const Camera& camera = scene_.camera;
             const auto is_far = [](double at, int side) { return at < -0.5 * side || at > 1.5 * side; };
             if (is_far(camera.cx, scene_.width) || is_far(camera.cy, scene_.height))
@@ -528,9 +554,13 @@ private:
             take(file_.intrinsics, name);
             std::error_code ignored;
             const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ignored);
-            std::string whose =
-                "the camera is that of " + printable(beside_.file.lexically_relative(here).string());
+            fs::path from_here = beside_.file.lexically_relative(here);
+            if (file_.frames > 1 && file_.is_of_files)
+                from_here.replace_filename('*' + from_here.extension().string());
+            std::string whose = "the camera is that of " + printable(from_here.string());
             if (!file_.name.empty()) whose += " (" + printable(file_.name, 60) + ')';
+            if (file_.differs)
+                whose += ", the median of those of " + std::to_string(file_.frames) + " frames, which differ";
             if (!beside_.doubt.empty()) whose += ", " + beside_.doubt;
             if (file_.has_distortion) whose += "; its lens's distortion is not undone";
             tell(whose + not_understood(), {}, {{Setting::intrinsics}});
@@ -542,6 +572,18 @@ private:
             say(guessed_field_of_view(fov) + not_understood(),
                 Hints{{Setting::field_of_view}, {Setting::intrinsics}});
         }
+        tell_of_unused();
+        return {};
+    }
+
+    void tell_of_unused() {
+        constexpr std::size_t most = 6;
+        const auto& names = beside_.not_used;
+        if (names.empty()) return;
+        std::string told = "beside the pictures, and not used: " +
+                           printable(listed(std::span(names).first(std::min(most, names.size()))), 200);
+        if (names.size() > most) told += " and " + std::to_string(names.size() - most) + " more";
+        tell(std::move(told));
     }
 
     void take(const Intrinsics& intrinsics, const std::string& whose) {
@@ -612,8 +654,15 @@ private:
             set_metric(preset_->metres_per_code);
             return {};
         }
-        if (file_.codes_per_metre > 0) {
-            set_metric(1 / file_.codes_per_metre);
+        const double codes = file_.codes_per_metre > 0 ? file_.codes_per_metre : beside_.codes_per_metre;
+        if (codes > 0 && !values.is_float) {
+            set_metric(1 / codes);
+            const fs::path& file = file_.codes_per_metre > 0 ? beside_.file : beside_.scale_file;
+            if (std::ranges::find(inputs_, file) == inputs_.end() && file != place_.own_file)
+                inputs_.push_back(file);
+            tell("a code is " + short_number(1000 / codes) + " mm, as " +
+                     printable(file.filename().string()) + " says",
+                 {}, {{Setting::depth_unit}});
             return {};
         }
         guess_unit(values);
@@ -829,6 +878,29 @@ private:
     bool has_camera_of_depth_ = false;  // which was said, or read
 };
 
+/// What arrays beside depth in its own file say of the camera.
+Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, PicturesOfCamera& place) {
+    TRY_ASSIGN(const auto stack, pictures.stack_in(file));
+    if (!stack) return {};
+    place.own = cameras_in_arrays(stack->small_arrays());
+    std::error_code ignored;
+    place.own_file = fs::weakly_canonical(file, ignored);
+    for (const SmallArray& array : stack->small_arrays())
+        if (has_word(array.name, {"extrinsic", "pose", "c2w", "w2c"}))
+            place.own_not_used.push_back(array.name + " in " + file.filename().string());
+    return {};
+}
+
+/// The pattern where each frame's camera can be read by it; otherwise none.
+std::string usable_cameras(const fs::path& folder, FolderSource source, const std::string& pattern,
+                           const Scene& scene) {
+    source.cameras = pattern;
+    const auto depth = depth_files(folder, source);
+    const auto files = depth ? camera_files(folder, source, *depth) : depth;
+    const bool is_usable = files && read_frame_cameras(*files, scene.width, scene.height);
+    return is_usable ? pattern : "";
+}
+
 /// For a person: "1861 km", "0.5 m", "0.2 mm".
 std::string length_in_words(double metres) {
     if (metres >= 10'000) return short_number(metres / 1000) + " km";
@@ -874,7 +946,10 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
                                              : preset);
     if (cameras) guess.know_cameras(*cameras);
     if (is_list_of_depth(depth->pattern)) guess.know_list(depth->pattern);
-    guess.know_place({.folder = folder, .within = folder_of(*depth), .is_whole_folder = true});
+    PicturesOfCamera place{.folder = folder, .within = folder_of(*depth), .is_whole_folder = true};
+    if (files) place.frames = files->files;
+    if (place.frames.size() == 1) TRY(add_own_arrays(place.frames.front(), *pictures, place));
+    guess.know_place(std::move(place));
     guess.know_name((fs::weakly_canonical(folder).filename() / depth->pattern).string());
     if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
@@ -888,6 +963,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     scene.folder->depth = depth->pattern;
     if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
         scene.folder->cameras = cameras->files;
+    if (guess.takes_frame_cameras() && scene.stored.kind != StoredDepth::Kind::disparity)
+        scene.folder->cameras = usable_cameras(folder, *scene.folder, guess.frame_cameras(), scene);
     const BesideDepth* const beside = stored.beside.get();
     TRY_ASSIGN(const auto stack, depth->count == 1 ? pictures->stack_in(depth->first)
                                                    : Result<std::shared_ptr<ImageStack>>(nullptr));
@@ -971,7 +1048,9 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     }
     SceneGuess guess(with_camera, evident.preset ? evident.preset : preset);
     if (has_own_camera) guess.tell("the camera is that of " + printable(metadata->filename().string()));
-    guess.know_place({.folder = file.parent_path(), .within = {}, .stem = file.stem().string()});
+    PicturesOfCamera place{.folder = file.parent_path(), .within = {}, .stem = file.stem().string()};
+    TRY(add_own_arrays(file, *pictures, place));
+    guess.know_place(std::move(place));
     guess.know_name((fs::weakly_canonical(file).parent_path().filename() / name).string());
     if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());

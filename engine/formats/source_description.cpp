@@ -1,5 +1,7 @@
 #include "engine/formats/source_description.hpp"
 
+#include "engine/base/same_bits.hpp"
+
 namespace touchable {
 namespace {
 
@@ -84,7 +86,19 @@ const SourceDescription::Preset presets[] = {
 
 }  // namespace
 
-Camera scaled_camera(const Intrinsics& intrinsics, int width, int height) {
+Camera scaled_camera(const Intrinsics& said, int width, int height) {
+    Intrinsics intrinsics = said;
+    if (said.fx <= 0 && (said.fov_x > 0 || said.fov_y > 0)) {
+        const bool is_of_these = said.width <= 0 || said.height <= 0;
+        const double w = is_of_these ? width : said.width, h = is_of_these ? height : said.height;
+        const auto focal = [](double degrees, double side) {
+            return 0.5 * side * cosine(degrees * pi / 360) / sine(degrees * pi / 360);
+        };
+        intrinsics.fx = said.fov_x > 0 ? focal(said.fov_x, w) : focal(said.fov_y, h);
+        intrinsics.fy = said.fov_y > 0 ? focal(said.fov_y, h) : intrinsics.fx;
+        constexpr double rounded = 0.005;  // angles that differ by less are of square pixels
+        if (std::abs(intrinsics.fy - intrinsics.fx) < rounded * intrinsics.fx) intrinsics.fy = intrinsics.fx;
+    }
     Camera camera{intrinsics.fx, intrinsics.fy, 0.5 * (width - 1), 0.5 * (height - 1)};
     const bool has_size = intrinsics.width > 0 && intrinsics.height > 0;
     double x = has_size ? static_cast<double>(width) / intrinsics.width : 1,

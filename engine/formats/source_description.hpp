@@ -32,6 +32,8 @@ struct Intrinsics {
     double fx = 0, fy = 0;
     std::optional<double> cx{}, cy{};  ///< otherwise the middle of the picture
     int width = 0, height = 0;         ///< of the pictures that they are of; 0: of any
+    /// Degrees from edge to edge, across and down, where fx is 0; 0: not said, then pixels are square.
+    double fov_x = 0, fov_y = 0;
     bool operator==(const Intrinsics&) const = default;
 };
 

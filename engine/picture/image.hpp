@@ -149,6 +149,13 @@ Result<StoredImage> decode_exr_colour(std::string_view bytes, const std::string&
 /// Material indices alone, as numbers.
 Result<StoredImage> decode_exr_materials(std::string_view bytes, const std::string& where);
 
+/// A small array beside depth in its file.
+struct SmallArray {
+    std::string name;
+    std::vector<std::int64_t> shape;
+    std::vector<double> numbers;  ///< row by row
+};
+
 /// The pictures of a file that holds several, read one by one: of an array as NumPy writes it, height x width
 /// or a stack of such; the pages of a TIFF.
 class ImageStack {
@@ -163,6 +170,8 @@ public:
     virtual std::optional<double> least_confidence() const = 0;
     /// What the file has beside these pictures and is not read, in words; empty: nothing.
     virtual std::string left_out() const { return ""; }
+    /// Arrays of at most 65536 numbers in the same .npz, such as the cameras' matrices; at most 64.
+    virtual std::span<const SmallArray> small_arrays() const { return {}; }
 };
 
 /// Of a .npy file, or of the member of a .npz file that holds depth, which is found out by its bytes: the

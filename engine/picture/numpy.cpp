@@ -1,4 +1,6 @@
 #include <zip.h>
+
+#include <bit>
 #include <limits>
 #include <map>
 
@@ -200,6 +202,7 @@ struct NpzMember {
     std::vector<NpzArray> row{};
     ZipArchive archive{};    ///< of the row
     std::string left_out{};  ///< ImageStack
+    std::vector<SmallArray> small_arrays{};
 };
 
 constexpr zip_int64_t most_members = 4096;
@@ -348,6 +351,47 @@ const NpzArray* only(const std::vector<NpzArray>& arrays, Fits&& fits) {
     return &*first;
 }
 
+double number_in(const char* bytes, const NumberFormat& format) {
+    std::uint64_t bits = 0;
+    for (int k = 0; k < format.bytes; ++k) {
+        const auto byte = static_cast<unsigned char>(bytes[format.big_endian ? k : format.bytes - 1 - k]);
+        bits = bits << 8 | byte;
+    }
+    if (format.kind == NumberFormat::Kind::floating)
+        return format.bytes == 8   ? std::bit_cast<double>(bits)
+               : format.bytes == 4 ? std::bit_cast<float>(static_cast<std::uint32_t>(bits))
+                                   : std::numeric_limits<double>::quiet_NaN();
+    if (format.kind == NumberFormat::Kind::unsigned_integer) return static_cast<double>(bits);
+    const int unused = 64 - 8 * format.bytes;
+    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+}
+
+/// Those with numbers that can be read: not half floats, not in Fortran order.
+std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::vector<NpzArray>& arrays) {
+    constexpr std::uint64_t most_numbers = 65536;
+    constexpr std::size_t most_arrays = 64;
+    std::vector<SmallArray> small;
+    for (const NpzArray& array : arrays) {
+        if (small.size() >= most_arrays || stop_requested()) break;
+        if (!array.is_possible || array.size > 8 * most_numbers + 70000) continue;
+        const auto bytes = unpacked(archive, array);
+        const auto header = read_npy_header(*bytes, "");
+        if (!header || (header->columns_first && header->shape.size() > 1)) continue;
+        std::uint64_t count = 1;
+        for (const std::int64_t extent : header->shape)
+            count = count > most_numbers ? count : count * static_cast<std::uint64_t>(extent);
+        const auto each = static_cast<std::size_t>(header->format.bytes);
+        if (count == 0 || count > most_numbers || bytes->size() < header->data_at + count * each) continue;
+        std::vector<char> held(static_cast<std::size_t>(count) * each);
+        if (!bytes->read(header->data_at, held.data(), held.size())) continue;
+        SmallArray read{array.name, header->shape, {}};
+        for (std::size_t k = 0; k < count; ++k)
+            read.numbers.push_back(number_in(held.data() + k * each, header->format));
+        small.push_back(std::move(read));
+    }
+    return small;
+}
+
 const NpzArray* depth_array(const std::vector<NpzArray>& arrays) {
     if (arrays.size() == 1) return &arrays.front();
     const auto named = [](const NpzArray& a) { return a.is_pictures() && a.name == "depth"; };
@@ -420,6 +464,7 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
         if (auto row = row_of_arrays(arrays); !row.empty()) {
             NpzMember found{nullptr, where};
             found.row = std::move(row);
+            found.small_arrays = small_arrays_of(archive, arrays);
             found.archive = std::move(archive);
             return found;
         }
@@ -438,6 +483,7 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
     });
     NpzMember found{unpacked(archive, *array), name, trust ? unpacked(archive, *trust) : nullptr};
     if (array->is_pictures()) found.left_out = other_pictures(arrays, *array, trust);
+    found.small_arrays = small_arrays_of(archive, arrays);
     return found;
 }
 
@@ -516,6 +562,8 @@ public:
     std::optional<double> least_confidence() const override { return least_confidence_; }
     std::string left_out() const override { return left_out_; }
     void leave_out(std::string what) { left_out_ = std::move(what); }
+    std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
+    void set_small_arrays(std::vector<SmallArray> arrays) { small_arrays_ = std::move(arrays); }
 
     /// Whether the first picture is integers from 0 to 65535.
     Result<bool> has_codes() {
@@ -610,6 +658,7 @@ private:
     std::unique_ptr<NpyStack> confidence_;
     std::optional<double> least_confidence_;
     std::string left_out_;
+    std::vector<SmallArray> small_arrays_;
 };
 
 /// Arrays of an archive, one picture each.
@@ -619,6 +668,7 @@ public:
         : archive_(std::move(member.archive)),
           row_(std::move(member.row)),
           where_(std::move(member.where)),
+          small_arrays_(std::move(member.small_arrays)),
           width_(width),
           height_(height) {}
     static Result<std::shared_ptr<ImageStack>> of(NpzMember member) {
@@ -632,6 +682,7 @@ public:
     int width() const override { return width_; }
     int height() const override { return height_; }
     std::optional<double> least_confidence() const override { return {}; }
+    std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
     Result<StoredImage> image(std::int64_t number) override {
         if (number < 0 || number >= count())
             return usage_error(where_ + ": has no picture " + std::to_string(number) +
@@ -662,6 +713,7 @@ private:
     ZipArchive archive_;
     std::vector<NpzArray> row_;
     std::string where_;
+    std::vector<SmallArray> small_arrays_;
     int width_, height_;
     bool floats_ = false;
 };
@@ -694,6 +746,7 @@ Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
     if (!member.row.empty()) return NpzRow::of(std::move(member));
     TRY_ASSIGN(auto stack, NpyStack::of(std::move(member.bytes), member.where));
     stack.leave_out(std::move(member.left_out));
+    stack.set_small_arrays(std::move(member.small_arrays));
     if (member.confidence) {
         TRY_ASSIGN(auto confidence, NpyStack::of(std::move(member.confidence), file.string() + ": conf"));
         TRY(stack.trust(std::move(confidence), least_confidence));

@@ -314,6 +314,7 @@ std::string segments_depend_on(const ClipChoice& choice) {
     if (of_camera.intrinsics) {
         const Intrinsics& lens = *of_camera.intrinsics;
         said["intrinsics"] = {lens.fx, lens.fy, lens.cx.value_or(-1), lens.cy.value_or(-1)};
+        if (lens.fx <= 0) said["seen"] = {lens.fov_x, lens.fov_y};
     }
     if (of_camera.fov) said["fov"] = *of_camera.fov;
     if (of_camera.metres_per_code) said["depth-unit"] = *of_camera.metres_per_code;

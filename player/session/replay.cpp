@@ -52,6 +52,8 @@ Json recorded_facts(const TouchSetup& setup) {
             if (lens->cx && lens->cy)
                 facts["intrinsics"].insert(facts["intrinsics"].end(), {*lens->cx, *lens->cy});
             if (lens->width > 0) facts["intrinsics_size"] = {lens->width, lens->height};
+            if (lens->fx <= 0) facts["intrinsics_fov"] = {lens->fov_x, lens->fov_y};
+            if (!camera->file.empty()) facts["intrinsics_file"] = camera->file.filename().string();
         }
         if (camera->fov) facts["fov"] = *camera->fov;
         if (camera->metres_per_code) facts["depth_unit"] = *camera->metres_per_code;
@@ -134,6 +136,12 @@ Intrinsics intrinsics_of(const Json& facts) {
     Intrinsics lens{.fx = numbers[0], .fy = numbers[1]};
     if (numbers.size() == 4) lens.cx = numbers[2];
     if (numbers.size() == 4) lens.cy = numbers[3];
+    if (facts.contains("intrinsics_fov")) {
+        const auto seen = member<std::vector<double>>(facts, "intrinsics_fov", "numbers");
+        if (seen.size() != 2) throw std::out_of_range("intrinsics_fov must be two numbers");
+        lens.fov_x = seen[0];
+        lens.fov_y = seen[1];
+    }
     if (!facts.contains("intrinsics_size")) return lens;
     const auto size = member<std::vector<int>>(facts, "intrinsics_size", "numbers");
     if (size.size() != 2) throw std::out_of_range("intrinsics_size must be two numbers");
@@ -146,6 +154,7 @@ Intrinsics intrinsics_of(const Json& facts) {
 std::optional<SourceDescription> camera_of(const Json& facts) {
     SourceDescription known;
     if (facts.contains("intrinsics")) known.intrinsics = intrinsics_of(facts);
+    if (facts.contains("intrinsics_file")) known.file = text(facts, "intrinsics_file");
     if (facts.contains("fov")) known.fov = number(facts, "fov");
     if (facts.contains("depth_unit")) known.metres_per_code = number(facts, "depth_unit");
     if (facts.contains("depth"))

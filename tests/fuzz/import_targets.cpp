@@ -25,7 +25,8 @@ bool parse_camera_file(std::string_view bytes) {
     const auto camera = read_camera_file(file_of(bytes, "camera.txt"));
     if (!is_taken(camera)) return false;
     require_lens(camera->intrinsics);
-    require(camera->intrinsics.fx > 0 && camera->intrinsics.fy > 0, "a focal length is not above 0");
+    const Camera scaled = scaled_camera(camera->intrinsics, 64, 48);
+    require(scaled.fx > 0 && scaled.fy > 0, "a focal length is not above 0");
     require(std::isfinite(camera->baseline) && std::isfinite(camera->offset) &&
                 std::isfinite(camera->codes_per_metre) && camera->codes_per_metre >= 0,
             "a camera's number is not finite");
