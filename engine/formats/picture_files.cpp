@@ -431,17 +431,30 @@ void join_by_earlier_numbers(std::map<std::string, PictureGroup>& groups) {
     }
 }
 
-/// Of the folder itself and of those in it, largest first.
+/// Those in `folder / within`, each with its slash.
+std::vector<std::string> folders_in(const fs::path& folder, const std::string& within, std::size_t& entries) {
+    std::vector<std::string> found;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder / within, ignored)) {
+        if (++entries > most_entries) break;
+        const std::string name = entry.path().filename().string();
+        if (!is_hidden(name) && entry.is_directory(ignored)) found.push_back(within + name + '/');
+    }
+    return found;
+}
+
+/// Of the folder itself and of those in it, largest first; where these have none, of those in them
+/// (depth/Camera_0 of Virtual KITTI).
 std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
     std::map<std::string, PictureGroup> found;
     std::size_t entries = 0;
     add_files(folder, "", is_wanted, found, entries);
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        const std::string name = entry.path().filename().string();
-        if (!is_hidden(name) && entry.is_directory(ignored))
-            add_files(folder, name + "/", is_wanted, found, entries);
-    }
+    std::vector<std::string> level = folders_in(folder, "", entries);
+    for (const std::string& within : level) add_files(folder, within, is_wanted, found, entries);
+    if (found.empty())
+        for (const std::string& within : level)
+            for (const std::string& deeper : folders_in(folder, within, entries))
+                add_files(folder, deeper, is_wanted, found, entries);
     join_by_earlier_numbers(found);
     std::vector<PictureGroup> groups;
     for (auto& [pattern, group] : found) {
@@ -452,7 +465,7 @@ std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
     return groups;
 }
 
-/// Folders above those with pictures, as each is looked into one level down.
+/// Folders two above those with pictures, as each is looked into so far down.
 std::set<fs::path> folders_further_down(const fs::path& folder) {
     constexpr int deepest = 5;
     constexpr std::size_t most_looked_at = 100'000, most_folders = 100;
@@ -469,8 +482,8 @@ std::set<fs::path> folders_further_down(const fs::path& folder) {
             at.disable_recursion_pending();
             continue;
         }
-        if (at.depth() > 1 && is_picture(at->path()) && at->is_regular_file(ignored))
-            found.insert(at->path().parent_path().parent_path());
+        if (at.depth() > 2 && is_picture(at->path()) && at->is_regular_file(ignored))
+            found.insert(at->path().parent_path().parent_path().parent_path());
     }
     return found;
 }

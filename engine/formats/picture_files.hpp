@@ -74,8 +74,8 @@ struct PictureGroup {
     std::size_t count = 0;
 };
 
-/// Of the folder itself and of those in it, largest first; lists of pictures (depth.txt, rgb.txt) before
-/// those that they name.
+/// Of the folder itself and of those in it, or where these have none of those in them, largest first; lists
+/// of pictures (depth.txt, rgb.txt) before those that they name.
 std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
 
 /// The files with the cameras of frames, grouped in the same way (ARKitScenes' .pincam).

@@ -172,7 +172,7 @@ TEST_F(GuessedFolder, OfArkitScenesHasTheCamerasOfItsFrames) {
         });
     };
     EXPECT_TRUE(says("that of lowres_wide_intrinsics/41048190_*.pincam, the median (a scene file says"));
-    EXPECT_TRUE(says("a code is 1 mm and 0 is no depth, as ARKitScenes has them"));
+    EXPECT_TRUE(says("as ARKitScenes has them, a code is 1 mm and 0 is no depth"));
     const auto read = frames();
     ASSERT_EQ(read.size(), 5U);
     EXPECT_EQ(read[3].depth.sample(0, 5), 1003);
@@ -287,10 +287,10 @@ TEST_F(GuessedFolder, WithoutPicturesSaysWhereTheyAre) {
     colour("a b/seq/rgb/1.png");
     depth("a b/seq/depth/1.png");
     EXPECT_NE(refusal().find("there are no pictures, but further down than it is looked: touchable play '" +
-                             (folder / "a b/seq").string() + "')"),
+                             (folder / "a b").string() + "')"),
               std::string::npos)
         << refusal();
-    depth("c/d/1.png");
+    depth("c/d/e/1.png");
     EXPECT_NE(refusal().find("one of 2 such folders"), std::string::npos) << refusal();
     write_bytes(folder / "Test.mov", "");
     EXPECT_NE(refusal().find("but a video: touchable play " + (folder / "Test.mov").string() + ')'),

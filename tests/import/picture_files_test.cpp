@@ -58,6 +58,24 @@ TEST(PictureFiles, OfOtherPlanesAreThoseNearestInTime) {
         EXPECT_NEAR(static_cast<double>(rate->time_ns(n)), static_cast<double>(ms[n]) * 1e6, 1000) << n;
 }
 
+TEST(PictureFiles, AreLookedForTwoFoldersDownWhereNoneAreAbove) {
+    const TemporaryFolder folder;
+    for (const char* name :
+         {"depth/Camera_0/depth_1.png", "depth/Camera_0/depth_2.png", "rgb/Camera_0/rgb_1.jpg"}) {
+        std::filesystem::create_directories((folder.path() / name).parent_path());
+        write_bytes(folder / name, "");
+    }
+    const auto deep = picture_groups(folder.path());
+    ASSERT_EQ(deep.size(), 2U);
+    EXPECT_EQ(deep[0].pattern, "depth/Camera_0/depth_*.png");
+    EXPECT_EQ(deep[1].pattern, "rgb/Camera_0/rgb_1.jpg");
+    EXPECT_EQ(names(found_in(folder, deep[0].pattern)), (Names{"depth_1.png", "depth_2.png"}));
+    write_bytes(folder / "depth/near.png", "");
+    const auto near = picture_groups(folder.path());
+    ASSERT_EQ(near.size(), 1U);
+    EXPECT_EQ(near[0].pattern, "depth/near.png");
+}
+
 TEST(PictureFiles, OfAListHaveItsTimes) {
     const TemporaryFolder folder;
     for (const char* name : {"a.png", "b.png", "c.png"}) write_bytes(folder / name, "");
