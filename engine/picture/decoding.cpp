@@ -361,20 +361,19 @@ void drop_rows(AVFrame& frame, int first, int count) {
 /// Rows that are copied at once; then their memory goes back, so that a picture is held once and not twice.
 constexpr int rows_at_once = 64;
 
-/// A picture whose rows `append(samples, first, count)` adds at the end, false where they are of another
-/// kind.
+/// A picture whose rows `append(samples, first, count)` adds at the end.
 template <class Append>
-Result<std::optional<Image>> gathered(AVFrame& frame, int bytes, int channels, Append&& append) {
+Result<Image> gathered(AVFrame& frame, int bytes, int channels, Append&& append) {
     Image image{frame.width, frame.height, bytes, channels, {}};
     image.samples.reserve(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height) *
                           static_cast<std::size_t>(bytes * channels));
     for (int first = 0; first < frame.height; first += rows_at_once) {
         if (stop_requested()) return interrupted_error();
         const int count = std::min(rows_at_once, frame.height - first);
-        if (!append(image.samples, first, count)) return std::optional<Image>{};
+        append(image.samples, first, count);
         drop_rows(frame, first, count);
     }
-    return std::optional(std::move(image));
+    return image;
 }
 
 using Samples = std::vector<std::uint8_t>;
@@ -384,29 +383,63 @@ auto packed_grey(const PlaneView& plane) {
         const auto row_bytes = static_cast<std::ptrdiff_t>(plane.width) * plane.bytes_per_sample;
         for (int y = first; y < first + count; ++y)
             to.insert(to.end(), plane.row(y), plane.row(y) + row_bytes);
-        return true;
     };
 }
 
+bool is_colour_of_16_bits(const AVFrame& frame) {
+    return frame.format == AV_PIX_FMT_RGB48BE || frame.format == AV_PIX_FMT_RGBA64BE;
+}
+
+int channels_of(const AVFrame& frame) {
+    return av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format))->nb_components;
+}
+
+/// Which of red, green and blue of 16 bits holds numbers: the one with the most values, where the others are
+/// the same or masks, of few values (EVIMO). Nothing where they are colours, or at a stop.
+std::optional<int> numbers_in_colour(const AVFrame& frame) {
+    constexpr std::ptrdiff_t most_of_a_mask = 256, times_as_many = 4;
+    std::array<std::vector<bool>, 3> seen;
+    for (auto& values : seen) values.resize(65536);
+    std::array<bool, 3> differs{};  // from the next one
+    const int step = 2 * channels_of(frame);
+    for (int y = 0; y < frame.height; ++y) {
+        if (stop_requested()) return std::nullopt;
+        const std::uint8_t* from = frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y;
+        for (int x = 0; x < frame.width; ++x, from += step) {
+            std::array<int, 3> values{};
+            for (std::size_t c = 0; c < 3; ++c)
+                seen[c][static_cast<std::size_t>(values[c] = from[2 * c] << 8 | from[2 * c + 1])] = true;
+            for (std::size_t c = 0; c < 3; ++c) differs[c] = differs[c] || values[c] != values[(c + 1) % 3];
+        }
+    }
+    std::array<std::ptrdiff_t, 3> counts{};
+    for (std::size_t c = 0; c < 3; ++c) counts[c] = std::ranges::count(seen[c], true);
+    const auto most = static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin());
+    for (std::size_t c = 0; c < 3; ++c) {
+        const bool is_same = !differs[(c + 1) % 3 == most ? c : most] || c == most;
+        if (!is_same && (counts[c] > most_of_a_mask || times_as_many * counts[c] > counts[most]))
+            return std::nullopt;
+    }
+    return static_cast<int>(most);
+}
+
 /// The grey of formats that `grey_samples` does not see: 16 bits as PNG has them (high byte first), grey with
-/// alpha, and grey stored as colour of 16 bits, which no colour is.
+/// alpha, and one channel of colour of 16 bits.
 struct GreyOfPng {
     const AVFrame& frame;
-    bool is_colour() const {
-        return frame.format == AV_PIX_FMT_RGB48BE || frame.format == AV_PIX_FMT_RGBA64BE;
-    }
+    int channel = 0;
     bool is_deep() const {
-        return frame.format == AV_PIX_FMT_GRAY16BE || frame.format == AV_PIX_FMT_YA16BE || is_colour();
+        return frame.format == AV_PIX_FMT_GRAY16BE || frame.format == AV_PIX_FMT_YA16BE ||
+               is_colour_of_16_bits(frame);
     }
     bool is_it() const { return is_deep() || frame.format == AV_PIX_FMT_YA8; }
-    bool operator()(Samples& to, int first, int count) const {
-        const bool deep = is_deep(), colour = is_colour();
-        const int step =
-            (deep ? 2 : 1) * av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format))->nb_components;
+    void operator()(Samples& to, int first, int count) const {
+        const bool deep = is_deep();
+        const int step = (deep ? 2 : 1) * channels_of(frame);
         for (int y = first; y < first + count; ++y) {
-            const std::uint8_t* from = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+            const std::uint8_t* from =
+                frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y + 2 * channel;
             for (int x = 0; x < frame.width; ++x, from += step) {
-                if (colour && std::memcmp(from, from + 2, 4) != 0) return false;
                 const auto sample = static_cast<std::uint16_t>(deep ? from[0] << 8 | from[1] : from[0]);
                 const auto bytes = std::bit_cast<std::array<std::uint8_t, 2>>(sample);
                 if (deep)
@@ -415,7 +448,6 @@ struct GreyOfPng {
                     to.push_back(from[0]);
             }
         }
-        return true;
     }
 };
 
@@ -427,7 +459,6 @@ auto black_and_white(const AVFrame& frame) {
             for (int x = 0; x < frame.width; ++x)
                 to.push_back((row[x / 8] >> (7 - x % 8) & 1) != 0 ? 255 : 0);
         }
-        return true;
     };
 }
 
@@ -435,7 +466,6 @@ auto rgb_of(const AVFrame& frame) {
     return [&frame](Samples& to, int first, int count) {
         const Image rows = rgb_rows(frame, first, count);
         to.insert(to.end(), rows.samples.begin(), rows.samples.end());
-        return true;
     };
 }
 
@@ -451,14 +481,19 @@ Result<FramePtr> rgb_to_gather(const AVFrame& frame) {
     return rgb;
 }
 
-/// Nothing of kinds that are not read.
-Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr frame) {
+Result<Image> image_from(const std::string& where, FramePtr frame) {
+    const Error unread = input_error(where + ": has pixel format " + format_name(*frame) +
+                                     "; grey of 8 or 16 bits and colour of 8 bits are read");
     if (frame->format == AV_PIX_FMT_MONOBLACK) return gathered(*frame, 1, 1, black_and_white(*frame));
+    if (is_colour_of_16_bits(*frame)) {
+        const auto channel = numbers_in_colour(*frame);
+        if (stop_requested()) return interrupted_error();
+        return channel ? gathered(*frame, 2, 1, GreyOfPng{*frame, *channel}) : unread;
+    }
     if (const GreyOfPng grey{*frame}; grey.is_it()) return gathered(*frame, grey.is_deep() ? 2 : 1, 1, grey);
     if (const auto plane = grey_samples(*frame))
         return gathered(*frame, plane->bytes_per_sample, 1, packed_grey(*plane));
-    if (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->comp[0].depth != 8)
-        return std::optional<Image>{};
+    if (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->comp[0].depth != 8) return unread;
     if (!is_rgb8(*frame)) {
         auto rgb = unless_stopped([frame = std::move(frame)] { return rgb_to_gather(*frame); });
         if (!rgb) return interrupted_error();
@@ -466,14 +501,6 @@ Result<std::optional<Image>> image_of_any(const std::string& where, FramePtr fra
         frame = std::move(**rgb);
     }
     return gathered(*frame, 1, 3, rgb_of(*frame));
-}
-
-Result<Image> image_from(const std::string& where, FramePtr frame) {
-    const std::string format = format_name(*frame);
-    TRY_ASSIGN(auto image, image_of_any(where, std::move(frame)));
-    if (image) return std::move(*image);
-    return input_error(where + ": has pixel format " + format +
-                       "; grey of 8 or 16 bits and colour of 8 bits are read");
 }
 
 /// Grey of 1, 2 and 4 bits comes spread over 8.
@@ -588,11 +615,8 @@ Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string
 Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
     TRY_ASSIGN(const auto frame, decode_picture(bytes, where));
     if (codec_of(bytes) == AV_CODEC_ID_PNG && frame->format == AV_PIX_FMT_PAL8) {
-        auto indices =
-            gathered(*frame, 1, 1,
-                     packed_grey({frame->data[0], frame->linesize[0], frame->width, frame->height, 1, 1}));
-        if (!indices) return indices.error();  // TRY_ASSIGN's move of an optional picture makes GCC 12 warn
-        return std::move(**indices);
+        return gathered(*frame, 1, 1,
+                        packed_grey({frame->data[0], frame->linesize[0], frame->width, frame->height, 1, 1}));
     }
     TRY_ASSIGN(auto stored, decode_coded_image(bytes, where));
     const Image& image = stored.image;

@@ -114,8 +114,8 @@ Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const
 /// Refuses sides of 0 and beyond `largest_picture_side`.
 Result<void> check_picture_size(std::int64_t width, std::int64_t height, const std::string& where);
 
-/// PNG and JPEG, by FFmpeg's decoders: grey of 2 to 16 bits, colour of 8. Colour of 16 bits only where it is
-/// grey.
+/// PNG and JPEG, by FFmpeg's decoders: grey of 2 to 16 bits, colour of 8. Of colour of 16 bits the channel
+/// that holds numbers, where the others are the same or masks of few values; otherwise it is refused.
 Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string& where);
 
 /// The indices of a PNG with a palette, whatever colours they stand for, or the values of a grey one, in 8

@@ -224,6 +224,28 @@ TEST(Image, SixteenBitColourIsRefusedByName) {
     EXPECT_NE(message(image).find("has pixel format rgb48be"), std::string::npos) << message(image);
 }
 
+/// Depth in one of three channels of 16 bits, and masks of few values in the others, as EVIMO has them.
+TEST(Image, SixteenBitColourIsTheChannelThatHoldsNumbers) {
+    const TemporaryFolder folder;
+    for (int depth = 0; depth < 3; ++depth) {
+        const auto image = read_bytes_as_image(
+            folder, encoded("png", AV_PIX_FMT_RGB48BE, 40, 30, [&](AVFrame& frame) {
+                for (int y = 0; y < 30; ++y)
+                    for (int x = 0; x < 40; ++x)
+                        for (int c = 0; c < 3; ++c) {
+                            const int value = c == depth ? 900 + 40 * y + x : x / 20 * 1000;
+                            std::uint8_t* const to = frame.data[0] + frame.linesize[0] * y + 6 * x + 2 * c;
+                            to[0] = static_cast<std::uint8_t>(value >> 8);
+                            to[1] = static_cast<std::uint8_t>(value & 255);
+                        }
+            }));
+        ASSERT_EQ(message(image), "") << depth;
+        EXPECT_EQ(image->channels, 1);
+        for (const auto& [x, y] : {std::pair{0, 0}, {39, 29}, {25, 7}})
+            EXPECT_EQ(image->view().sample(x, y), 900 + 40 * y + x) << depth;
+    }
+}
+
 TEST(ImageDamage, EveryChangedByteOfAPngIsAnErrorOrChangesNothing) {
     const TemporaryFolder folder;
     Samples memory;
