@@ -19,7 +19,7 @@
 namespace touchable {
 
 inline constexpr double usual_fov = 60;  ///< degrees, where nothing tells
-/// Begins a remark that guesses the field of view (guesses_camera).
+/// Begins a remark that guesses the field of view (guessed_in).
 inline constexpr std::string_view camera_guess_mark = "the camera sees ";
 
 /// Square pixels, the axis through the middle; degrees from the left edge to the right one.

@@ -25,7 +25,14 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Setting::Name depth_setting = "depth";
-constexpr std::string_view doubt_mark = "the median depth is ";
+// Remarks begin with them, by which guessed_in and doubts_unit know them.
+constexpr std::string_view doubt_mark = "the median depth is ", no_scale_mark = "depth has no scale",
+                           direction_guess_mark = "values are lengths, though they are larger",
+                           code_guess_mark = "a code is ", value_guess_mark = "values are ",
+                           axis_guess_mark = "depth goes along the camera's axis",
+                           colour_guess_mark = "colour lies on depth's pixels";
+/// Begins what a remark on a unit says of other units that fit.
+constexpr std::string_view other_units_mark = "that is ";
 /// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
 constexpr double soft_holes = 0.1;
 constexpr double most_of_lengths = 1.05;                 // lower in a picture, times what is above
@@ -416,8 +423,10 @@ public:
             Hints{{Setting::preset}, {Setting::depth_unit}});
     }
 
-    /// What is lost, and that nothing here brings it back.
-    void tell_of_jpeg(const StoredImage& depth) {
+    /// Which of three numbers is depth; and of JPEG what is lost, which nothing here brings back.
+    void tell_of_storage(const StoredImage& depth) {
+        if (depth.pixel_format.starts_with("rgb48") || depth.pixel_format.starts_with("rgba64"))
+            say("depth is the one of red, green and blue (16 bits) that has the most values");
         if (depth.codec != "mjpeg") return;
         const DepthCoding& coding = scene_.depth;
         const double middle = coding.depth(128), step = std::abs(coding.depth(129) - middle);
@@ -500,7 +509,8 @@ public:
         } else {
             return;
         }
-        say("colour lies on depth's pixels, though " + why, "a scene file's colour_camera says otherwise");
+        say(std::string(colour_guess_mark) + ", though " + why,
+            "a scene file's colour_camera says otherwise");
     }
 
 private:
@@ -686,8 +696,7 @@ private:
         const double nearer = 100 * (1 - 1 / std::sqrt(1 + x * x + y * y));
         constexpr double least_felt = 5;  // per cent
         if (nearer < least_felt) return;
-        say("depth goes along the camera's axis (planar); if it goes along each pixel's ray, the corners "
-            "are " +
+        say(std::string(axis_guess_mark) + " (planar); if it goes along each pixel's ray, the corners are " +
                 short_number(nearer, 2) + " % nearer",
             "", Hints{{depth_setting, "range"}});
     }
@@ -709,7 +718,7 @@ private:
         depth.near = assumed_near;
         depth.far = assumed_far;
         depth.code_max = largest_code();
-        say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
+        say(std::string(no_scale_mark) + ": its nearest is taken for " + short_number(assumed_near) +
                 " m and its farthest for " + short_number(assumed_far) + " m, " +
                 (near_is_high ? "large" : "small") + " values near",
             "a scene file says otherwise, touchable init-scene writes one to begin with; where values are "
@@ -731,14 +740,13 @@ private:
         } else if (values.is_float) {
             const bool metres = values.median < 30;
             set_metric(metres ? 1 : 0.001);
-            say(std::string("values are ") + (metres ? "metres" : "millimetres") + ", as their median is " +
-                    short_number(values.median),
+            say(std::string(value_guess_mark) + (metres ? "metres" : "millimetres") +
+                    ", as their median is " + short_number(values.median),
                 otherwise);
             // What is lower in a picture is mostly nearer.
             if (values.lower > most_of_lengths * values.upper)
-                say("values are lengths, though they are larger in the lower third of the picture, as "
-                    "1/depth of "
-                    "networks is",
+                say(std::string(direction_guess_mark) +
+                        " in the lower third of the picture, as 1/depth of networks is",
                     "", {{Setting::preset, "relative-inverse"}});
         } else if (!list_.empty() || !guess_unit_of_multiples(values)) {
             const bool fine = values.median > 12000, coarse = values.median < 100;
@@ -750,7 +758,7 @@ private:
 
     /// The unit of words that was guessed, and others that fit them too, with the size of the scene in each.
     void say_unit(const EstimatedValues& values, double unit) {
-        const std::string guess = "a code is " + short_number(1000 * unit) + " mm, as ";
+        const std::string guess = std::string(code_guess_mark) + short_number(1000 * unit) + " mm, as ";
         if (!list_.empty()) {
             say(guess + "recordings with a " + list_ + " have it (TUM RGB-D)", Hints{{Setting::depth_unit}});
             return;
@@ -786,7 +794,7 @@ private:
         }
         if (hints.empty()) hints = {{Setting::depth_unit}};
         say(guess + "their median is " + short_number(values.median),
-            others.empty() ? "" : "that is " + size(unit) + others, std::move(hints));
+            others.empty() ? "" : std::string(other_units_mark) + size(unit) + others, std::move(hints));
     }
 
     /// Cameras measure in whole millimetres, and files may have these times 5, 10 or 100. Whether that
@@ -803,7 +811,7 @@ private:
             return false;
         }
         set_metric(0.001 / divisor);
-        say("a code is " + short_number(1.0 / divisor) + " mm, as " + multiples +
+        say(std::string(code_guess_mark) + short_number(1.0 / divisor) + " mm, as " + multiples +
                 " and their median is then " + short_number(median) + " mm",
             Hints{{Setting::depth_unit, values.median <= deepest ? "0.001" : ""}});
         return true;
@@ -954,9 +962,9 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
     if (is_arkit)
-        guess.say("a code is 1 mm and 0 is no depth, as ARKitScenes has them", Hints{{Setting::depth_unit}});
+        guess.say("as ARKitScenes has them, a code is 1 mm and 0 is no depth", Hints{{Setting::depth_unit}});
     guess.tell_of_preset(evident);
-    guess.tell_of_jpeg(stored);
+    guess.tell_of_storage(stored);
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
@@ -1055,7 +1063,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());
     guess.tell_of_preset(evident);
-    guess.tell_of_jpeg(stored);
+    guess.tell_of_storage(stored);
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;
@@ -1092,8 +1100,16 @@ std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints h
                   std::move(otherwise), std::move(hints)};
 }
 
-bool guesses_camera(const Remark& remark) {
-    return remark.is_guess && remark.what.starts_with(camera_guess_mark);
+Guessed guessed_in(const Remark& remark) {
+    if (!remark.is_guess) return Guessed::little;
+    const auto begins = [&](std::string_view mark) { return remark.what.starts_with(mark); };
+    if (begins(direction_guess_mark)) return Guessed::direction;
+    if (begins(no_scale_mark)) return Guessed::scale;
+    if (begins(code_guess_mark) || begins(value_guess_mark))
+        return remark.otherwise.starts_with(other_units_mark) ? Guessed::unclear_unit : Guessed::unit;
+    if (begins(camera_guess_mark)) return Guessed::camera;
+    if (begins(axis_guess_mark)) return Guessed::axis;
+    return begins(colour_guess_mark) ? Guessed::colour_place : Guessed::little;
 }
 
 bool doubts_unit(const Remark& remark) {

@@ -86,8 +86,21 @@ Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDesc
 /// where the unit may be right. `otherwise` and `hints` are the remark's.
 std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints);
 
-/// Whether a remark guesses the camera, or doubts the unit; also one that was read from a scene file.
-bool guesses_camera(const Remark& remark);
+/// What a guess is of: what changes most of what is felt if it is wrong, and is wrong most often, first. The
+/// place of colour is seen alone.
+enum class Guessed {
+    direction,     ///< that values are lengths, though they look like 1/depth: the scene may be inside out
+    scale,         ///< depth has none
+    unclear_unit,  ///< other units fit as well
+    camera,
+    unit,
+    axis,  ///< that depth goes along the camera's axis, and not along each pixel's ray
+    colour_place,
+    little
+};
+/// Of a guess just made, or read from a scene file; of all other remarks `little`.
+Guessed guessed_in(const Remark& remark);
+/// Whether a remark doubts the unit (unit_doubt); also one that was read from a scene file.
 bool doubts_unit(const Remark& remark);
 
 /// Pictures of touch that serve a whole clip, in place of its own.

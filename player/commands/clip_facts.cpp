@@ -61,14 +61,25 @@ Kappa kappa_at(const Scene& scene, double depth) {
     return {depth, kappa_of_depth(scene, depth)};
 }
 
-/// Share of invalid stored values and the range of the valid ones, in the first frame.
+/// Share of invalid stored values, the range of the valid ones, and how often these jump, in the first frame.
 void add_first_frame(const RawFrame& frame, ClipFacts& facts) {
     const DepthCoding& coding = facts.scene.depth;
-    std::int64_t invalid = 0;
+    std::vector<float> depths(65536);  // by code; 0: it is none
+    for (std::size_t code = 0; code < depths.size(); ++code)
+        if (coding.is_valid(static_cast<std::uint16_t>(code)))
+            depths[code] = static_cast<float>(coding.depth(static_cast<std::uint16_t>(code)));
+    std::int64_t invalid = 0, neighbours = 0, torn = 0;
     std::uint16_t least = 65535, greatest = 0;
-    for (int y = 0; y < frame.depth.height && !stop_requested(); ++y)
+    for (int y = 0; y < frame.depth.height && !stop_requested(); ++y) {
+        float left = 0;
         for (int x = 0; x < frame.depth.width; ++x) {
             const std::uint16_t code = stored_code(frame.depth, coding, x, y);
+            const float depth = depths[code];
+            if (left > 0 && depth > 0) {
+                ++neighbours;
+                torn += left > 2 * depth || depth > 2 * left;
+            }
+            left = depth;
             if (!coding.is_valid(code)) {
                 ++invalid;
                 continue;
@@ -76,11 +87,55 @@ void add_first_frame(const RawFrame& frame, ClipFacts& facts) {
             least = std::min(least, code);
             greatest = std::max(greatest, code);
         }
+    }
+    if (neighbours > 0) facts.torn = static_cast<double>(torn) / static_cast<double>(neighbours);
     const auto pixels = static_cast<double>(frame.depth.width) * frame.depth.height;
     facts.invalid_pct = 100.0 * static_cast<double>(invalid) / pixels;
     if (least > greatest) return;
     facts.nearest = coding.depth(coding.deeper_is_higher() ? least : greatest);
     facts.farthest = coding.depth(coding.deeper_is_higher() ? greatest : least);
+}
+
+/// The median over its pixels of how many times as deep a frame is as another; nothing without common ones.
+std::optional<double> times_as_deep(const std::vector<float>& one, const std::vector<float>& other) {
+    std::vector<float> ratios;
+    for (std::size_t k = 0; k < std::min(one.size(), other.size()); ++k)
+        if (one[k] > 0 && other[k] > 0) ratios.push_back(one[k] / other[k]);
+    if (ratios.empty()) return std::nullopt;
+    const auto middle = ratios.begin() + std::ssize(ratios) / 2;
+    std::ranges::nth_element(ratios, middle);
+    return *middle;
+}
+
+/// Frames of two kinds in turn, as where a camera's infrared or raw pictures lie among those of depth. Four
+/// frames tell, at every fourth pixel of every fourth row.
+Result<void> look_at_turns(const RawFrame& first, ClipReader& reader, ClipFacts& facts) {
+    constexpr int frames = 4, apart = 4;
+    constexpr double differ_by = 1.5, agree_within = 1.1;
+    std::vector<std::vector<float>> depths;
+    const auto take = [&](const RawFrame& frame) {
+        const DepthCoding& coding = facts.scene.depth;
+        std::vector<float>& taken = depths.emplace_back();
+        for (int y = 0; y < frame.depth.height; y += apart)
+            for (int x = 0; x < frame.depth.width; x += apart) {
+                const std::uint16_t code = stored_code(frame.depth, coding, x, y);
+                taken.push_back(coding.is_valid(code) ? static_cast<float>(coding.depth(code)) : 0);
+            }
+    };
+    take(first);
+    while (depths.size() < frames) {
+        TRY_ASSIGN(const auto next, reader.next());
+        if (!next) return {};
+        take(*next);
+    }
+    const auto factor = [&](std::size_t one, std::size_t other) {
+        const double times = times_as_deep(depths[one], depths[other]).value_or(1);
+        return std::max(times, 1 / times);
+    };
+    const double least = std::min({factor(0, 1), factor(1, 2), factor(2, 3)});
+    if (least > differ_by && factor(0, 2) < agree_within && factor(1, 3) < agree_within)
+        facts.alternates_by = least;
+    return {};
 }
 
 struct MarkColour {
@@ -351,12 +406,92 @@ constexpr double rough_deg = 10;
 /// Filters that leave so much less than those that are on are worth a line.
 constexpr double worth_while = 0.67;
 constexpr double many_holes_pct = 60;
+/// Of neighbours that are no depth, mixed up bytes or packed numbers, a third and more are an octave apart;
+/// of a room's less than a twentieth.
+constexpr double much_torn = 0.2;
 
-/// The guess about the camera; null: the camera was stated.
-const Remark* guess_of_the_camera(const ClipFacts& facts) {
-    for (const Remark& remark : facts.scene.remarks)
-        if (guesses_camera(remark)) return &remark;
-    return nullptr;
+/// How much nearer a corner is at most if depth goes along the ray and not along the axis, as a share.
+double nearer_along_rays(const Scene& scene) {
+    const Camera& camera = scene.camera;
+    const double x = std::max(camera.cx, scene.width - 1 - camera.cx) / camera.fx,
+                 y = std::max(camera.cy, scene.height - 1 - camera.cy) / camera.fy;
+    return 1 - 1 / std::sqrt(1 + x * x + y * y);
+}
+
+/// What is guessed and would change what is felt by more than a tenth if it were wrong, or where colour is
+/// seen; what matters most first.
+std::vector<std::pair<Guessed, const Remark*>> guesses_that_matter(const ClipFacts& facts) {
+    constexpr double much = 0.1, nearest = 0.1, farthest = 20;  // metres, of what lies before a camera
+    const double median = facts.measured ? facts.measured->median * facts.scene.metres_per_unit : 1;
+    std::vector<std::pair<Guessed, const Remark*>> guesses;
+    for (const Remark& remark : facts.scene.remarks) {
+        Guessed guessed = guessed_in(remark);
+        if (guessed == Guessed::little) continue;
+        if (guessed == Guessed::axis && nearer_along_rays(facts.scene) < much) continue;
+        if (guessed == Guessed::unit && (median < nearest || median > farthest))
+            guessed = Guessed::unclear_unit;
+        guesses.emplace_back(guessed, &remark);
+    }
+    std::ranges::stable_sort(guesses, {}, &std::pair<Guessed, const Remark*>::first);
+    return guesses;
+}
+
+const char* name_of(Guessed guessed) {
+    switch (guessed) {
+        case Guessed::direction:
+            return "whether it is inside out";
+        case Guessed::scale:
+            return "its size";
+        case Guessed::unclear_unit:
+        case Guessed::unit:
+            return "the unit";
+        case Guessed::camera:
+            return "the camera";
+        case Guessed::axis:
+            return "range or planar";
+        case Guessed::colour_place:
+            return "where colour lies";
+        case Guessed::little:
+            break;
+    }
+    return "";
+}
+
+/// The guess that matters most, and what says otherwise.
+std::string verdict_on_guess(Guessed guessed, const Remark& remark, const ClipFacts& facts) {
+    const std::string play = "touchable play " + shell_word(facts.clip),
+                      why = remark.what + (guessed == Guessed::unclear_unit && !remark.otherwise.empty()
+                                               ? "; " + remark.otherwise
+                                               : "");
+    // A clip of its own scene takes no such options (SceneDescription).
+    const bool takes_options = !remark.hints.empty();
+    const auto cure = [&](const std::string& by_option) {
+        return takes_options
+                   ? by_option
+                   : "touchable init-scene " + shell_word(facts.clip) + " writes a scene file to say it in";
+    };
+    const auto if_right = [&](const char* what, const std::string& by_option) {
+        return std::string("good to touch if ") + what + " is right (" + why + "): " + cure(by_option);
+    };
+    switch (guessed) {
+        case Guessed::direction:
+            return "may be inside out (" + why + "): if what is near looks far, " +
+                   cure(play + " --preset relative-inverse");
+        case Guessed::scale:
+            return if_right("its size", "say the unit if values are lengths, " + play +
+                                            " --depth-unit METRES, or near and far in a scene file");
+        case Guessed::unclear_unit:
+        case Guessed::unit:
+            return if_right("the unit", "say it, " + play + " --depth-unit METRES");
+        case Guessed::camera:
+            return if_right("the camera", "say what it sees, " + play + " --fov DEGREES");
+        case Guessed::axis:
+            return "good to touch if depth is planar (" + why +
+                   "): " + cure("say which, " + play + " --depth planar, or --depth range");
+        default:
+            return "good to touch, and in its place if " + why +
+                   ": a scene file's colour_camera says otherwise";
+    }
 }
 
 std::string degrees(double value) {
@@ -416,6 +551,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         }
     facts.notes = remarks_with_options(remarks);
     add_first_frame(*first, facts);
+    TRY(look_at_turns(*first, *clip.reader, facts));
     if (stop_requested()) return interrupted_error();
 
     const Camera& camera = facts.scene.camera;
@@ -502,6 +638,14 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
     const std::string clip = shell_word(facts.clip);
     if (facts.nearest == 0 && facts.farthest == 0) return "nothing to touch: the first frame has no depth";
     if (!facts.unit_doubt.empty()) return facts.unit_doubt;
+    if (facts.torn > much_torn)
+        return "hardly depth: of " + per_cent(facts.torn) +
+               " of neighbouring pixels one is more than twice as deep as the other: the values may mean "
+               "something else, touchable formats lists what is known by name (--preset NAME)";
+    if (facts.alternates_by > 1)
+        return "frames of two kinds take turns, one " + number(facts.alternates_by) +
+               " times as deep as the next: two kinds of pictures may lie in one folder, or two cameras in "
+               "one clip; give one alone";
     const auto* const measured = facts.measured ? &*facts.measured : nullptr;
     const TriedFilters* const now = measured ? found_among(measured->tried, facts.scene.filter) : nullptr;
     const TriedFilters* const best =
@@ -511,9 +655,13 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
                degrees(best->left_deg) + " with other filters: touchable play " + clip + " --filters auto";
     if (findings != nullptr && !findings->empty())
         return findings->front().name + ", see above: " + findings->front().mend;
-    if (const Remark* const guess = guess_of_the_camera(facts))
-        return "good to touch if the camera is right (" + guess->what +
-               "): say what it sees, touchable play " + clip + " --fov DEGREES";
+    if (const auto guesses = guesses_that_matter(facts); !guesses.empty()) {
+        const auto& [guessed, remark] = guesses.front();
+        std::vector<std::string> others;
+        for (const auto& [other, what] : std::span(guesses).subspan(1)) others.emplace_back(name_of(other));
+        return verdict_on_guess(guessed, *remark, facts) +
+               (others.empty() ? "" : "; guessed too: " + listed(others));
+    }
     if (facts.invalid_pct > many_holes_pct)
         return "little to touch: " + short_number(facts.invalid_pct, 2) +
                " % of the first frame has no depth";

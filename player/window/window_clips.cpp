@@ -43,7 +43,9 @@ void tell_guesses(WindowCore& core) {
         if (!remark.is_guess) continue;
         const bool is_unit =
             std::ranges::find(remark.hints, Setting::depth_unit, &Hint::setting) != remark.hints.end();
-        const std::string_view what = guesses_camera(remark) ? "the camera" : is_unit ? "the unit" : "";
+        const std::string_view what = guessed_in(remark) == Guessed::camera ? "the camera"
+                                      : is_unit                             ? "the unit"
+                                                                            : "";
         if (guessed.find(what) == std::string::npos)
             guessed += std::string(guessed.empty() ? "" : " and ") + std::string(what);
     }

@@ -95,13 +95,96 @@ TEST_F(BarePicture, CameraFileIsNoGuess) {
     const Outcome told = run_touchable({"info", picture()});
     EXPECT_NE(told.out.find("  note         " + own), std::string::npos) << told.out;
     EXPECT_NE(told.out.find("  note         " + scaled), std::string::npos) << told.out;
-    EXPECT_NE(told.out.find("verdict      good to touch: touchable play "), std::string::npos) << told.out;
+    EXPECT_NE(told.out.find("verdict      good to touch if the unit is right (a code is 1 mm, "),
+              std::string::npos)
+        << told.out;
+    EXPECT_NE(run({"info", picture()}, {"--depth-unit", "0.001"})
+                  .out.find("verdict      good to touch: touchable play "),
+              std::string::npos);
     const Outcome window = run_touchable(
         {"play", picture(), "--headless", "--seconds", "0.1", "--painter", "cpu", "--builder", "cpu"});
     ASSERT_EQ(window.code, 0) << window.err;
     EXPECT_NE(window.err.find("touchable: " + own), std::string::npos) << window.err;
     const Outcome typed = run_touchable({"info", picture(), "--intrinsics", "100,100,59.5,39.5"});
     EXPECT_EQ(typed.out.find("guessed: the camera"), std::string::npos) << typed.out << typed.err;
+}
+
+/// The guess that matters most comes first, with what says otherwise; none that matters, and it is good.
+TEST_F(BarePicture, VerdictWeighsEveryGuess) {
+    const auto verdict = [&](const std::string& clip, const Words& more) {
+        return nlohmann::json::parse(run({"info", clip, "--json"}, more).out, nullptr, false)["verdict"]
+            .get<std::string>();
+    };
+    const auto begins = [](const std::string& told, const std::string& words) {
+        EXPECT_EQ(told.substr(0, words.size()), words) << told;
+    };
+    const auto ends = [](const std::string& told, const std::string& words) {
+        EXPECT_TRUE(told.ends_with(words)) << told;
+    };
+    // 0.418 m, and 1.6 m if 256 codes are a metre.
+    begins(verdict(picture(), {}),
+           "good to touch if the unit is right (a code is 1 mm, as their median is 418; that "
+           "is 0.418 m; 1.63 m if 256 codes");
+    ends(verdict(picture(), {}), " --depth-unit METRES; guessed too: the camera");
+    ends(verdict(picture(), {"--depth-unit", "0.001"}), " --fov DEGREES");
+    begins(verdict(picture(), camera), "good to touch: ");
+    // Floats: where the lower third is larger they may be 1/depth; what goes along a ray is not said.
+    const auto write_floats = [&](const std::string& file, double lower, double noise) {
+        std::string bytes = "Pf\n60 40\n-1\n";
+        for (int y = 39; y >= 0; --y)  // a PFM begins with its lowest row
+            for (int x = 0; x < 60; ++x) {
+                const auto value =
+                    static_cast<float>((1 + lower * y / 39.0) * ((x + y) % 2 == 0 ? 1 : noise));
+                bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+            }
+        std::ofstream(file, std::ios::binary) << bytes;
+    };
+    const std::string floats = folder / "floats.pfm";
+    write_floats(floats, -0.4, 1);
+    const std::string plain = verdict(floats, {"--intrinsics", "50,50"});
+    begins(plain, "good to touch if the unit is right (values are metres, ");
+    ends(plain, "; guessed too: range or planar");
+    ends(verdict(floats, {"--intrinsics", "50,50", "--depth-unit", "1"}),
+         " --depth planar, or --depth range");
+    begins(verdict(floats, {"--intrinsics", "50,50", "--depth-unit", "1", "--depth", "planar"}),
+           "good to touch: ");
+    begins(verdict(floats, {"--intrinsics", "500,500", "--depth-unit", "1"}), "good to touch: ");
+    write_floats(floats, 2, 1);
+    const std::string turned = verdict(floats, {"--depth", "planar"});
+    begins(turned, "may be inside out (values are lengths, though they are larger in the lower third");
+    ends(turned, " --preset relative-inverse; guessed too: the camera, the unit");
+    // Of every second pixel three times as deep nothing is a surface.
+    write_floats(floats, 0, 3);
+    begins(verdict(floats, {}),
+           "hardly depth: of 100 % of neighbouring pixels one is more than twice as deep");
+}
+
+TEST_F(BarePicture, VerdictOnAConvertedClipNamesItsSceneFile) {
+    const std::string clip = folder / "clip.mkv";
+    ASSERT_EQ(run({"convert", picture(), clip}, {"--depth-unit", "0.001"}).code, 0);
+    const auto told = nlohmann::json::parse(run_touchable({"info", clip, "--json"}).out, nullptr, false);
+    EXPECT_EQ(
+        told["verdict"],
+        "good to touch if the camera is right (the camera sees 60 degrees from left to right; if it sees 70, "
+        "all shapes are 18 % too narrow): touchable init-scene " +
+            clip + " writes a scene file to say it in");
+}
+
+TEST_F(BarePicture, FramesOfTwoKindsInTurnAreSaid) {
+    std::filesystem::create_directory(folder / "mixed");
+    for (int n = 0; n < 4; ++n) {
+        Image image{60, 40, 2, 1, {}};
+        for (int k = 0; k < 60 * 40; ++k) {
+            const int depth = (n % 2 == 0 ? 500 : 1100) + k % 60;
+            image.samples.push_back(static_cast<std::uint8_t>(depth & 255));
+            image.samples.push_back(static_cast<std::uint8_t>(depth >> 8));
+        }
+        ASSERT_TRUE(write_png(folder / ("mixed/" + std::to_string(n) + ".png"), image.view()));
+    }
+    const auto told =
+        nlohmann::json::parse(run({"info", folder / "mixed", "--json"}, camera).out, nullptr, false);
+    EXPECT_TRUE(told["verdict"].get<std::string>().starts_with("frames of two kinds take turns, one 2."))
+        << told["verdict"];
 }
 
 TEST_F(BarePicture, ImplausibleUnitIsDoubted) {

@@ -131,7 +131,7 @@ TEST(Info, OfAGuessedCameraTheVerdictIsToSayWhatItSees) {
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1"}).code, 0);
     ASSERT_EQ(run_touchable({"convert", clip, pictures}).code, 0);
     std::filesystem::remove(std::filesystem::path(pictures) / "scene.json");
-    const auto facts = facts_of({"info", pictures, "--json"});
+    const auto facts = facts_of({"info", pictures, "--json", "--depth-unit", "0.0002"});
     EXPECT_NE(facts["verdict"].get<std::string>().find("say what it sees"), std::string::npos)
         << facts["verdict"];
     const auto told = facts_of({"info", pictures, "--json", "--fov", "81"});
