@@ -38,271 +38,11 @@ constexpr double soft_holes = 0.1;
 constexpr double most_of_lengths = 1.05;                 // lower in a picture, times what is above
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
-using SharedPicture = std::shared_ptr<const StoredImage>;
-
-/// Colour that is grey everywhere as grey, and depth of 24 bits as floats.
-Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, bool is_packed = false) {
-    if (!stored->values.empty() || stored->image.channels == 1) return stored;
-    if (is_packed || looks_packed(stored->image)) {
-        auto unpacked = std::make_shared<StoredImage>(*stored);
-        if (unpack_depth(*unpacked)) return SharedPicture(std::move(unpacked));
-        if (stop_requested()) return interrupted_error();
-    }
-    auto grey = as_grey(stored->image);
-    if (stop_requested()) return interrupted_error();
-    if (!grey)
-        return input_error(file.string() +
-                           ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
-    const StoredImage& of = *stored;
-    return std::make_shared<const StoredImage>(
-        StoredImage{std::move(*grey), of.codec, of.pixel_format, of.bits, of.interlaced, {}, of.beside});
-}
-
-/// Of a picture, or the first of a stack.
-Result<SharedPicture> depth_in(const fs::path& file, ReadPictures& pictures, bool is_packed) {
-    auto looked = pictures.look(file);
-    return looked ? as_depth(std::move(*looked), file, is_packed) : looked;
-}
-
-Result<SharedPicture> depth_in_stack(ImageStack& stack, std::int64_t frame, const fs::path& file) {
-    TRY_ASSIGN(auto picture, stack.image(frame));
-    return as_depth(std::make_shared<const StoredImage>(std::move(picture)), file);
-}
-
-/// Whether a picture has a value; an error where the search was interrupted.
-Result<bool> holds_values(const StoredImage& picture) {
-    const bool any = estimate_values(picture).any;
-    return stop_requested() ? Result<bool>(interrupted_error()) : any;
-}
-
-/// Whether a name has a word of pictures that look like depth and are none: infrared light as such.
-bool names_infrared(const std::string& name) {
-    std::string word;
-    for (const char c : small_letters(name) + ' ') {
-        if (c >= 'a' && c <= 'z') {
-            word += c;
-            continue;
-        }
-        if (word == "ir" || word.starts_with("infra") || word == "amplitude" || word == "ambient")
-            return true;
-        word.clear();
-    }
-    return false;
-}
-
-/// How well a group goes as depth: 0 not at all.
-int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
-    if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}))
-        return 0;
-    const auto looked = pictures.look(group.first);
-    if (!looked) return 0;
-    const StoredImage& first = **looked;
-    const bool is_packed = first.values.empty() && looks_packed(first.image);
-    if (first.values.empty() && !is_packed && !is_grey(first.image)) return 0;
-    const bool is_deep = is_packed || !first.values.empty() || first.image.bytes_per_sample == 2;
-    // Less than what is dense, and what is depth, beside it.
-    if (has_word(group.pattern, {"sparse"}) || names_infrared(group.pattern)) return is_deep ? 1 : 0;
-    return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
-}
-
-bool is_in_colour(const StoredImage& picture) {
-    return picture.values.empty() && picture.image.channels == 3 && picture.image.bytes_per_sample == 1;
-}
-
-bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPictures& pictures) {
-    if (group.pattern == depth.pattern ||
-        has_word(group.pattern,
-                 {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp", "ultrawide"}))
-        return false;
-    const auto looked = pictures.look(group.first);
-    if (!looked) return false;
-    const StoredImage& first = **looked;
-    if (!first.values.empty() || first.image.bytes_per_sample != 1) return false;
-    return is_in_colour(first) ||
-           has_word(group.pattern, {"rgb", "color", "colour", "image", "grey", "gray"});
-}
-
 /// By the name of depth's channel in a rendering, or else by its values.
 EvidentPreset evident_in(const StoredImage& picture) {
     if (picture.beside && is_exr_depth_of_unreal(picture.beside->depth_name))
         return {preset_named("unreal"), "its channel's name is Unreal's"};
     return evident_preset(picture);
-}
-
-std::string found_there(const std::vector<PictureGroup>& groups) {
-    const std::string words =
-        listed(std::span(groups).first(std::min<std::size_t>(groups.size(), 4)),
-               [](const PictureGroup& each) { return std::to_string(each.count) + " x " + each.pattern; });
-    return words.empty() ? "no pictures" : words + (groups.size() > 4 ? ", ..." : "");
-}
-
-/// Cameras may begin blank: the first of the telling frames that has depth, or else the first of all.
-/// `files`: one a frame, or one that is a stack of them.
-Result<SharedPicture> telling_depth(const std::vector<fs::path>& files, ReadPictures& pictures,
-                                    const SourceDescription::Preset* preset) {
-    const bool is_packed = preset != nullptr && preset->stored.packed;
-    TRY_ASSIGN(const auto first, depth_in(files.front(), pictures, is_packed));
-    TRY_ASSIGN(const bool any_in_first, holds_values(*first));
-    if (any_in_first) return first;
-    TRY_ASSIGN(const auto stack, pictures.stack_in(files.front()));
-    const bool is_stack = files.size() == 1 && stack;
-    for (const std::int64_t n : telling_frames(is_stack ? stack->count() : std::ssize(files))) {
-        if (stop_requested()) return interrupted_error();
-        const fs::path& file = files[is_stack ? 0 : static_cast<std::size_t>(n)];
-        auto stored = is_stack ? depth_in_stack(*stack, n, file) : depth_in(file, pictures, is_packed);
-        const bool is_alike = stored && (*stored)->image.width == first->image.width &&
-                              (*stored)->image.height == first->image.height;
-        if (!is_alike) continue;
-        TRY_ASSIGN(const bool any, holds_values(**stored));
-        if (any) return stored;
-    }
-    return first;
-}
-
-/// The picture of the same name in another form, or with another word for depth in it.
-std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictures) {
-    const std::string stem = depth.stem().string();
-    std::vector<std::string> stems;
-    if (!realsense_metadata_of(depth)) stems.push_back(stem);  // beside which it is depth in colours
-    for (const char* of_depth : {"depth", "Depth", "disp0", "disparity"})
-        if (const auto at = stem.find(of_depth); at != std::string::npos)
-            for (const char* of_colour : {"color", "colour", "rgb", "image", "Color", "im0"})
-                stems.push_back(std::string(stem).replace(at, std::string(of_depth).size(), of_colour));
-    for (const std::string& other : stems)
-        for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm"}) {
-            const fs::path file = depth.parent_path() / (other + extension);
-            if (file == depth || !is_file(file)) continue;
-            if (const auto picture = pictures.look(file); picture && is_in_colour(**picture)) return file;
-        }
-    return {};
-}
-
-/// All groups of a folder. Of those that call themselves depth the first picture can be read.
-Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPictures& pictures) {
-    std::vector<PictureGroup> groups = picture_groups(folder);
-    constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
-    if (groups.size() > most_groups) groups.resize(most_groups);
-    for (const PictureGroup& group : groups) {
-        if (stop_requested()) return interrupted_error();
-        if (!has_word(group.pattern, {"depth"})) continue;
-        TRY(pictures.look(group.first));
-    }
-    return groups;
-}
-
-/// The groups that go best as depth, the largest first.
-std::vector<const PictureGroup*> depths_among(const std::vector<PictureGroup>& groups,
-                                              ReadPictures& pictures) {
-    std::vector<const PictureGroup*> best;
-    int highest = 1;
-    for (const PictureGroup& group : groups) {
-        const int mark = depth_mark(group, pictures);
-        if (mark > highest) best.clear();
-        highest = std::max(highest, mark);
-        if (mark == highest) best.push_back(&group);
-    }
-    return best;
-}
-
-/// Groups of grey of 8 bits, which no name or kind says to be depth: used where a preset or the folder's name
-/// says so.
-std::vector<const PictureGroup*> greys_among(const std::vector<PictureGroup>& groups,
-                                             ReadPictures& pictures) {
-    std::vector<const PictureGroup*> greys;
-    for (const PictureGroup& group : groups) {
-        if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "rgb", "color",
-                                     "colour", "infra"}))
-            continue;
-        const auto looked = pictures.look(group.first);
-        if (looked && (*looked)->values.empty() && is_grey((*looked)->image)) greys.push_back(&group);
-    }
-    return greys;
-}
-
-/// Picks the colour pictures: prefers depth's folder, and skips folders that have depth of their own.
-const PictureGroup* colour_among(const std::vector<PictureGroup>& groups,
-                                 const std::vector<const PictureGroup*>& depths, ReadPictures& pictures) {
-    const PictureGroup& depth = *depths.front();
-    const PictureGroup* elsewhere = nullptr;
-    for (const PictureGroup& group : groups) {
-        if (!goes_as_colour(group, depth, pictures) || (group.count == 1) != (depth.count == 1)) continue;
-        const std::string folder = folder_of(group);
-        if (folder == folder_of(depth)) return &group;
-        const bool is_of_another = std::ranges::any_of(
-            depths, [&](const PictureGroup* other) { return folder_of(*other) == folder; });
-        if (elsewhere == nullptr && !is_of_another) elsewhere = &group;
-    }
-    return elsewhere;
-}
-
-/// Whether a group is a list of files and their times.
-bool is_list_of_depth(const std::string& pattern) {
-    return pattern.ends_with(".txt");
-}
-
-/// Other groups that go as depth as well.
-struct LeftOut {
-    std::vector<std::string> by_path;     ///< folders and files that can be opened: "t2/", "old_depth.png"
-    std::vector<std::string> by_pattern;  ///< groups that only a scene file can name: "old_depth_*.png"
-};
-
-/// Whether a group could be depth, though another one goes better: deep pictures without a word for depth,
-/// and sparse depth.
-bool may_be_depth(const PictureGroup& group, ReadPictures& pictures) {
-    if (names_infrared(group.pattern) || has_word(group.pattern, {"point"})) return false;
-    const int mark = depth_mark(group, pictures);
-    return mark == 1 || mark == 2;
-}
-
-/// Of `groups`, those whose first picture has depth, `depths` first.
-Result<LeftOut> left_out(std::vector<const PictureGroup*> depths, const std::vector<PictureGroup>& groups,
-                         ReadPictures& pictures) {
-    constexpr std::size_t most_told = 20;  // each is looked at
-    for (const PictureGroup& group : groups)
-        if (std::ranges::count(depths, &group) == 0 && may_be_depth(group, pictures))
-            depths.push_back(&group);
-    const PictureGroup& depth = *depths.front();
-    const bool is_listed = is_list_of_depth(depth.pattern);
-    LeftOut told;
-    for (const PictureGroup* other : depths) {
-        if (other == &depth || (is_listed && other->first.parent_path() == depth.first.parent_path()))
-            continue;
-        const std::string folder = folder_of(*other);
-        const bool has_own_folder = !folder.empty() && folder != folder_of(depth);
-        auto& names = has_own_folder || is_still(other->pattern) ? told.by_path : told.by_pattern;
-        const std::string name = has_own_folder ? folder : other->pattern;
-        if (names.size() == most_told || std::ranges::count(names, name) > 0) continue;
-        const auto looked = depth_in(other->first, pictures, false);
-        if (!looked) continue;
-        TRY_ASSIGN(const bool any, holds_values(**looked));
-        if (any) names.push_back(name);
-    }
-    return told;
-}
-
-/// What was found in a folder without depth, and what to do.
-Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& groups) {
-    std::string message =
-        folder.string() + ": no pictures of depth were found (there are " + found_there(groups);
-    const std::string elsewhere = found_elsewhere(folder);
-    if (!elsewhere.empty()) return input_error(message + ", " + elsewhere + ')');
-    if (const auto foreign = foreign_file_below(folder)) return input_error(message + "), but " + *foreign);
-    return input_error(
-        message +
-            "): describe them with a scene file, as docs/scene_file.md has it; where grey pictures "
-            "are what a network guessed, a preset says so",
-        {{Setting::scene_file, "FILE"}, {Setting::preset, "relative-inverse"}});
-}
-
-/// The first group beside depth whose first picture is a Git LFS pointer, which was not fetched; null: there
-/// is none.
-const PictureGroup* unfetched_among(const std::vector<PictureGroup>& groups, const PictureGroup& depth) {
-    constexpr std::size_t most_opened = 8, enough = 64;
-    for (const PictureGroup& group : std::span(groups).first(std::min(groups.size(), most_opened)))
-        if (group.pattern != depth.pattern &&
-            is_git_lfs_pointer(first_bytes(SourceFile(group.first), enough)))
-            return &group;
-    return nullptr;
 }
 
 /// As programs say it: 29.97 stands for 30000/1001.
@@ -922,29 +662,19 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (const auto foreign = foreign_folder(folder)) return input_error(folder.string() + ": " + *foreign);
     const auto pictures = std::make_shared<ReadPictures>();
     pictures->take_channel(known.channel);
-    TRY_ASSIGN(const auto groups, readable_groups(folder, *pictures));
-    std::vector<const PictureGroup*> depths = depths_among(groups, *pictures);
     const bool is_relative = preset != nullptr && preset->stored.kind == StoredDepth::Kind::relative;
-    if (depths.empty() &&
-        (is_relative || has_word(fs::weakly_canonical(folder).filename().string(), {"depth"})))
-        depths = greys_among(groups, *pictures);
-    if (depths.empty() && stop_requested()) return interrupted_error();
-    // What has no channel of the name that a person said tells which it has.
-    if (depths.empty() && !known.channel.empty())
-        for (const PictureGroup& group : groups) TRY(pictures->look(group.first));
-    if (depths.empty()) return without_depth(folder, groups);
-    const PictureGroup* const depth = depths.front();
-    const PictureGroup* const colour = colour_among(groups, depths, *pictures);
-    if (stop_requested()) return interrupted_error();  // so it may not be that there is none
+    TRY_ASSIGN(const auto chosen, choose_pictures(folder, known, is_relative, *pictures));
+    const PictureGroup& depth = chosen.depth;
+    const std::optional<PictureGroup>& colour = chosen.colour;
     FolderSource all;
-    all.depth = depth->pattern;
+    all.depth = depth.pattern;
     const auto files = depth_files(folder, all);
     TRY_ASSIGN(const auto told,
-               telling_depth(files ? files->files : std::vector{depth->first}, *pictures, preset));
+               telling_depth(files ? files->files : std::vector{depth.first}, *pictures, preset));
     const StoredImage& stored = *told;
     std::optional<GuessedCameras> cameras;
     if (!known.intrinsics && !known.fov) {
-        TRY_ASSIGN(cameras, guess_cameras(folder, depth->pattern, stored.image.width, stored.image.height));
+        TRY_ASSIGN(cameras, guess_cameras(folder, depth.pattern, stored.image.width, stored.image.height));
     }
     const bool is_arkit = cameras && preset == nullptr && !known.metres_per_code && holds_words(stored);
     const bool is_open = preset == nullptr && !known.metres_per_code && !is_arkit;
@@ -953,12 +683,12 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
                             : evident.preset ? evident.preset
                                              : preset);
     if (cameras) guess.know_cameras(*cameras);
-    if (is_list_of_depth(depth->pattern)) guess.know_list(depth->pattern);
-    PicturesOfCamera place{.folder = folder, .within = folder_of(*depth), .is_whole_folder = true};
+    if (is_list(depth.pattern)) guess.know_list(depth.pattern);
+    PicturesOfCamera place{.folder = folder, .within = folder_of(depth), .is_whole_folder = true};
     if (files) place.frames = files->files;
     if (place.frames.size() == 1) TRY(add_own_arrays(place.frames.front(), *pictures, place));
     guess.know_place(std::move(place));
-    guess.know_name((fs::weakly_canonical(folder).filename() / depth->pattern).string());
+    guess.know_name((fs::weakly_canonical(folder).filename() / depth.pattern).string());
     if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
     if (is_arkit)
@@ -968,48 +698,46 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
-    scene.folder->depth = depth->pattern;
+    scene.folder->depth = depth.pattern;
     if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
         scene.folder->cameras = cameras->files;
     if (guess.takes_frame_cameras() && scene.stored.kind != StoredDepth::Kind::disparity)
         scene.folder->cameras = usable_cameras(folder, *scene.folder, guess.frame_cameras(), scene);
     const BesideDepth* const beside = stored.beside.get();
-    TRY_ASSIGN(const auto stack, depth->count == 1 ? pictures->stack_in(depth->first)
-                                                   : Result<std::shared_ptr<ImageStack>>(nullptr));
+    TRY_ASSIGN(const auto stack, depth.count == 1 ? pictures->stack_in(depth.first)
+                                                  : Result<std::shared_ptr<ImageStack>>(nullptr));
     const std::int64_t frames = stack   ? stack->count()
                                 : files ? static_cast<std::int64_t>(files->count())
-                                        : static_cast<std::int64_t>(depth->count);
-    const auto video = colour == nullptr && frames > 1 ? colour_video_in(folder, frames) : std::nullopt;
+                                        : static_cast<std::int64_t>(depth.count);
+    const auto video = !colour && frames > 1 ? colour_video_in(folder, frames) : std::nullopt;
     if (stop_requested()) return interrupted_error();
-    const bool has_own_colour = colour == nullptr && !video && beside != nullptr && beside->colour;
-    if (colour != nullptr) scene.folder->colour = colour->pattern;
+    const bool has_own_colour = !colour && !video && beside != nullptr && beside->colour;
+    if (colour) scene.folder->colour = colour->pattern;
     if (video) scene.folder->colour = video->name;
-    if (has_own_colour) scene.folder->colour = depth->pattern;
-    for (const PictureGroup& group : groups)
-        if (has_word(group.pattern, {"haptic"}) && scene.folder->haptic.empty())
-            scene.folder->haptic = group.pattern;
+    if (has_own_colour) scene.folder->colour = depth.pattern;
+    scene.folder->haptic = chosen.haptic;
     for (const std::string& remark : unusable_lists(folder)) guess.say(remark);
-    guess.say("depth is " + depth->pattern +
-              (colour != nullptr ? ", colour is " + colour->pattern
-               : video           ? ", colour is " + printable(video->name)
-               : has_own_colour  ? ", colour is in the same files"
-                                 : ", there is no colour"));
-    if (const PictureGroup* const unfetched = colour ? nullptr : unfetched_among(groups, *depth))
-        guess.tell("left out: " + printable(unfetched->pattern) + ", whose first " + git_lfs_words);
+    guess.say("depth is " + depth.pattern +
+              (colour           ? ", colour is " + colour->pattern
+               : video          ? ", colour is " + printable(video->name)
+               : has_own_colour ? ", colour is in the same files"
+                                : ", there is no colour"));
+    if (!chosen.unfetched.empty())
+        guess.tell("left out: " + printable(chosen.unfetched) + ", whose first " + git_lfs_words);
     if (beside != nullptr) guess.tell_of_layers(*beside, has_own_colour);
-    TRY_ASSIGN(const auto others, left_out(depths, groups, *pictures));
-    if (!others.by_path.empty())
-        guess.say("left out: " + printable(listed(others.by_path), 200), "name one of these to open it");
-    if (!others.by_pattern.empty())
-        guess.say("left out: " + printable(listed(others.by_pattern), 200),
+    if (!chosen.left_out_by_path.empty())
+        guess.say("left out: " + printable(listed(chosen.left_out_by_path), 200),
+                  "name one of these to open it");
+    if (!chosen.left_out_by_pattern.empty())
+        guess.say("left out: " + printable(listed(chosen.left_out_by_pattern), 200),
                   "a scene file's folder.depth names one of these to open it");
-    if (colour != nullptr) guess.place_colour(folder, colour->first, *pictures);
+    if (colour) guess.place_colour(folder, colour->first, *pictures);
     if (video && !video->others.empty())
         guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well",
                   "a scene file's folder.colour names another one");
-    if (depth->count > 1 || video) TRY(guess.find_rate(folder, frames, video));
+    if (depth.count > 1 || video) TRY(guess.find_rate(folder, frames, video));
     GuessedScene made = guess.made();
-    pictures->keep_only({depth->first, colour != nullptr ? colour->first : fs::path()});
+    pictures->keep_only({depth.first, colour ? colour->first : fs::path()});
     made.pictures = pictures;
     if (video) made.video = video->file;
     return made;

@@ -59,10 +59,6 @@ private:
     std::size_t digits_ = 1;
 };
 
-bool is_list(const std::string& pattern) {
-    return pattern.ends_with(".txt") && pattern.find('*') == std::string::npos;
-}
-
 Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
     std::error_code ignored;
     return input_error(file.string() + " (" + std::string(what) + ", frame " + std::to_string(frame) +
@@ -489,6 +485,10 @@ std::set<fs::path> folders_further_down(const fs::path& folder) {
 }
 
 }  // namespace
+
+bool is_list(const std::string& pattern) {
+    return pattern.ends_with(".txt") && pattern.find('*') == std::string::npos;
+}
 
 Result<PictureFiles> depth_files(const fs::path& folder, const FolderSource& source) {
     if (is_numbered(source.depth)) return numbered_files(folder, source);

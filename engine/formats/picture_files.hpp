@@ -81,6 +81,9 @@ std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
 /// The files with the cameras of frames, grouped in the same way (ARKitScenes' .pincam).
 std::vector<PictureGroup> camera_groups(const std::filesystem::path& folder);
 
+/// Whether a pattern is a list of files and their times.
+bool is_list(const std::string& pattern);
+
 /// Why lists in the folder cannot be used, a remark for each.
 std::vector<std::string> unusable_lists(const std::filesystem::path& folder);
 

@@ -6,6 +6,8 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
+#include "engine/formats/picture_files.hpp"
+#include "engine/formats/source_description.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -80,6 +82,36 @@ private:
     std::filesystem::path rendering_;      // the newest whose own picture was taken
     std::shared_ptr<BesideDepth> beside_;  // it; null: nothing
 };
+
+/// Which pictures of a folder are depth, and which belong to it.
+struct ChosenPictures {
+    PictureGroup depth{};
+    std::optional<PictureGroup> colour{};
+    std::string haptic{};  ///< a pattern; empty: there is none
+    // Other groups that go as depth as well.
+    std::vector<std::string>
+        left_out_by_path{};  ///< folders and files that can be opened: "t2/", "old_depth.png"
+    std::vector<std::string>
+        left_out_by_pattern{};  ///< groups that only a scene file can name: "old_depth_*.png"
+    std::string
+        unfetched{};  ///< where there is no colour, a group whose first picture is a pointer of Git LFS
+};
+/// Pictures of grey that nothing else shows to be depth are so where depth `is_relative`, or the folder's
+/// name says it. An error says what is there instead.
+Result<ChosenPictures> choose_pictures(const std::filesystem::path& folder, const SourceDescription& known,
+                                       bool is_relative, ReadPictures& pictures);
+
+/// Cameras may begin blank: the first of the telling frames that has depth, or else the first of all; colour
+/// that is grey everywhere as grey, and depth of 24 bits as floats. `files`: one a frame, or one that is a
+/// stack of them. `preset`: null where none is known.
+Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<std::filesystem::path>& files,
+                                                         ReadPictures& pictures,
+                                                         const SourceDescription::Preset* preset);
+
+/// The picture of colour whose name is that of a picture of depth in another form, or with another word for
+/// depth in it.
+std::optional<std::filesystem::path> colour_beside(const std::filesystem::path& depth,
+                                                   ReadPictures& pictures);
 
 /// The whole numbers in a picture of material indices: the first 12 met, sorted.
 std::vector<int> indices_in(const StoredImage& picture);
