@@ -70,7 +70,7 @@ Result<std::unique_ptr<ClipReader>> open_stream(const StreamSource& source,
                                                 const std::optional<std::filesystem::path>& scene_file) {
     if (known && !(*known == SourceDescription()))
         return usage_error(
-            source.url.name() + ": is a stream, which has its scene in it: leave camera, unit and preset out",
+            source.url.name() + ": is a stream, which has its scene in it: leave camera, unit, preset and kind of depth out",
             {{Setting::intrinsics}, {Setting::depth_unit}, {Setting::preset}});
     if (!scene_file) return open_live_stream(source);
     TRY_ASSIGN(const auto described, read_scene_file(*scene_file));

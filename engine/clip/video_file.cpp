@@ -173,7 +173,7 @@ Result<void> VideoFile::read_times() {
     if (const int others = other_tracks(); others > 0)
         note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " has " + std::to_string(others + 1) +
                 " tracks of pictures, and none is named " + std::string(role_name(role_)) +
-                ": the first is read";
+                ": stream " + std::to_string(stream_) + " is read";
     if (demuxer_->is_cut())
         note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " is cut: its first " +
                 std::to_string(count()) + (count() == 1 ? " frame is" : " frames are") + " whole";

@@ -428,10 +428,11 @@ double codes_per_metre_of(const Json& object) {
                                           "depthunits", "depthunitm", "depthscalefactor", "metrespercode"});
     if (metres > 0) return is_metres(metres) ? 1 / metres : is_count(metres) ? metres : 0;
     double scale = members.number({"depthscale", "depthscales", "scaledepth"});
+    if (is_metres(scale)) return 1 / scale;
     if (scale > 0 && scale <= most_millimetres && members.has("camk")) return 1000 / scale;
     // 1 is BOP's millimetre, or says that there is nothing to do.
-    if (scale > 0 && scale != 1)
-        return scale <= most_metres ? 1 / scale : scale <= most_millimetres ? 1000 / scale : scale;
+    if (scale > most_metres && scale != 1)
+        return scale <= most_millimetres ? 1000 / scale : is_count(scale) ? scale : 0;
     scale = members.has("fx") ? members.number({"scale"}) : 0;  // Replica
     return is_count(scale) ? scale : 0;
 }
@@ -662,11 +663,18 @@ bool is_number_name(const std::string& name) {
     return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// Where each camera is that of a frame, as numbers for names tell, all become one: the median.
+/// Where each camera is that of a frame, as numbers for names tell, all become one: the median. A camera's
+/// focus moves by a few per cent; what differs by more is the cameras of a rig.
 void join_frames(CameraText& said) {
+    constexpr double most_moved = 1.1;
     std::vector<CameraFile>& cameras = said.cameras;
     if (cameras.size() < 2 || !std::ranges::all_of(cameras, is_number_name, &CameraFile::name)) return;
-    said.cameras = {median_camera_file(cameras)};
+    const CameraFile median = median_camera_file(cameras);
+    const bool is_one = std::ranges::all_of(cameras, [&](const CameraFile& each) {
+        const double fx = each.intrinsics.fx, of_median = median.intrinsics.fx;
+        return fx <= most_moved * of_median && of_median <= most_moved * fx;
+    });
+    if (is_one) said.cameras = {median};
 }
 
 /// No camera in the text is no error here.
@@ -713,23 +721,34 @@ bool has_focal_lengths(const Intrinsics& camera) {
     return is_length(camera.fx) && is_length(camera.fy);
 }
 
+bool is_no_camera(const CameraFile& file) {
+    const Intrinsics& camera = file.intrinsics;
+    return !has_focal_lengths(camera) || !std::isfinite(camera.cx.value_or(0)) ||
+           !std::isfinite(camera.cy.value_or(0));
+}
+
 }  // namespace
 
 CameraFile median_camera_file(std::span<const CameraFile> cameras) {
     CameraFile median = cameras.front();
+    // Of those that have it.
     const auto middle = [&](auto value_of) {
         std::vector<double> all;
-        for (const CameraFile& each : cameras) all.push_back(value_of(each));
+        for (const CameraFile& each : cameras)
+            if (const std::optional<double> value = value_of(each)) all.push_back(*value);
+        if (all.empty()) return std::optional<double>();
         std::ranges::sort(all);
         median.differs = median.differs || all.back() - all.front() > 1e-3 * std::abs(all.back());
-        return all[(all.size() - 1) / 2];
+        return std::optional(all[(all.size() - 1) / 2]);
     };
     Intrinsics& of = median.intrinsics;
-    of.fx = middle([](const CameraFile& each) { return each.intrinsics.fx; });
-    of.fy = middle([](const CameraFile& each) { return each.intrinsics.fy; });
-    if (of.cx) of.cx = middle([](const CameraFile& each) { return each.intrinsics.cx.value_or(0); });
-    if (of.cy) of.cy = middle([](const CameraFile& each) { return each.intrinsics.cy.value_or(0); });
-    median.codes_per_metre = middle([](const CameraFile& each) { return each.codes_per_metre; });
+    for (double Intrinsics::*const number :
+         {&Intrinsics::fx, &Intrinsics::fy, &Intrinsics::fov_x, &Intrinsics::fov_y})
+        of.*number = *middle([&](const CameraFile& each) { return std::optional(each.intrinsics.*number); });
+    of.cx = middle([](const CameraFile& each) { return each.intrinsics.cx; });
+    of.cy = middle([](const CameraFile& each) { return each.intrinsics.cy; });
+    median.codes_per_metre =
+        *middle([](const CameraFile& each) { return std::optional(each.codes_per_metre); });
     median.frames = cameras.size();
     median.name.clear();
     return median;
@@ -791,18 +810,14 @@ CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
             object[array.name] = std::vector<double>(first, first + static_cast<std::ptrdiff_t>(each));
             if (const auto found = intrinsics_of(object)) cameras.push_back({.intrinsics = *found});
         }
-        std::erase_if(cameras, [](const CameraFile& each_of) {
-            return !has_focal_lengths(each_of.intrinsics) ||
-                   !std::isfinite(each_of.intrinsics.cx.value_or(0)) ||
-                   !std::isfinite(each_of.intrinsics.cy.value_or(0));
-        });
+        std::erase_if(cameras, is_no_camera);
         if (!cameras.empty() && said.cameras.empty()) {
             said.cameras.push_back(median_camera_file(cameras));
             said.cameras.back().name = array.name.substr(0, longest_name);
         }
     }
     if (said.cameras.empty()) find_cameras(numbers, said.cameras);
-    std::erase_if(said.cameras, [](const CameraFile& each) { return !has_focal_lengths(each.intrinsics); });
+    std::erase_if(said.cameras, is_no_camera);
     said.codes_per_metre = codes_per_metre_of(numbers);
     said.frames_per_second = rate_of_members(numbers);
     return said;

@@ -1,6 +1,8 @@
 #include "engine/formats/camera_sidecar.hpp"
 
 #include <map>
+#include <set>
+#include <span>
 #include <sstream>
 
 #include "engine/base/same_bits.hpp"
@@ -21,10 +23,11 @@ constexpr double most_apart_seconds = 0.02;  // between a frame and its pose
 struct CameraCandidate {
     fs::path file;
     bool is_named = false;  // as a camera's file is
+    bool is_own = false;    // named as the picture is
     bool is_text = false;   // neither named so nor of members: only what names its numbers is a camera
 };
 
-bool is_any_of_names(const std::string& name, std::initializer_list<const char*> known) {
+bool is_any_of(const std::string& name, std::initializer_list<const char*> known) {
     return std::ranges::find(known, name) != known.end();
 }
 
@@ -39,14 +42,10 @@ bool is_named_camera(const std::string& name, const std::string& stem) {
 
 /// Lists of pictures and of poses, which have readers of their own, and what this program writes.
 bool is_of_others(const std::string& name) {
-    return is_any_of_names(
-               name, {"scene.json", "poses.txt", "groundtruth.txt", "trajectory.log", "depth.txt", "rgb.txt",
+    return is_any_of(name,
+                     {"scene.json", "poses.txt", "groundtruth.txt", "trajectory.log", "depth.txt", "rgb.txt",
                       "associations.txt", "associate.txt", "metadata.json", "depth_m_color.txt"}) ||
            has_word(name, {"readme", "license", "extrinsic"});
-}
-
-bool is_any_of(const std::string& extension, std::initializer_list<const char*> known) {
-    return std::ranges::find(known, extension) != known.end();
 }
 
 /// What lies in a folder, by name.
@@ -102,7 +101,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Picture
             const bool is_shared = !std::ranges::binary_search(picture_stems, stem);
             if (!is_own && !pictures.is_whole_folder && !is_shared) continue;
             if (fs::file_size(file, failure) <= (has_members ? longest_other : longest_text) && !failure)
-                others.push_back({file, false, !has_members});
+                others.push_back({file, false, is_own, !has_members});
         }
     }
     if (others.size() <= most_others) named.insert(named.end(), others.begin(), others.end());
@@ -110,15 +109,33 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Picture
     return named;
 }
 
-/// Digits at the end of a stem, without zeros before them; empty: there are none.
-std::string last_number(const std::string& stem) {
-    const auto last = stem.find_last_of("0123456789");
-    if (last == std::string::npos) return "";
-    const auto before = stem.find_last_not_of("0123456789", last);
-    std::string digits = stem.substr(before == std::string::npos ? 0 : before + 1,
-                                     last - (before == std::string::npos ? std::string::npos : before));
-    digits.erase(0, std::min(digits.find_first_not_of('0'), digits.size() - 1));
-    return digits;
+/// Digits of a stem, without zeros before them: the last ones, or of those the ones `from_end` before them;
+/// empty: there are none.
+std::string number_in(std::string_view stem, int from_end) {
+    constexpr const char* digits = "0123456789";
+    for (;; --from_end) {
+        const auto last = stem.find_last_of(digits);
+        if (last == std::string_view::npos) return "";
+        const auto before = stem.find_last_not_of(digits, last);
+        const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
+        if (from_end > 0) {
+            stem = stem.substr(0, begin);
+            continue;
+        }
+        const std::string_view number = stem.substr(begin, last + 1 - begin);
+        return std::string(number.substr(std::min(number.find_first_not_of('0'), number.size() - 1)));
+    }
+}
+
+/// Which number of these stems, from their ends, tells one from the other: 16 in 0001_depth16 does not.
+int telling_number(std::span<const std::string> stems) {
+    constexpr int most_numbers = 8;
+    for (int from_end = 0; from_end < most_numbers; ++from_end) {
+        std::set<std::string> numbers;
+        for (const std::string& stem : stems) numbers.insert(number_in(stem, from_end));
+        if (numbers.size() == stems.size()) return from_end;
+    }
+    return 0;
 }
 
 /// Cameras of a folder in which each frame has a file of its own, of the same name or number.
@@ -131,7 +148,9 @@ std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const Pictur
     constexpr std::size_t most_read = 64;
     const std::size_t frames = pictures.frames.size();
     if (frames < 2) return {};
-    std::vector<std::string> ignored;
+    std::vector<std::string> ignored, stems_of_frames;
+    for (const fs::path& frame : pictures.frames) stems_of_frames.push_back(frame.stem().string());
+    const int telling_of_frames = telling_number(stems_of_frames);
     std::map<std::string, std::map<std::string, fs::path>> by_extension;
     for (const fs::path& file : texts_in(folder, ignored)) {
         const std::string extension = small_letters(file.extension().string());
@@ -140,10 +159,14 @@ std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const Pictur
     }
     for (const auto& [extension, files] : by_extension) {
         if (files.size() < 2) continue;
+        std::vector<std::string> stems;
+        for (const auto& [stem, file] : files) stems.push_back(stem);
+        const int telling = telling_number(stems);
         std::map<std::string, fs::path> by_number;
         for (const auto& [stem, file] : files)
             // cam0 and cam1 are two cameras of all frames.
-            if (const std::string number = last_number(stem); !number.empty() && stem != "cam" + number)
+            if (const std::string number = number_in(stem, telling);
+                !number.empty() && stem != "cam" + number)
                 by_number.emplace(number, file);
         std::vector<CameraFile> cameras;
         OwnCameras own;
@@ -153,11 +176,12 @@ std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const Pictur
             const std::string stem = pictures.frames[n * frames / count].stem().string();
             auto found = files.find(stem);
             if (found == files.end()) {
-                found = by_number.find(last_number(stem));
+                found = by_number.find(number_in(stem, telling_of_frames));
                 if (found == by_number.end()) break;
             }
             auto said = read_camera_text(found->second);
-            if (!said || said->cameras.size() != 1) break;
+            // Four or six numbers without names may be anything.
+            if (!said || said->cameras.size() != 1 || said->cameras.front().is_bare) break;
             if (n == 0) own.first = found->second;
             cameras.push_back(std::move(said->cameras.front()));
         }
@@ -183,11 +207,10 @@ std::array<bool, 5> mark_of(const CameraCandidate& candidate, const CameraFile& 
             !is_of_colour, !camera.has_distortion};
 }
 
-/// Whether a text has a number in it: its first 64 KiB.
+/// Whether a text has a number in it: in its first 64 KiB.
 bool has_number(const fs::path& file) {
-    constexpr std::size_t longest = 1 << 16;
-    const auto text = read_given_file(file, file.string(), "a text", longest);
-    return !text || text->find_first_of("0123456789") != std::string::npos;
+    constexpr std::size_t enough = 1 << 16;
+    return first_bytes(SourceFile(file), enough).find_first_of("0123456789") != std::string::npos;
 }
 
 void take_rate(double frames_per_second, const fs::path& file, CameraBeside& beside) {
@@ -228,6 +251,9 @@ void look_in(const fs::path& folder, const PicturesOfCamera& pictures, bool tell
         // A camera is what names its numbers, or is a whole matrix; four or six numbers may be anything.
         if (said && candidate.is_text)
             std::erase_if(said->cameras, [](const CameraFile& camera) { return camera.is_bare; });
+        // Beside a single picture an angle alone, in a file of any name, may be that of a window.
+        if (said && !pictures.is_whole_folder && !candidate.is_named && !candidate.is_own)
+            std::erase_if(said->cameras, [](const CameraFile& camera) { return camera.intrinsics.fx == 0; });
         const bool has_camera = said && !said->cameras.empty();
         const bool is_odometry = said && said->timed_rows > 0;
         const double rate = said && (candidate.is_named || has_camera || is_odometry || !candidate.is_text)
@@ -235,8 +261,7 @@ void look_in(const fs::path& folder, const PicturesOfCamera& pictures, bool tell
                                 : 0;
         const double scale = said ? said->codes_per_metre : 0;
         const bool is_silent = !has_camera && rate <= 0 && scale <= 0;
-        if (!has_camera && candidate.is_named && tells && small_letters(name) != "metadata.json" &&
-            (is_silent || !is_odometry))
+        if (is_silent && candidate.is_named && tells && small_letters(name) != "metadata.json")
             beside.not_understood.push_back(name);
         else if (is_silent && tells && pictures.is_whole_folder && has_number(candidate.file))
             beside.not_used.push_back(name);
@@ -487,6 +512,10 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
         above.only_named = !goes_on;
         look_in(at, above, false, beside);
         if (!goes_on) break;
+    }
+    if (beside.camera && beside.camera->codes_per_metre > 0) {
+        beside.codes_per_metre = beside.camera->codes_per_metre;
+        beside.scale_file = beside.file;
     }
     if (beside.camera)
         beside.camera->intrinsics =

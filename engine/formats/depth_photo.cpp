@@ -242,11 +242,11 @@ std::optional<double> xmp_number(const XmpProperties& xmp, std::string_view name
 Opened open_depth_photo(const Candidate& candidate, DepthPhoto photo) {
     const std::filesystem::path& file = candidate.source.path();
     const SourceDescription& known = candidate.wanted.known;
-    if (known.metres_per_code || !known.preset.empty())
+    if (known.metres_per_code || !known.preset.empty() || known.semantics)
         return usage_error(file.string() +
-                               ": says itself what its depths are, so a unit or a preset says nothing of it: "
-                               "leave them out",
-                           {{Setting::depth_unit}, {Setting::preset}});
+                               ": says itself what its depths are, so a unit, a preset, range or planar say "
+                               "nothing of it: leave them out",
+                           {{Setting::depth_unit}, {Setting::preset}, {Setting::depth_kind}});
     photo.depth.image = upright(photo.depth.image, photo.depth_turn);
     photo.colour.image = upright(photo.colour.image, photo.colour_turn);
     TRY_ASSIGN(auto scene, candidate.scene ? Result<SceneDescription>(*candidate.scene)

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {
@@ -108,7 +109,6 @@ std::optional<std::string> packed(const Look& look) {
     return {};
 }
 
-/// ScanNet's version 4: the length of the sensor's name and the name, behind that matrices.
 std::optional<std::string> sens(const Look& look) {
     if (look.extension() != ".sens") return {};
     return "is a recording of ScanNet, whose SensReader exports pictures: python reader.py --filename " +
@@ -278,19 +278,18 @@ std::optional<std::string> foreign_file_below(const fs::path& folder) {
     std::error_code failure;
     for (fs::recursive_directory_iterator at(folder, fs::directory_options::skip_permission_denied, failure),
          end;
-         !failure && at != end && ++entries < most_entries; at.increment(failure)) {
+         !failure && at != end && ++entries < most_entries && !stop_requested(); at.increment(failure)) {
         std::error_code ignored;
         if (at.depth() >= deepest) at.disable_recursion_pending();
-        if (at->is_directory(ignored)) {
-            if (const auto what = foreign_folder(at->path()))
-                return printable(at->path().lexically_relative(folder).string()) + ' ' + *what;
-        } else if (at->is_regular_file(ignored)) {
+        const bool is_folder = at->is_directory(ignored);
+        if (is_folder ? foreign_folder(at->path()).has_value() : at->is_regular_file(ignored)) {
             files.insert(at->path());
             if (files.size() > most_opened) files.erase(std::prev(files.end()));
         }
     }
     for (const fs::path& file : files)
-        if (const auto what = foreign_file(SourceFile(file)))
+        if (const auto what =
+                fs::is_directory(file, failure) ? foreign_folder(file) : foreign_file(SourceFile(file)))
             return printable(file.lexically_relative(folder).string()) + ' ' + *what;
     return {};
 }

@@ -24,12 +24,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Setting::Name depth_setting = "depth";
 // Remarks begin with them, by which guessed_in and doubts_unit know them.
 constexpr std::string_view doubt_mark = "the median depth is ", no_scale_mark = "depth has no scale",
                            direction_guess_mark = "values are lengths, though they are larger",
                            code_guess_mark = "a code is ", value_guess_mark = "values are ",
                            axis_guess_mark = "depth goes along the camera's axis",
+                           range_guess_mark = "depth goes along each pixel's ray",
+                           preset_guess_mark = "depth is as preset ",
+                           disparity_guess_mark = "depth is disparities, as the name says",
                            colour_guess_mark = "colour lies on depth's pixels";
 /// Begins what a remark on a unit says of other units that fit.
 constexpr std::string_view other_units_mark = "that is ";
@@ -99,8 +101,10 @@ Result<const SourceDescription::Preset*> known_preset(const SourceDescription& k
 /// known is guessed, and each guess is a remark.
 class SceneGuess {
 public:
-    SceneGuess(const SourceDescription& known, const SourceDescription::Preset* preset)
-        : known_(known), preset_(preset) {}
+    /// `evident`: what is taken where neither a person nor a file says how depth is stored.
+    SceneGuess(const SourceDescription& known, const SourceDescription::Preset* preset,
+               EvidentPreset evident = {})
+        : known_(known), preset_(evident.preset ? evident.preset : preset), evident_(std::move(evident)) {}
 
     /// Of depth as in this picture; `coding`, if any, stands, whatever its values are.
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
@@ -130,7 +134,11 @@ public:
         const auto valid = validate(described_);
         if (valid) return {};
         if (known_ == SourceDescription())
-            return error_at((inputs_.empty() ? folder : inputs_.back()).string(), valid.error());
+            return error_at((beside_.camera    ? beside_.file
+                             : inputs_.empty() ? folder
+                                               : inputs_.back())
+                                .string(),
+                            valid.error());
         return usage_error(
             "with the camera and the unit that were said: " + valid.error().message,
             {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
@@ -156,17 +164,15 @@ public:
         say(std::move(said));
     }
 
-    void tell_of_preset(const EvidentPreset& evident) {
-        if (evident.preset == nullptr) return;
-        say("depth is as preset " + std::string(evident.preset->name) + " has it (" + evident.preset->what +
-                "), as " + evident.why,
+    void tell_of_preset() {
+        if (evident_.preset == nullptr) return;
+        say(std::string(preset_guess_mark) + std::string(evident_.preset->name) + " has it (" +
+                evident_.preset->what + "), as " + evident_.why,
             Hints{{Setting::preset}, {Setting::depth_unit}});
     }
 
-    /// Which of three numbers is depth; and of JPEG what is lost, which nothing here brings back.
-    void tell_of_storage(const StoredImage& depth) {
-        if (depth.pixel_format.starts_with("rgb48") || depth.pixel_format.starts_with("rgba64"))
-            say("depth is the one of red, green and blue (16 bits) that has the most values");
+    /// Of JPEG what is lost, which nothing here brings back.
+    void tell_of_jpeg(const StoredImage& depth) {
         if (depth.codec != "mjpeg") return;
         const DepthCoding& coding = scene_.depth;
         const double middle = coding.depth(128), step = std::abs(coding.depth(129) - middle);
@@ -178,8 +184,12 @@ public:
     }
 
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
-    /// Of depth's pictures.
-    void know_name(const std::string& name) {
+    /// Of depth's pictures; their folder's where theirs has no letters (disp/0001.png).
+    void know_name(const fs::path& path) {
+        const std::string own = path.stem().string();
+        const bool has_letters =
+            std::ranges::any_of(own, [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
+        const std::string name = has_letters ? own : path.parent_path().filename().string();
         is_named_ = true;
         says_disparity_ = is_named_disparity(name);
         says_range_ = is_named_range(name);
@@ -254,6 +264,7 @@ public:
     }
 
 private:
+    bool preset_is_packed() const { return preset_ && preset_->stored.packed; }
     std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
     /// A camera's file that a person named is scaled as one that is found, or refused.
     Result<Intrinsics> named_intrinsics() {
@@ -280,6 +291,10 @@ private:
         place_.width = scene_.width;
         place_.height = scene_.height;
         beside_ = camera_beside(place_);
+        if (evident_.preset && beside_.codes_per_metre > 0 && !preset_is_packed()) {
+            evident_ = {};
+            preset_ = nullptr;
+        }
         if (beside_.camera) {
             file_ = *beside_.camera;
             if (beside_.file != place_.own_file) inputs_.push_back(beside_.file);
@@ -362,14 +377,14 @@ private:
             set_metric(*known_.metres_per_code);
             return {};
         }
-        if (!preset_ && says_disparity_) {
+        if (!preset_ && says_disparity_ && beside_.codes_per_metre == 0) {
             if (file_.baseline > 0) {
                 preset_ = preset_named("middlebury");
-                say("depth is disparities, as the name says; baseline and focal length are those of " +
+                say(std::string(disparity_guess_mark) + "; baseline and focal length are those of " +
                         printable(beside_.file.filename().string()),
                     Hints{{Setting::preset}, {Setting::depth_unit}});
             } else {
-                say("depth is disparities, as the name says, and no file beside it has their baseline",
+                say(std::string(disparity_guess_mark) + ", and no file beside it has their baseline",
                     "with a calib.txt that has it they have a scale",
                     {{Setting::preset, "middlebury"}, {Setting::depth_unit}});
                 set_relative(true, true);
@@ -404,10 +419,10 @@ private:
             set_metric(preset_->metres_per_code);
             return {};
         }
-        const double codes = file_.codes_per_metre > 0 ? file_.codes_per_metre : beside_.codes_per_metre;
-        if (codes > 0 && !values.is_float) {
+        // Numbers of 8 bits are as good as never lengths.
+        if (const double codes = beside_.codes_per_metre; codes > 0 && !values.is_float && values.bits > 8) {
             set_metric(1 / codes);
-            const fs::path& file = file_.codes_per_metre > 0 ? beside_.file : beside_.scale_file;
+            const fs::path& file = beside_.scale_file;
             if (std::ranges::find(inputs_, file) == inputs_.end() && file != place_.own_file)
                 inputs_.push_back(file);
             tell("a code is " + short_number(1000 / codes) + " mm, as " +
@@ -426,19 +441,16 @@ private:
         if (known_.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
         if (says_range_) {
             scene_.depth.semantics = DepthSemantics::range;
-            say("depth goes along each pixel's ray, as the name says", Hints{{depth_setting, "planar"}});
+            say(std::string(range_guess_mark) + ", as the name says", Hints{{Setting::depth_kind, "planar"}});
             return;
         }
         if (!is_float || !is_named_ || preset_ != nullptr) return;
-        const Camera& camera = scene_.camera;
-        const double x = std::max(camera.cx, scene_.width - 1 - camera.cx) / camera.fx,
-                     y = std::max(camera.cy, scene_.height - 1 - camera.cy) / camera.fy;
-        const double nearer = 100 * (1 - 1 / std::sqrt(1 + x * x + y * y));
+        const double nearer = 100 * (1 - 1 / scene_.camera.longest_ray(scene_.width, scene_.height));
         constexpr double least_felt = 5;  // per cent
         if (nearer < least_felt) return;
         say(std::string(axis_guess_mark) + " (planar); if it goes along each pixel's ray, the corners are " +
                 short_number(nearer, 2) + " % nearer",
-            "", Hints{{depth_setting, "range"}});
+            "", Hints{{Setting::depth_kind, "range"}});
     }
 
     void set_metric(double metres_per_code) {
@@ -614,6 +626,7 @@ private:
 
     const SourceDescription& known_;
     const SourceDescription::Preset* preset_;
+    EvidentPreset evident_;
     SceneDescription described_;
     Scene& scene_ = described_.scene;
     std::vector<fs::path> inputs_;
@@ -676,25 +689,23 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (!known.intrinsics && !known.fov) {
         TRY_ASSIGN(cameras, guess_cameras(folder, depth.pattern, stored.image.width, stored.image.height));
     }
-    const bool is_arkit = cameras && preset == nullptr && !known.metres_per_code && holds_words(stored);
-    const bool is_open = preset == nullptr && !known.metres_per_code && !is_arkit;
-    const EvidentPreset evident = is_open ? evident_in(stored) : EvidentPreset();
-    SceneGuess guess(known, is_arkit         ? preset_named("arkitscenes")
-                            : evident.preset ? evident.preset
-                                             : preset);
+    EvidentPreset evident;
+    if (preset == nullptr && !known.metres_per_code)
+        evident = cameras && holds_words(stored)
+                      ? EvidentPreset{preset_named("arkitscenes"), "each frame has a .pincam file"}
+                      : evident_in(stored);
+    SceneGuess guess(known, preset, std::move(evident));
     if (cameras) guess.know_cameras(*cameras);
     if (is_list(depth.pattern)) guess.know_list(depth.pattern);
     PicturesOfCamera place{.folder = folder, .within = folder_of(depth), .is_whole_folder = true};
     if (files) place.frames = files->files;
     if (place.frames.size() == 1) TRY(add_own_arrays(place.frames.front(), *pictures, place));
     guess.know_place(std::move(place));
-    guess.know_name((fs::weakly_canonical(folder).filename() / depth.pattern).string());
+    guess.know_name(fs::weakly_canonical(folder) / depth.pattern);
     if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
-    if (is_arkit)
-        guess.say("as ARKitScenes has them, a code is 1 mm and 0 is no depth", Hints{{Setting::depth_unit}});
-    guess.tell_of_preset(evident);
-    guess.tell_of_storage(stored);
+    guess.tell_of_preset();
+    guess.tell_of_jpeg(stored);
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
@@ -775,23 +786,24 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const StoredImage& stored = *told;
     const bool is_open = preset == nullptr && !known.metres_per_code;
     const auto metadata = realsense_metadata_of(file);
-    const EvidentPreset of_viewer{preset_named("realsense"), "the RealSense Viewer wrote it"};
-    const EvidentPreset evident = !is_open ? EvidentPreset() : metadata ? of_viewer : evident_in(stored);
-    SourceDescription with_camera = known;
-    const bool has_own_camera = metadata && !known.intrinsics && !known.fov;
-    if (has_own_camera) {
-        TRY_ASSIGN(with_camera.intrinsics, read_realsense_metadata(*metadata));
-    }
-    SceneGuess guess(with_camera, evident.preset ? evident.preset : preset);
-    if (has_own_camera) guess.tell("the camera is that of " + printable(metadata->filename().string()));
+    const bool is_of_viewer = is_open && metadata;
+    SceneGuess guess(known, is_of_viewer ? preset_named("realsense") : preset,
+                     is_open && !metadata ? evident_in(stored) : EvidentPreset());
+    if (is_of_viewer)
+        guess.tell("a code is 1 mm, as the RealSense Viewer writes it", {}, {{Setting::depth_unit}});
     PicturesOfCamera place{.folder = file.parent_path(), .within = {}, .stem = file.stem().string()};
     TRY(add_own_arrays(file, *pictures, place));
+    if (metadata) {
+        TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
+        place.own.cameras = {{.intrinsics = camera}};
+        place.own_file = fs::weakly_canonical(*metadata);
+    }
     guess.know_place(std::move(place));
-    guess.know_name((fs::weakly_canonical(file).parent_path().filename() / name).string());
+    guess.know_name(fs::weakly_canonical(file));
     if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());
-    guess.tell_of_preset(evident);
-    guess.tell_of_storage(stored);
+    guess.tell_of_preset();
+    guess.tell_of_jpeg(stored);
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;
@@ -833,10 +845,11 @@ Guessed guessed_in(const Remark& remark) {
     const auto begins = [&](std::string_view mark) { return remark.what.starts_with(mark); };
     if (begins(direction_guess_mark)) return Guessed::direction;
     if (begins(no_scale_mark)) return Guessed::scale;
+    if (begins(preset_guess_mark) || begins(disparity_guess_mark)) return Guessed::storage;
     if (begins(code_guess_mark) || begins(value_guess_mark))
         return remark.otherwise.starts_with(other_units_mark) ? Guessed::unclear_unit : Guessed::unit;
     if (begins(camera_guess_mark)) return Guessed::camera;
-    if (begins(axis_guess_mark)) return Guessed::axis;
+    if (begins(axis_guess_mark) || begins(range_guess_mark)) return Guessed::axis;
     return begins(colour_guess_mark) ? Guessed::colour_place : Guessed::little;
 }
 

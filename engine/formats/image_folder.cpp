@@ -74,7 +74,7 @@ public:
         if (!pictures_->channel().empty() && !is_exr(first_bytes(SourceFile(depth.files.front()), 4)))
             return usage_error(
                 depth.files.front().string() + ": is no OpenEXR file, of which a channel could be named",
-                {{depth_channel_setting}});
+                {{Setting::channel}});
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->least_confidence() && !has_confidence)
             return usage_error(
@@ -84,7 +84,7 @@ public:
         if (has_confidence)
             clip.notes.push_back(
                 "depth whose confidence is below " + short_number(*stack->least_confidence()) +
-                " is taken for none (half of the median of frame 0's where nobody says another)");
+                " is taken for none (the default is half of the median confidence of frame 0)");
         for (const PlaneRole role : all_roles) {
             if (pattern_of(source, role).empty()) continue;
             if (role == PlaneRole::colour && is_named_as_video(source.colour)) {
@@ -204,7 +204,8 @@ private:
     void pair_colour_video(const PictureFiles& depth, StoredClip& clip) {
         const auto frames = colour_video_->count(), pictures = static_cast<std::int64_t>(depth.count());
         if (colour_video_->note()) clip.notes.push_back(*colour_video_->note());
-        const bool counts = !numbers_.empty() && !clip.found.rate;  // numbers that are no times
+        // Numbers that are no times, one a frame: a file that is a stack has one for all.
+        const bool counts = numbers_.size() == depth.count() && numbers_.front() >= 0 && !clip.found.rate;
         if (frames == pictures) {
             numbers_.clear();
             if (!clip.found.rate && clip.described.unstated.rate) clip.found.rate = colour_video_->rate();

@@ -39,7 +39,11 @@ constexpr const char* own_scene_file = "scene.json";  // of a folder that descri
 
 /// What describes pictures that do not describe themselves.
 Hints of_bare_pictures() {
-    return {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}};
+    return {{Setting::intrinsics},
+            {Setting::field_of_view},
+            {Setting::depth_unit},
+            {Setting::preset},
+            {Setting::depth_kind}};
 }
 
 // --- Find
@@ -109,13 +113,15 @@ Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wan
     const auto own = folder / own_scene_file;
     const bool has_own = is_file(own);
     if (has_own && wanted.is_known())
-        return usage_error(own.string() + ": describes these pictures: leave camera, unit and preset out",
-                           of_bare_pictures());
+        return usage_error(
+            own.string() + ": describes these pictures: leave camera, unit, preset and kind of depth out",
+            of_bare_pictures());
     if (has_own) return find_described(folder, true, own, wanted);
     TRY_ASSIGN(const auto lerobot, lerobot_video_in(folder));
     TRY_ASSIGN(const auto recording, ros2_recording_in(folder));
     if (const auto& only = lerobot ? lerobot : recording) return Candidate{*only, {}, {}, wanted};
-    if (const auto snapshot = realsense_snapshot_in(folder)) return Candidate{*snapshot, {}, {}, wanted};
+    if (const auto snapshot = realsense_snapshot_in(folder); snapshot)
+        return Candidate{*snapshot, {}, {}, wanted};
     return Candidate{folder, folder, {}, wanted};
 }
 
@@ -124,8 +130,9 @@ Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>&
     TRY_ASSIGN(const bool is_folder, leads_to_folder(path));
     const bool is_known = wanted.is_known(), is_scene = !is_folder && is_scene_file(path);
     if (is_known && scene_file)
-        return usage_error(path.string() + ": a scene file describes it: leave camera, unit and preset out",
-                           of_bare_pictures());
+        return usage_error(
+            path.string() + ": a scene file describes it: leave camera, unit, preset and kind of depth out",
+            of_bare_pictures());
     std::error_code failure;
     const bool is_described = is_folder ? scene_file || fs::exists(path / own_scene_file, failure) : is_scene;
     if (wanted.known.least_confidence && !is_described && (is_folder || !is_npy_file(SourceFile(path))))
@@ -134,7 +141,7 @@ Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>&
     if (!wanted.known.channel.empty() && !is_described && !is_folder &&
         !is_exr(first_bytes(SourceFile(path), Candidate::telling_bytes)))
         return usage_error(path.string() + ": is no OpenEXR file, of which a channel could be named",
-                           {{depth_channel_setting}});
+                           {{Setting::channel}});
     if (is_scene && (scene_file || is_known))
         return usage_error(path.string() + ": is a scene file itself: leave " +
                                (scene_file ? "the other one" : "camera, unit and preset") + " out",
@@ -443,7 +450,8 @@ Opened open_url(const StreamUrl& url, const std::optional<GuessedScene>& scene, 
     }
     if (wanted.is_known())
         return usage_error(
-            url.name() + ": is a stream, which has its scene in it: leave camera, unit and preset out",
+            url.name() +
+                ": is a stream, which has its scene in it: leave camera, unit, preset and kind of depth out",
             of_bare_pictures());
     return open_stream_clip(source, scene, wanted.colour);
 }
@@ -530,8 +538,8 @@ Result<GuessedScene> guess_path(const fs::path& path, const SourceDescription& k
             ": is a LeRobot data set, and a scene file is of its video: touchable init-scene " +
             shell_word(lerobot->string()));
     TRY_ASSIGN(const auto recording, ros2_recording_in(path));
-    if (const auto& file = recording ? recording : realsense_snapshot_in(path))
-        return guess_file(*file, known);
+    if (recording) return guess_file(*recording, known);
+    if (const auto snapshot = realsense_snapshot_in(path); snapshot) return guess_file(*snapshot, known);
     return guess_folder(path, known);
 }
 

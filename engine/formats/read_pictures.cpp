@@ -104,7 +104,7 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     if (!is_exr(bytes)) return decode_stored_image(std::move(bytes), where);
     const auto decode = [layer, wanted = wanted_, channel = channel_](std::string_view exr,
                                                                       const std::string& name) {
-        if (layer == PictureLayer::own) return decode_exr_depth(exr, name, wanted, channel);
+        if (layer == PictureLayer::own) return decode_exr(exr, name, wanted, channel);
         return layer == PictureLayer::colour ? decode_exr_colour(exr, name) : decode_exr_materials(exr, name);
     };
     return decode_unless_stopped(std::move(bytes), where, decode);

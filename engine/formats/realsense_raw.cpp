@@ -1,4 +1,5 @@
 #include "engine/formats/realsense_raw.hpp"
+#include "engine/formats/picture_files.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -11,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view metadata_ending = "_metadata.csv";
+constexpr std::string_view metadata_ending = "_metadata.csv", snapshot_ending = "_Depth.raw";
 
 /// The value in the row of a name: "Fx,105.75". Nothing where there is no such row.
 std::optional<std::string_view> value_of_row(std::string_view table, std::string_view name) {
@@ -37,7 +38,7 @@ Result<double> number_of_row(std::string_view table, const std::string& name, co
 }
 
 bool is_snapshot(const fs::path& file) {
-    return file.filename().string().ends_with("_Depth.raw") && realsense_metadata_of(file);
+    return file.filename().string().ends_with(snapshot_ending) && realsense_metadata_of(file);
 }
 
 }  // namespace
@@ -61,7 +62,14 @@ std::optional<fs::path> realsense_snapshot_in(const fs::path& folder) {
         if (found) return {};
         found = at->path();
     }
-    return found;
+    if (!found) return {};
+    // Beside a recording of pictures a snapshot is not what the folder is of.
+    std::string own = found->filename().string();
+    own.resize(own.size() - snapshot_ending.size());
+    const auto is_other_depth = [&](const PictureGroup& group) {
+        return has_word(group.pattern, {"depth"}) && !group.pattern.starts_with(own);
+    };
+    return std::ranges::any_of(picture_groups(folder), is_other_depth) ? std::nullopt : found;
 }
 
 Result<Intrinsics> parse_realsense_metadata(std::string_view text, const std::string& where) {

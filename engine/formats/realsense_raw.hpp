@@ -18,7 +18,7 @@ namespace touchable {
 
 /// The metadata beside a file NAME.raw; nothing where there is none.
 std::optional<std::filesystem::path> realsense_metadata_of(const std::filesystem::path& raw);
-/// The snapshot of depth in a folder, where there is exactly one.
+/// The snapshot of depth in a folder, where there is exactly one, and no other pictures of depth.
 std::optional<std::filesystem::path> realsense_snapshot_in(const std::filesystem::path& folder);
 
 /// The camera that metadata state, with the size of its pictures. Refused where that or the camera is

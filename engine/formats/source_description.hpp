@@ -94,7 +94,8 @@ enum class Guessed {
     unclear_unit,  ///< other units fit as well
     camera,
     unit,
-    axis,  ///< that depth goes along the camera's axis, and not along each pixel's ray
+    storage,  ///< as which preset has it depth is stored, by its values or its name
+    axis,     ///< that depth goes along the camera's axis, and not along each pixel's ray
     colour_place,
     little
 };

@@ -394,10 +394,16 @@ int channels_of(const AVFrame& frame) {
     return av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format))->nb_components;
 }
 
-/// Which of red, green and blue of 16 bits holds numbers: the one with the most values, where the others are
-/// the same or masks, of few values (EVIMO). Nothing where they are colours, or at a stop.
-std::optional<int> numbers_in_colour(const AVFrame& frame) {
-    constexpr std::ptrdiff_t most_of_a_mask = 256, times_as_many = 4;
+/// Of red, green and blue of 16 bits the one that holds numbers.
+struct NumbersInColour {
+    int channel = 0;
+    bool is_all = false;  // they are the same in all three
+};
+
+/// The one with the most values, where the others are the same or masks, of few values (EVIMO); the first
+/// where each has few, as a frame without depth has. Nothing where they are colours, or at a stop.
+std::optional<NumbersInColour> numbers_in_colour(const AVFrame& frame) {
+    constexpr std::ptrdiff_t most_of_a_mask = 256, times_as_many = 4, few = 16;
     std::array<std::vector<bool>, 3> seen;
     for (auto& values : seen) values.resize(65536);
     std::array<bool, 3> differs{};  // from the next one
@@ -406,21 +412,25 @@ std::optional<int> numbers_in_colour(const AVFrame& frame) {
         if (stop_requested()) return std::nullopt;
         const std::uint8_t* from = frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y;
         for (int x = 0; x < frame.width; ++x, from += step) {
-            std::array<int, 3> values{};
-            for (std::size_t c = 0; c < 3; ++c)
-                seen[c][static_cast<std::size_t>(values[c] = from[2 * c] << 8 | from[2 * c + 1])] = true;
+            std::array<std::size_t, 3> values{};
+            for (std::size_t c = 0; c < 3; ++c) {
+                values[c] = static_cast<std::size_t>(from[2 * c] << 8 | from[2 * c + 1]);
+                seen[c][values[c]] = true;
+            }
             for (std::size_t c = 0; c < 3; ++c) differs[c] = differs[c] || values[c] != values[(c + 1) % 3];
         }
     }
+    if (std::ranges::none_of(differs, std::identity())) return NumbersInColour{0, true};
     std::array<std::ptrdiff_t, 3> counts{};
     for (std::size_t c = 0; c < 3; ++c) counts[c] = std::ranges::count(seen[c], true);
     const auto most = static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin());
+    if (counts[most] <= few) return NumbersInColour{};
     for (std::size_t c = 0; c < 3; ++c) {
-        const bool is_same = !differs[(c + 1) % 3 == most ? c : most] || c == most;
+        const bool is_same = c == most || !differs[(c + 1) % 3 == most ? c : most];
         if (!is_same && (counts[c] > most_of_a_mask || times_as_many * counts[c] > counts[most]))
             return std::nullopt;
     }
-    return static_cast<int>(most);
+    return NumbersInColour{static_cast<int>(most)};
 }
 
 /// The grey of formats that `grey_samples` does not see: 16 bits as PNG has them (high byte first), grey with
@@ -481,14 +491,18 @@ Result<FramePtr> rgb_to_gather(const AVFrame& frame) {
     return rgb;
 }
 
-Result<Image> image_from(const std::string& where, FramePtr frame) {
+/// `channel`: the name of the one that was read, where it is one of several.
+Result<Image> image_from(const std::string& where, FramePtr frame, std::string& channel) {
     const Error unread = input_error(where + ": has pixel format " + format_name(*frame) +
                                      "; grey of 8 or 16 bits and colour of 8 bits are read");
     if (frame->format == AV_PIX_FMT_MONOBLACK) return gathered(*frame, 1, 1, black_and_white(*frame));
     if (is_colour_of_16_bits(*frame)) {
-        const auto channel = numbers_in_colour(*frame);
+        const auto numbers = numbers_in_colour(*frame);
         if (stop_requested()) return interrupted_error();
-        return channel ? gathered(*frame, 2, 1, GreyOfPng{*frame, *channel}) : unread;
+        if (!numbers) return unread;
+        constexpr const char* names[] = {"red", "green", "blue"};
+        if (!numbers->is_all) channel = names[numbers->channel];
+        return gathered(*frame, 2, 1, GreyOfPng{*frame, numbers->channel});
     }
     if (const GreyOfPng grey{*frame}; grey.is_it()) return gathered(*frame, grey.is_deep() ? 2 : 1, 1, grey);
     if (const auto plane = grey_samples(*frame))
@@ -606,7 +620,9 @@ Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string
     stored.pixel_format = format_name(*frame);
     stored.bits = header.grey ? header.bits : 8;
     stored.interlaced = header.interlaced;
-    TRY_ASSIGN(stored.image, image_from(where, std::move(frame)));
+    std::string channel;
+    TRY_ASSIGN(stored.image, image_from(where, std::move(frame), channel));
+    if (!channel.empty()) stored.beside = std::make_shared<BesideDepth>(BesideDepth{.depth_name = channel});
     if (stored.bits < 8) gather(stored.image, stored.bits);
     if (stop_requested()) return interrupted_error();
     return stored;

@@ -481,7 +481,7 @@ std::optional<ExrNumbers> materials_of(const ExrFile& file, const std::optional<
 Result<ExrNumbers> depth_of(const ExrFile& file, const ExrLayers& layers) {
     if (!layers.depth)
         return file.refused("has no channel Z, depth, Y or R for each pixel, but " + channel_list(file),
-                            {{depth_channel_setting, "NAME"}});
+                            {{Setting::channel, "NAME"}});
     const ExrChannel& channel = file.channels()[*layers.depth];
     if (!channel.is_of_each_pixel)
         return file.refused("has channel " + quoted_channel(channel.name) +
@@ -531,7 +531,7 @@ Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& w
     const ExrLayers layers = exr_layers(names_of(file), named);
     if (!named.empty() && !layers.depth)
         return file.refused("has no channel " + in_quotes(named) + ", but " + channel_list(file),
-                            {{depth_channel_setting, "NAME"}});
+                            {{Setting::channel, "NAME"}});
     TRY_ASSIGN(auto depth, depth_of(file, layers));
     auto colour = wanted.colour ? colour_of(file, layers.colour) : std::nullopt;
     auto materials = wanted.materials ? materials_of(file, layers.materials) : std::nullopt;
@@ -570,12 +570,7 @@ Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where)
 }
 
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
-                               const BesideDepth::Wanted& wanted) {
-    return decode_exr_depth(bytes, where, wanted, {});
-}
-
-Result<StoredImage> decode_exr_depth(std::string_view bytes, const std::string& where,
-                                     const BesideDepth::Wanted& wanted, const std::string& channel) {
+                               const BesideDepth::Wanted& wanted, const std::string& channel) {
     ExrFile file(bytes, where);
     TRY(file.open());
     return depth_with(file, wanted, channel);

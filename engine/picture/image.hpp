@@ -80,7 +80,8 @@ struct StoredImage {
     std::shared_ptr<BesideDepth> beside{};
 };
 
-/// Other pictures of an OpenEXR rendering, of the same pixels as its depth.
+/// Of a picture with more channels than depth: other pictures of an OpenEXR rendering, of the same pixels as
+/// its depth, and which channel depth is.
 struct BesideDepth {
     struct Wanted {
         bool colour = false, materials = false;
@@ -132,14 +133,10 @@ bool is_exr(std::string_view begin);
 /// of integers 0.
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where);
 /// The same with what is wanted beside it, as far as the file has it (StoredImage::beside), unpacked once.
+/// `channel`: the name of depth's channel or layer; empty: found by the names of all. A file without it is
+/// refused with the names that it has.
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
-                               const BesideDepth::Wanted& wanted);
-/// The setting by which a person names depth's channel, for hints.
-inline constexpr Setting::Name depth_channel_setting = "channel";
-/// The same of the channel or the layer of this name; empty: found by the names of all channels. A file
-/// without it is refused with the names that it has.
-Result<StoredImage> decode_exr_depth(std::string_view bytes, const std::string& where,
-                                     const BesideDepth::Wanted& wanted, const std::string& channel);
+                               const BesideDepth::Wanted& wanted, const std::string& channel = {});
 /// Whether a channel is in a pass of depth as Unreal names them, which is in centimetres.
 bool is_exr_depth_of_unreal(const std::string& channel);
 

@@ -464,16 +464,23 @@ public:
         // are.
         for (std::uint64_t taken = 0; at != 0;) {
             if (stop_requested()) return interrupted_error();
-            TRY_ASSIGN(auto page, page_at(at, taken));
-            if (taken > bytes_.size()) return damage();
+            auto page = page_at(at, taken);
+            if (!page && stop_requested()) return interrupted_error();
+            // Other programs read the pages before a wrong end of the list, and so it was here for long.
+            is_cut_ = !page || taken > bytes_.size();
+            if (is_cut_ && found.empty()) return page ? damage() : page.error();
+            if (is_cut_) break;
             if (found.size() == most_pages)
                 return input_error(where_ + ": has more than " + std::to_string(most_pages) + " pages");
-            found.push_back(std::move(page));
+            found.push_back(std::move(*page));
             at = next_;
         }
         if (found.empty()) return damage();
         return found;
     }
+
+    /// What is behind these pages leads nowhere.
+    bool is_cut() const { return is_cut_; }
 
 private:
     /// Adds its bytes to `taken`.
@@ -525,7 +532,7 @@ private:
                                                      TIFFTAG_SAMPLESPERPIXEL, TIFFTAG_SAMPLEFORMAT};
     ByteSource& bytes_;
     const std::string& where_;
-    bool is_big_endian_ = false, is_wide_ = false;
+    bool is_big_endian_ = false, is_wide_ = false, is_cut_ = false;
     std::uint64_t next_ = 0;
 };
 

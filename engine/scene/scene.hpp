@@ -51,6 +51,11 @@ struct Camera {
         const double a = u(x), b = v(y);
         return std::sqrt(a * a + b * b + 1.0);
     }
+    /// L of the corner of these pictures that is farthest from the axis.
+    double longest_ray(int width, int height) const {
+        const double left = ray_length(0, 0), right = ray_length(width - 1, 0);
+        return std::max({left, right, ray_length(0, height - 1), ray_length(width - 1, height - 1)});
+    }
     bool operator==(const Camera&) const = default;
 };
 

@@ -410,14 +410,6 @@ constexpr double many_holes_pct = 60;
 /// of a room's less than a twentieth.
 constexpr double much_torn = 0.2;
 
-/// How much nearer a corner is at most if depth goes along the ray and not along the axis, as a share.
-double nearer_along_rays(const Scene& scene) {
-    const Camera& camera = scene.camera;
-    const double x = std::max(camera.cx, scene.width - 1 - camera.cx) / camera.fx,
-                 y = std::max(camera.cy, scene.height - 1 - camera.cy) / camera.fy;
-    return 1 - 1 / std::sqrt(1 + x * x + y * y);
-}
-
 /// What is guessed and would change what is felt by more than a tenth if it were wrong, or where colour is
 /// seen; what matters most first.
 std::vector<std::pair<Guessed, const Remark*>> guesses_that_matter(const ClipFacts& facts) {
@@ -427,7 +419,9 @@ std::vector<std::pair<Guessed, const Remark*>> guesses_that_matter(const ClipFac
     for (const Remark& remark : facts.scene.remarks) {
         Guessed guessed = guessed_in(remark);
         if (guessed == Guessed::little) continue;
-        if (guessed == Guessed::axis && nearer_along_rays(facts.scene) < much) continue;
+        const Scene& scene = facts.scene;
+        if (guessed == Guessed::axis && scene.camera.longest_ray(scene.width, scene.height) < 1 / (1 - much))
+            continue;
         if (guessed == Guessed::unit && (median < nearest || median > farthest))
             guessed = Guessed::unclear_unit;
         guesses.emplace_back(guessed, &remark);
@@ -447,6 +441,8 @@ const char* name_of(Guessed guessed) {
             return "the unit";
         case Guessed::camera:
             return "the camera";
+        case Guessed::storage:
+            return "how depth is stored";
         case Guessed::axis:
             return "range or planar";
         case Guessed::colour_place:
@@ -483,14 +479,17 @@ std::string verdict_on_guess(Guessed guessed, const Remark& remark, const ClipFa
         case Guessed::unclear_unit:
         case Guessed::unit:
             return if_right("the unit", "say it, " + play + " --depth-unit METRES");
+        case Guessed::storage:
+            return if_right("the way in which depth is stored", "name it, " + play + " --preset NAME");
         case Guessed::camera:
             return if_right("the camera", "say what it sees, " + play + " --fov DEGREES");
         case Guessed::axis:
-            return "good to touch if depth is planar (" + why +
+            return std::string("good to touch if depth is ") +
+                   (facts.scene.depth.semantics == DepthSemantics::range ? "range" : "planar") + " (" + why +
                    "): " + cure("say which, " + play + " --depth planar, or --depth range");
         default:
-            return "good to touch, and in its place if " + why +
-                   ": a scene file's colour_camera says otherwise";
+            return "good to touch; colour may be shifted (" + why +
+                   "): a scene file's colour_camera says where it lies";
     }
 }
 
@@ -639,9 +638,9 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
     if (facts.nearest == 0 && facts.farthest == 0) return "nothing to touch: the first frame has no depth";
     if (!facts.unit_doubt.empty()) return facts.unit_doubt;
     if (facts.torn > much_torn)
-        return "hardly depth: of " + per_cent(facts.torn) +
-               " of neighbouring pixels one is more than twice as deep as the other: the values may mean "
-               "something else, touchable formats lists what is known by name (--preset NAME)";
+        return "hardly depth: " + per_cent(facts.torn) +
+               " of neighbouring pixels differ by more than a factor of two: the values may mean something "
+               "else, touchable formats lists what is known by name (--preset NAME)";
     if (facts.alternates_by > 1)
         return "frames of two kinds take turns, one " + number(facts.alternates_by) +
                " times as deep as the next: two kinds of pictures may lie in one folder, or two cameras in "
@@ -655,6 +654,9 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
                degrees(best->left_deg) + " with other filters: touchable play " + clip + " --filters auto";
     if (findings != nullptr && !findings->empty())
         return findings->front().name + ", see above: " + findings->front().mend;
+    if (facts.invalid_pct > many_holes_pct)
+        return "little to touch: " + short_number(facts.invalid_pct, 2) +
+               " % of the first frame has no depth";
     if (const auto guesses = guesses_that_matter(facts); !guesses.empty()) {
         const auto& [guessed, remark] = guesses.front();
         std::vector<std::string> others;
@@ -662,9 +664,6 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
         return verdict_on_guess(guessed, *remark, facts) +
                (others.empty() ? "" : "; guessed too: " + listed(others));
     }
-    if (facts.invalid_pct > many_holes_pct)
-        return "little to touch: " + short_number(facts.invalid_pct, 2) +
-               " % of the first frame has no depth";
     if (now && now->left_deg > rough_deg)
         return "rough: smooth places lean " + degrees(now->left_deg) +
                " to and fro, whatever the filters: record from nearer, or with more light";

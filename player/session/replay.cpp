@@ -157,8 +157,11 @@ std::optional<SourceDescription> camera_of(const Json& facts) {
     if (facts.contains("intrinsics_file")) known.file = text(facts, "intrinsics_file");
     if (facts.contains("fov")) known.fov = number(facts, "fov");
     if (facts.contains("depth_unit")) known.metres_per_code = number(facts, "depth_unit");
-    if (facts.contains("depth"))
-        known.semantics = text(facts, "depth") == "range" ? DepthSemantics::range : DepthSemantics::planar;
+    if (facts.contains("depth")) {
+        const std::string word = text(facts, "depth");
+        if (word != "range" && word != "planar") throw std::out_of_range("depth must be range or planar");
+        known.semantics = word == "range" ? DepthSemantics::range : DepthSemantics::planar;
+    }
     if (facts.contains("least_confidence")) known.least_confidence = number(facts, "least_confidence");
     if (facts.contains("channel")) known.channel = text(facts, "channel");
     if (facts.contains("preset")) known.preset = text(facts, "preset");

@@ -147,7 +147,7 @@ TEST_F(DynamicDepth, CameraIsThatOfThePersonOrOfTheLens) {
     EXPECT_EQ((*exact)->scene().depth.near, 2) << "depth is still the map's";
     known = {};
     known.metres_per_code = 0.001;
-    EXPECT_TRUE(is_refused(open(file.bytes(), known), "a unit or a preset says nothing of it"));
+    EXPECT_TRUE(is_refused(open(file.bytes(), known), "a unit, a preset, range or planar say nothing of it"));
 }
 
 TEST_F(DynamicDepth, PortraitStandsUpright) {

@@ -172,7 +172,7 @@ TEST_F(GuessedFolder, OfArkitScenesHasTheCamerasOfItsFrames) {
         });
     };
     EXPECT_TRUE(says("that of lowres_wide_intrinsics/41048190_*.pincam, the median (a scene file says"));
-    EXPECT_TRUE(says("as ARKitScenes has them, a code is 1 mm and 0 is no depth"));
+    EXPECT_TRUE(says("depth is as preset arkitscenes has it"));
     const auto read = frames();
     ASSERT_EQ(read.size(), 5U);
     EXPECT_EQ(read[3].depth.sample(0, 5), 1003);

@@ -252,7 +252,7 @@ TEST_F(SeveralPictures, TrackOfDepthIsFoundByItsTitle) {
     join_tracks(folder / "untold.mkv", {{folder / "parts/d.mkv", ""}, {folder / "parts/d.mkv", ""}});
     auto first = open_clip(folder / "untold.mkv");
     ASSERT_EQ(message(first), "");
-    EXPECT_TRUE(is_noted(**first, "has 2 tracks of pictures, and none is named depth: the first is read"));
+    EXPECT_TRUE(is_noted(**first, "has 2 tracks of pictures, and none is named depth: stream 0 is read"));
 }
 
 TEST_F(SeveralPictures, ColourVideoIsFoundByAnyWordForColour) {
