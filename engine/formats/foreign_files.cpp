@@ -202,9 +202,7 @@ std::optional<std::string> pcd(const Look& look) {
     if (width == 0 || header_line(look.begin, "FIELDS").empty()) return {};
     if (height > 1)
         return "is a PCD cloud of " + std::to_string(width) + 'x' + std::to_string(height) +
-               " points: numpy.save('depth.npy', pypcd4.PointCloud.from_path(" + look.python_name() +
-               ").numpy(('z',)).reshape(" + std::to_string(height) + ", " + std::to_string(width) +
-               ")) in Python makes an array of their z" + after_play("depth.npy");
+               " points, whose own message tells more: touchable play " + look.shell_name();
     return "is a PCD cloud of " + std::to_string(width) +
            " points, which has no rows and columns of pixels: project it into a camera "
            "(t.geometry.PointCloud.project_to_depth_image of Open3D) and save that picture" +

@@ -13,6 +13,7 @@
 #include "engine/formats/colour_video.hpp"
 #include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
+#include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/realsense_raw.hpp"
@@ -156,6 +157,7 @@ public:
     }
     /// Of a rendering, which may have colour in depth's own files.
     void tell_of_layers(const BesideDepth& beside, bool takes_colour) {
+        if (beside.depth_name.empty()) return;  // a cloud's
         std::string said = "depth is channel " + beside.depth_name;
         if (beside.depths > 1) said += ", the first of " + std::to_string(beside.depths) + " in a file";
         if (takes_colour)
@@ -163,6 +165,9 @@ public:
                     " beside it, linear light shown as sRGB";
         say(std::move(said));
     }
+
+    /// Of a cloud: its points' z, which are lengths whatever their name.
+    void know_points() { are_points_ = true; }
 
     void tell_of_preset() {
         if (evident_.preset == nullptr) return;
@@ -496,7 +501,7 @@ private:
                     ", as their median is " + short_number(values.median),
                 otherwise);
             // What is lower in a picture is mostly nearer.
-            if (values.lower > most_of_lengths * values.upper)
+            if (values.lower > most_of_lengths * values.upper && !are_points_)
                 say(std::string(direction_guess_mark) +
                         " in the lower third of the picture, as 1/depth of networks is",
                     "", {{Setting::preset, "relative-inverse"}});
@@ -637,6 +642,7 @@ private:
     bool is_named_ = false, says_disparity_ = false, says_range_ = false;  // the pictures' names
     std::string list_;                  // of pictures and their times; empty: there is none
     bool has_camera_of_depth_ = false;  // which was said, or read
+    bool are_points_ = false;           // of a cloud
 };
 
 /// What arrays beside depth in its own file say of the camera.
@@ -650,6 +656,12 @@ Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, Pictur
         if (has_word(array.name, {"extrinsic", "pose", "c2w", "w2c"}))
             place.own_not_used.push_back(array.name + " in " + file.filename().string());
     return {};
+}
+
+void know_own_camera(const Intrinsics& camera, const fs::path& file, PicturesOfCamera& place) {
+    std::error_code ignored;
+    place.own.cameras = {{.intrinsics = camera}};
+    place.own_file = fs::weakly_canonical(file, ignored);
 }
 
 /// The pattern where each frame's camera can be read by it; otherwise none.
@@ -700,8 +712,12 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     PicturesOfCamera place{.folder = folder, .within = folder_of(depth), .is_whole_folder = true};
     if (files) place.frames = files->files;
     if (place.frames.size() == 1) TRY(add_own_arrays(place.frames.front(), *pictures, place));
+    if (const auto camera = pictures->camera_in(place.frames)) know_own_camera(*camera, depth.first, place);
     guess.know_place(std::move(place));
-    guess.know_name(fs::weakly_canonical(folder) / depth.pattern);
+    if (is_named_cloud(depth.first))
+        guess.know_points();
+    else
+        guess.know_name(fs::weakly_canonical(folder) / depth.pattern);
     if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
     guess.tell_of_preset();
@@ -795,11 +811,14 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     TRY(add_own_arrays(file, *pictures, place));
     if (metadata) {
         TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
-        place.own.cameras = {{.intrinsics = camera}};
-        place.own_file = fs::weakly_canonical(*metadata);
+        know_own_camera(camera, *metadata, place);
     }
+    if (const auto camera = pictures->camera_in({file})) know_own_camera(*camera, file, place);
     guess.know_place(std::move(place));
-    guess.know_name(fs::weakly_canonical(file));
+    if (is_named_cloud(file))
+        guess.know_points();
+    else
+        guess.know_name(fs::weakly_canonical(file));
     if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());
     guess.tell_of_preset();

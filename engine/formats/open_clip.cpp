@@ -24,6 +24,7 @@
 #include "engine/formats/depth_photo.hpp"
 #include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
+#include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/formats/realsense_raw.hpp"
@@ -89,7 +90,8 @@ bool is_jpeg(const Candidate& candidate) {
 Result<Candidate> find_file(const fs::path& path, const OpenSettings& wanted) {
     Candidate found{path, {}, {}, wanted};
     const fs::path beside = fs::path(path).replace_extension(".json");
-    if (wanted.is_known() || picture_kind(found.begin).empty() || !is_file(beside)) return found;
+    const bool is_picture = !picture_kind(found.begin).empty() || is_organised_cloud(found.source);
+    if (wanted.is_known() || !is_picture || !is_file(beside)) return found;
     if (is_jpeg(found) && has_jpeg_depth(found.source)) return found;  // which says itself what it is
     auto described = read_scene_file(beside);
     if (described && described->scene.folder && described->scene.folder->depth == path.filename())
@@ -173,6 +175,9 @@ bool is_mpeg4(const Candidate& candidate) {
 }
 bool is_picture(const Candidate& candidate) {
     return !picture_kind(candidate.begin).empty();
+}
+bool is_cloud(const Candidate& candidate) {
+    return is_organised_cloud(candidate.source);
 }
 bool is_realsense_raw(const Candidate& candidate) {
     return realsense_metadata_of(candidate.source.path()).has_value();
@@ -319,6 +324,9 @@ const Format formats[] = {
      "a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR (a rendering with its colour, too), NumPy (.npy, "
      ".npz)",
      "touchable play depth.png", Hints{{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}},
+    {FileKind::bare, is_cloud, describe_picture, open_named,
+     "a cloud of points with rows and columns (.pcd, .ply): its z is depth, and its points tell the camera",
+     "touchable play cloud.pcd"},
     {FileKind::bare, is_realsense_raw, describe_picture, open_named,
      "a snapshot of the RealSense Viewer: NAME_Depth.raw with its NAME_Depth_metadata.csv beside it",
      "touchable play snap_Depth.raw"},

@@ -5,6 +5,7 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/formats/foreign_files.hpp"
+#include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/realsense_raw.hpp"
@@ -114,7 +115,7 @@ Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPi
     if (groups.size() > most_groups) groups.resize(most_groups);
     for (const PictureGroup& group : groups) {
         if (stop_requested()) return interrupted_error();
-        if (!has_word(group.pattern, {"depth"})) continue;
+        if (!has_word(group.pattern, {"depth"}) || is_named_cloud(group.first)) continue;
         TRY(pictures.look(group.first));
     }
     return groups;

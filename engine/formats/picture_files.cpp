@@ -9,6 +9,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "engine/formats/organised_cloud.hpp"
 
 namespace touchable {
 namespace {
@@ -584,7 +585,13 @@ std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
 }
 
 std::vector<PictureGroup> picture_groups(const fs::path& folder) {
-    std::vector<PictureGroup> groups = groups_of(folder, is_picture);
+    std::vector<PictureGroup> groups =
+        groups_of(folder, [](const fs::path& file) { return is_picture(file) || is_named_cloud(file); });
+    const auto is_cloud = [](const PictureGroup& group) { return is_named_cloud(group.first); };
+    std::erase_if(groups, [&](const PictureGroup& group) {
+        return is_cloud(group) && !is_organised_cloud(SourceFile(group.first));
+    });
+    std::ranges::stable_partition(groups, std::not_fn(is_cloud));
     // TUM's lists pair pictures by their times.
     for (const char* list : list_names)
         if (is_file(folder / list))

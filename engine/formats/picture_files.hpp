@@ -75,7 +75,8 @@ struct PictureGroup {
 };
 
 /// Of the folder itself and of those in it, or where these have none of those in them, largest first; lists
-/// of pictures (depth.txt, rgb.txt) before those that they name.
+/// of pictures (depth.txt, rgb.txt) before those that they name, and organised clouds, which are made of
+/// pictures, last.
 std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
 
 /// The files with the cameras of frames, grouped in the same way (ARKitScenes' .pincam).

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "engine/base/try.hpp"
+#include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/value_evidence.hpp"
 
@@ -101,6 +102,7 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     if (realsense_metadata_of(file)) return read_realsense_raw(taken_source(file));
     TRY_ASSIGN(auto bytes, read_picture_bytes(taken_source(file)));
     const std::string where = file.string();
+    if (begins_organised_cloud(bytes)) return read_cloud(std::move(bytes), file, layer);
     if (!is_exr(bytes)) return decode_stored_image(std::move(bytes), where);
     const auto decode = [layer, wanted = wanted_, channel = channel_](std::string_view exr,
                                                                       const std::string& name) {
@@ -108,6 +110,30 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
         return layer == PictureLayer::colour ? decode_exr_colour(exr, name) : decode_exr_materials(exr, name);
     };
     return decode_unless_stopped(std::move(bytes), where, decode);
+}
+
+Result<StoredImage> ReadPictures::read_cloud(std::string bytes, const std::filesystem::path& file,
+                                             PictureLayer layer) {
+    // Decoding may go on after a stop, when this is gone.
+    const auto camera = std::make_shared<std::optional<Intrinsics>>();
+    const auto decode = [camera](std::string_view cloud, const std::string& name) -> Result<StoredImage> {
+        TRY_ASSIGN(auto decoded, decode_organised_cloud(cloud, name));
+        *camera = decoded.camera;
+        return std::move(decoded.depth);
+    };
+    TRY_ASSIGN(auto picture, decode_unless_stopped(std::move(bytes), file.string(), decode));
+    constexpr std::size_t most_cameras = 1000;
+    const std::lock_guard lock(mutex_);
+    if (*camera && cameras_.size() < most_cameras) cameras_.emplace(file.lexically_normal(), **camera);
+    if (layer != PictureLayer::colour || !picture.beside) return picture;
+    return std::move(*picture.beside->colour);
+}
+
+std::optional<Intrinsics> ReadPictures::camera_in(std::span<const std::filesystem::path> files) const {
+    for (const auto& file : cameras_.empty() ? std::span<const std::filesystem::path>() : files)
+        if (const auto found = cameras_.find(file.lexically_normal()); found != cameras_.end())
+            return found->second;
+    return {};
 }
 
 std::optional<StoredImage> ReadPictures::taken_without_reading(const std::filesystem::path& file,
@@ -119,8 +145,8 @@ std::optional<StoredImage> ReadPictures::taken_without_reading(const std::filesy
         if (beside) return std::exchange(beside, std::nullopt);
     }
     const auto kept = pictures_.find(name);
-    const bool is_kept =
-        kept != pictures_.end() && (layer == PictureLayer::own || kept->second->codec != "exr");
+    const bool is_kept = kept != pictures_.end() && (layer == PictureLayer::own ||
+                                                     (kept->second->codec != "exr" && !is_named_cloud(name)));
     return is_kept ? std::optional(taken(kept)) : std::nullopt;
 }
 

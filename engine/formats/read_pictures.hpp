@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <map>
 #include <mutex>
+#include <span>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -13,8 +14,8 @@
 
 namespace touchable {
 
-/// Which picture of a file. Only renderings (OpenEXR) have more than one: others are their own, whatever is
-/// asked for.
+/// Which picture of a file. Only renderings (OpenEXR) and clouds of points have more than one: others are
+/// their own, whatever is asked for.
 enum class PictureLayer { own, colour, materials };
 
 /// Pictures that were read to find out what they are, kept to be read as frames, so that none is opened
@@ -47,6 +48,8 @@ public:
         if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
         kept(file, std::move(picture));
     }
+    /// The camera that the points of a cloud are of, once one of these was looked at, the first of them.
+    std::optional<Intrinsics> camera_in(std::span<const std::filesystem::path> files) const;
     /// Forgets all but these.
     void keep_only(std::initializer_list<std::filesystem::path> files);
 
@@ -58,6 +61,7 @@ private:
     StoredImage taken(Kept::iterator kept);
     std::shared_ptr<const StoredImage> kept(const std::filesystem::path& file, StoredImage picture);
     Result<StoredImage> read(const std::filesystem::path& file, PictureLayer layer);
+    Result<StoredImage> read_cloud(std::string bytes, const std::filesystem::path& file, PictureLayer layer);
     std::optional<StoredImage> taken_without_reading(const std::filesystem::path& file, PictureLayer layer);
     const SourceFile& source(const std::filesystem::path& file) {
         if (!newest_ || newest_->path().lexically_normal() != file.lexically_normal()) newest_.emplace(file);
@@ -78,9 +82,10 @@ private:
     std::size_t bytes_ = 0;             // of the pictures
     std::optional<double> least_confidence_;
     BesideDepth::Wanted wanted_{true, true};
-    std::string channel_;                  // depth's in renderings
-    std::filesystem::path rendering_;      // the newest whose own picture was taken
-    std::shared_ptr<BesideDepth> beside_;  // it; null: nothing
+    std::string channel_;                                  // depth's in renderings
+    std::filesystem::path rendering_;                      // the newest whose own picture was taken
+    std::shared_ptr<BesideDepth> beside_;                  // it; null: nothing
+    std::map<std::filesystem::path, Intrinsics> cameras_;  // of clouds, the first ones that were read
 };
 
 /// Which pictures of a folder are depth, and which belong to it.
