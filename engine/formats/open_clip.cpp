@@ -2,7 +2,8 @@
 // before it.
 //
 //   find      what a path and a scene file lead to: a file, or a folder of pictures (Candidate). Scene files
-//             and folders that hold one recording are followed to what they name.
+//             and folders that hold one recording are followed to what they name; an archive of pictures is
+//             unpacked, and is then the folder that came of it (ZipFolder).
 //   probe     the first row of the table `formats` that recognises it, each asked once at most.
 //   describe  the scene of what does not say itself what its depth is: as a scene file has it, fitted to the
 //             file; otherwise what tells it is read, and the rest is guessed. What was opened for it goes
@@ -28,6 +29,7 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/formats/realsense_raw.hpp"
+#include "engine/formats/zip_folder.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/receiving.hpp"
 
@@ -343,7 +345,8 @@ const Format formats[] = {
      ".webm, .mkv, .avi)",
      "touchable play depth.webm"},
     {FileKind::folder, is_bare, describe_folder, open_named,
-     "a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...)",
+     "a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...), also in a ZIP "
+     "archive",
      "touchable play FOLDER"},
     {FileKind::folder, is_described, describe_folder, open_named,
      "a folder, a picture, a video or two with a scene file (docs/scene_file.md)", "touchable play FOLDER",
@@ -464,6 +467,16 @@ Opened open_url(const StreamUrl& url, const std::optional<GuessedScene>& scene, 
     return open_stream_clip(source, scene, wanted.colour);
 }
 
+/// An archive of pictures, as the folder that it unpacks to.
+Opened open_zip_folder(const ZipPlace& place, const std::optional<fs::path>& scene_file,
+                       const OpenSettings& wanted) {
+    TRY_ASSIGN(auto folder, ZipFolder::unpack(place.archive, place.inner));
+    auto found = find_clip(folder->opened(), scene_file, wanted);
+    auto reader = found ? open_found(std::move(*found)) : Opened(found.error());
+    if (!reader) return folder->named(reader.error());
+    return with_zip_folder(std::move(*reader), std::move(folder));
+}
+
 Opened open_path(const fs::path& path, const std::optional<fs::path>& scene_file,
                  const OpenSettings& wanted) {
     if (is_stream_url(path.string())) {
@@ -479,8 +492,12 @@ Opened open_path(const fs::path& path, const std::optional<fs::path>& scene_file
     }
     if (path.extension() == ".m3u8" && is_file(path) && !scene_file && !wanted.is_known())
         return open_stream_clip({.url = playlist_in_folder(path.string())}, {}, wanted.colour);
-    TRY_ASSIGN(auto found, find_clip(path, scene_file, wanted));
-    auto reader = open_found(std::move(found));
+    const auto open_here = [&]() -> Opened {
+        if (const auto zip = zip_of_pictures(path)) return open_zip_folder(*zip, scene_file, wanted);
+        TRY_ASSIGN(auto found, find_clip(path, scene_file, wanted));
+        return open_found(std::move(found));
+    };
+    auto reader = open_here();
     if (reader && wanted.is_known() && !wanted.known.file.empty()) (*reader)->add_input(wanted.known.file);
     return reader;
 }

@@ -585,8 +585,7 @@ std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
 }
 
 std::vector<PictureGroup> picture_groups(const fs::path& folder) {
-    std::vector<PictureGroup> groups =
-        groups_of(folder, [](const fs::path& file) { return is_picture(file) || is_named_cloud(file); });
+    std::vector<PictureGroup> groups = groups_of(folder, is_named_as_picture);
     const auto is_cloud = [](const PictureGroup& group) { return is_named_cloud(group.first); };
     std::erase_if(groups, [&](const PictureGroup& group) {
         return is_cloud(group) && !is_organised_cloud(SourceFile(group.first));
@@ -637,6 +636,10 @@ std::string found_elsewhere(const fs::path& folder) {
 std::string folder_of(const PictureGroup& group) {
     const fs::path within = fs::path(group.pattern).parent_path();
     return within.empty() ? "" : within.string() + '/';
+}
+
+bool is_named_as_picture(const fs::path& file) {
+    return is_picture(file) || is_named_cloud(file);
 }
 
 bool is_file(const fs::path& file) {

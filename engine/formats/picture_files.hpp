@@ -98,6 +98,9 @@ bool is_record3d(const std::filesystem::path& file);
 /// The folder in a group's pattern, with its slash; empty: that which was looked through itself.
 std::string folder_of(const PictureGroup& group);
 
+/// Whether a file's name ends as those of pictures of a folder do, or of clouds.
+bool is_named_as_picture(const std::filesystem::path& file);
+
 /// Whether a regular file is there.
 bool is_file(const std::filesystem::path& file);
 

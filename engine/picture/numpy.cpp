@@ -1,5 +1,3 @@
-#include <zip.h>
-
 #include <bit>
 #include <limits>
 #include <map>
@@ -10,6 +8,7 @@
 #include "engine/base/words.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/picture/number_pictures.hpp"
+#include "engine/picture/zip_archive.hpp"
 
 namespace touchable {
 
@@ -178,12 +177,10 @@ Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& whe
     return NpyPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
 }
 
-using ZipArchive = std::shared_ptr<zip_t>;
-
 /// One member that is an array.
 struct NpzArray {
     std::string name;  // without ".npy"
-    zip_uint64_t index;
+    ZipMember member;
     std::uint64_t size;
     std::optional<NpyHeader> header{};  // of what is pictures
     bool is_possible = true;            // that so many bytes are packed in those of the file
@@ -205,137 +202,18 @@ struct NpzMember {
     std::vector<SmallArray> small_arrays{};
 };
 
-constexpr zip_int64_t most_members = 4096;
-/// As much as a byte can stand for at most where it is packed by deflate.
-constexpr zip_uint64_t largest_expansion = 1032;
+constexpr std::uint64_t most_members = 4096;
 
-struct CloseMember {
-    void operator()(zip_file_t* member) const { zip_fclose(member); }
-};
-
-/// An archive's own bytes, as libzip calls for them.
-class ArchiveBytes : NonCopyable {
-public:
-    explicit ArchiveBytes(std::unique_ptr<ByteSource> bytes) : bytes_(std::move(bytes)) {
-        zip_error_init(&error_);
-    }
-    ~ArchiveBytes() { zip_error_fini(&error_); }
-
-    static zip_int64_t answer(void* own, void* data, zip_uint64_t length, zip_source_cmd_t command) {
-        auto* const archive = static_cast<ArchiveBytes*>(own);
-        if (command != ZIP_SOURCE_FREE) return archive->answer(data, length, command);
-        delete archive;
-        return 0;
-    }
-
-private:
-    zip_int64_t answer(void* data, zip_uint64_t length, zip_source_cmd_t command) {
-        switch (command) {
-            case ZIP_SOURCE_OPEN:
-                at_ = 0;
-                return 0;
-            case ZIP_SOURCE_READ:
-                return read(static_cast<char*>(data), length);
-            case ZIP_SOURCE_CLOSE:
-                return 0;
-            case ZIP_SOURCE_STAT: {
-                auto* const about = static_cast<zip_stat_t*>(data);
-                zip_stat_init(about);
-                about->valid = ZIP_STAT_SIZE;
-                about->size = bytes_->size();
-                return sizeof *about;
-            }
-            case ZIP_SOURCE_ERROR:
-                return zip_error_to_data(&error_, data, length);
-            case ZIP_SOURCE_SEEK: {
-                const zip_int64_t to =
-                    zip_source_seek_compute_offset(at_, bytes_->size(), data, length, &error_);
-                if (to < 0) return -1;
-                at_ = static_cast<zip_uint64_t>(to);
-                return 0;
-            }
-            case ZIP_SOURCE_TELL:
-                return static_cast<zip_int64_t>(at_);
-            case ZIP_SOURCE_SUPPORTS:
-                return ZIP_SOURCE_SUPPORTS_SEEKABLE;
-            default:
-                zip_error_set(&error_, ZIP_ER_OPNOTSUPP, 0);
-                return -1;
-        }
-    }
-    zip_int64_t read(char* to, zip_uint64_t length) {
-        const zip_uint64_t count = std::min<zip_uint64_t>(length, bytes_->size() - at_);
-        if (!bytes_->read(at_, to, static_cast<std::size_t>(count))) {
-            zip_error_set(&error_, ZIP_ER_READ, EIO);
-            return -1;
-        }
-        at_ += count;
-        return static_cast<zip_int64_t>(count);
-    }
-
-    std::unique_ptr<ByteSource> bytes_;
-    zip_uint64_t at_ = 0;
-    zip_error_t error_;
-};
-
-/// What an archive's member unpacks to. A step back begins again.
-class UnpackedBytes final : public ByteSource {
-public:
-    UnpackedBytes(ZipArchive archive, zip_uint64_t index, std::uint64_t size)
-        : archive_(std::move(archive)), index_(index), size_(size) {}
-    std::uint64_t size() const override { return size_; }
-    Result<void> read(std::uint64_t at, char* to, std::size_t count) override {
-        if (!member_ || at < position_) {
-            member_.reset(zip_fopen_index(archive_.get(), index_, 0));
-            position_ = 0;
-            if (!member_)
-                return input_error(std::string("cannot be unpacked: ") + zip_strerror(archive_.get()));
-        }
-        char passed[16384];
-        while (position_ < at) TRY(take(passed, std::min<std::uint64_t>(at - position_, sizeof passed)));
-        TRY(take(to, count));
-        // Only behind its last byte is a member's sum compared.
-        return position_ == size_ && zip_fread(member_.get(), passed, 1) < 0 ? damage() : Result<void>{};
-    }
-
-private:
-    Result<void> take(char* to, std::uint64_t count) {
-        if (stop_requested()) return interrupted_error();
-        const zip_int64_t got = zip_fread(member_.get(), to, count);
-        if (got < 0) return damage();
-        position_ += static_cast<std::uint64_t>(got);
-        return static_cast<std::uint64_t>(got) == count ? Result<void>{} : input_error("is cut short");
-    }
-    Result<void> damage() {
-        if (stop_requested()) return interrupted_error();  // which is why its bytes did not come
-        return input_error(std::string("is damaged: ") + zip_file_strerror(member_.get()));
-    }
-
-    ZipArchive archive_;
-    zip_uint64_t index_;
-    std::uint64_t size_, position_ = 0;
-    std::unique_ptr<zip_file_t, CloseMember> member_;
-};
-
-std::unique_ptr<UnpackedBytes> unpacked(const ZipArchive& archive, const NpzArray& array) {
-    return std::make_unique<UnpackedBytes>(archive, array.index, array.size);
+std::unique_ptr<ByteSource> unpacked(const ZipArchive& archive, const NpzArray& array) {
+    return unpacked_member(archive, array.member);
 }
 
 std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
     std::vector<NpzArray> arrays;
-    const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
-    for (zip_int64_t k = 0; k < count; ++k) {
-        const auto index = static_cast<zip_uint64_t>(k);
-        zip_stat_t about;
-        if (zip_stat_index(archive.get(), index, 0, &about) != 0 || !(about.valid & ZIP_STAT_NAME) ||
-            !(about.valid & ZIP_STAT_SIZE))
-            continue;
-        NpzArray array{about.name, index, about.size};
-        if (!array.name.ends_with(".npy")) continue;
-        constexpr auto needed = ZIP_STAT_COMP_SIZE | ZIP_STAT_COMP_METHOD;
-        const bool is_deflated = (about.valid & needed) == needed && about.comp_method == ZIP_CM_DEFLATE;
-        array.is_possible = !is_deflated || about.size / largest_expansion <= about.comp_size;
-        array.name.resize(array.name.size() - 4);
+    for (const ZipMember& member : zip_members(archive)) {
+        if (!member.name.ends_with(".npy")) continue;
+        NpzArray array{member.name.substr(0, member.name.size() - 4), member, member.size};
+        array.is_possible = member.is_possible();
         auto header = read_npy_header(*unpacked(archive, array), "");
         if (header && npy_pictures(*header, "")) array.header = std::move(*header);
         arrays.push_back(std::move(array));
@@ -373,7 +251,7 @@ std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::ve
     std::vector<SmallArray> small;
     for (const NpzArray& array : arrays) {
         if (small.size() >= most_arrays || stop_requested()) break;
-        if (!array.is_possible || array.size > 8 * most_numbers + 70000) continue;
+        if (!array.is_possible || array.member.size > 8 * most_numbers + 70000) continue;
         const auto bytes = unpacked(archive, array);
         const auto header = read_npy_header(*bytes, "");
         if (!header || (header->columns_first && header->shape.size() > 1)) continue;
@@ -453,8 +331,6 @@ std::string other_pictures(const std::vector<NpzArray>& arrays, const NpzArray& 
 }
 
 Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) {
-    if (zip_get_num_entries(archive.get(), 0) > most_members)
-        return input_error(where + ": has more than " + std::to_string(most_members) + " members");
     const auto arrays = npz_arrays(archive);
     if (arrays.empty())
         return input_error(where +
@@ -489,18 +365,8 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) 
 
 /// The array that depth is read from. Messages begin with `where`.
 Result<NpzMember> open_npz(std::unique_ptr<ByteSource> bytes, const std::string& where) {
-    zip_error_t failure;
-    zip_error_init(&failure);
-    auto own = std::make_unique<ArchiveBytes>(std::move(bytes));
-    zip_source_t* const source = zip_source_function_create(ArchiveBytes::answer, own.get(), &failure);
-    if (source) (void)own.release();
-    zip_t* const archive = source ? zip_open_from_source(source, ZIP_RDONLY, &failure) : nullptr;
-    const std::string why = zip_error_strerror(&failure);
-    zip_error_fini(&failure);
-    if (archive) return depth_member_of(ZipArchive(archive, zip_discard), where);
-    if (source) zip_source_free(source);
-    if (stop_requested()) return error_at(where, interrupted_error());
-    return input_error(where + ": is damaged: " + why);
+    TRY_ASSIGN(auto archive, open_zip(std::move(bytes), most_members, where));
+    return depth_member_of(std::move(archive), where);
 }
 
 constexpr std::size_t npy_block = std::size_t{1} << 20;

@@ -17,6 +17,11 @@ bool parse_any_file(std::string_view bytes) {
     return taken;
 }
 
+/// An archive of pictures, which is unpacked.
+bool parse_zip(std::string_view bytes) {
+    return is_clip(open_clip(file_of(bytes, "pictures.zip")));
+}
+
 /// A video of depth as others write them, whose demuxers and decoders are FFmpeg's.
 bool parse_video(std::string_view bytes) {
     return is_clip(open_clip(file_of(bytes, "video.mp4")));
@@ -27,6 +32,12 @@ const Registered any_file_target{{.name = "any_file",
                                   .changes = 100,
                                   .most_mebibytes = 2048,
                                   .most_live_mebibytes = 2048}};
+const Registered zip_folder_target{{.name = "zip_folder",
+                                    .parse = parse_zip,
+                                    .cuts_are_refused = true,
+                                    .changes = 100,
+                                    .most_mebibytes = 2048,
+                                    .most_live_mebibytes = 2048}};
 const Registered video_target{{.name = "video",
                                .parse = parse_video,
                                .changes = 60,
