@@ -6,8 +6,6 @@
 #include <sys/stat.h>
 #include <sys/uio.h>
 #include <sys/vfs.h>
-#include <unistd.h>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -44,13 +42,13 @@ Error named_error(const std::string& named, const std::string& why) {
 }
 
 /// A file that is open as long as it has readers.
-class Descriptor : NonCopyable {
+class OpenFile : NonCopyable {
 public:
-    explicit Descriptor(int number) : number_(number) {
+    explicit OpenFile(int number) : number_(number) {
         struct statfs system = {};
         in_memory_ = fstatfs(number, &system) == 0 && system.f_type == TMPFS_MAGIC;
     }
-    ~Descriptor() { close(number_); }
+    ~OpenFile() { close(number_); }
 
     std::ptrdiff_t read(std::uint64_t at, char* to, std::size_t count, bool may_wait) const {
         iovec room{to, count};
@@ -117,7 +115,7 @@ Result<GivenFile> GivenFile::open(const fs::path& file, const std::string& named
     if (!S_ISREG(about.st_mode)) return refused(other_kind(about.st_mode));
     const int number = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     if (number < 0) return refused(words_of(errno));
-    const auto opened = std::make_shared<const Descriptor>(number);
+    const auto opened = std::make_shared<const OpenFile>(number);
     if (fstat(number, &about) != 0) return refused(words_of(errno));
     if (!S_ISREG(about.st_mode)) return refused(other_kind(about.st_mode));
     return GivenFile([opened](std::uint64_t at, char* to, std::size_t count,

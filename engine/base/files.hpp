@@ -13,6 +13,9 @@
 // Errors are lines for a person: the file's name, what is wrong, what would be right. Reads end with
 // ErrorKind::interrupted once the program is asked to stop. One thread at a time may use an object.
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -24,6 +27,30 @@
 #include "engine/base/result.hpp"
 
 namespace touchable {
+
+/// A descriptor of the system that is closed with its owner; -1: none.
+class Descriptor {
+public:
+    explicit Descriptor(int of = -1) : of_(of) {}
+    ~Descriptor() { reset(); }
+    Descriptor(Descriptor&& other) noexcept : of_(std::exchange(other.of_, -1)) {}
+    Descriptor& operator=(Descriptor&& other) noexcept {
+        std::swap(of_, other.of_);
+        return *this;
+    }
+    int get() const { return of_; }
+    void reset() {
+        if (of_ >= 0) ::close(of_);
+        of_ = -1;
+    }
+
+private:
+    int of_;
+};
+/// Whether a call on one that does not wait failed, with this errno, only because it would have had to.
+inline bool would_wait(int failure) {
+    return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
+}
 
 /// Bytes of a file, of a part of one, or in memory. Cheapest to read in order.
 class ByteSource {

@@ -2,19 +2,15 @@
 // these as a clip.
 #include "engine/camera/frameset_camera.hpp"
 
-#include <fcntl.h>
 #include <linux/videodev2.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <bit>
 #include <cerrno>
-#include <csignal>
 
+#include "engine/base/child_process.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -130,7 +126,6 @@ FrameRate rate_of(const std::vector<std::int64_t>& sent_ns) {
 }
 
 constexpr std::int64_t longest_way_ns = 100'000'000;  // from being taken to its arrival
-constexpr std::chrono::milliseconds step(10);
 
 /// Bytes of a program that come when they come: its standard output, or a connection. What it began it ends
 /// with itself.
@@ -150,100 +145,16 @@ std::string failure_text(int failure) {
     return std::generic_category().message(failure);
 }
 
-struct Pipe {
-    Descriptor out, in;  ///< to be read without waiting; to be written
-};
-Result<Pipe> make_pipe() {
-    int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0)
-        return Error{ErrorKind::internal, "no pipe can be made: " + failure_text(errno)};
-    Pipe made{Descriptor(ends[0]), Descriptor(ends[1])};
-    ::fcntl(ends[0], F_SETFL, O_NONBLOCK);
-    return made;
-}
-
+/// The standard output of a command that /bin/sh runs.
 class Command final : public LiveBytes {
 public:
-    Command(::pid_t process, Descriptor output, Descriptor errors)
-        : process_(process), output_(std::move(output)), errors_(std::move(errors)) {}
-    /// While the first process is not waited for, no other group has its number.
-    ~Command() override {
-        ::kill(-process_, SIGTERM);
-        siginfo_t how;
-        // A process of the group that still writes holds the output open.
-        const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-        while (!(has_ended(how) && output_.get() < 0) && std::chrono::steady_clock::now() < until) {
-            std::array<std::uint8_t, 65536> unread;
-            if (read(unread).value_or(0) == 0) std::this_thread::sleep_for(step);
-        }
-        ::kill(-process_, SIGKILL);
-        constexpr int most_steps = 200;
-        for (int k = 0; k < most_steps && ::waitpid(process_, nullptr, WNOHANG) == 0; ++k)
-            std::this_thread::sleep_for(step);
-    }
-
-    std::optional<std::size_t> read(std::span<std::uint8_t> into) override {
-        hear_errors();
-        if (output_.get() < 0) return std::nullopt;
-        const auto got = ::read(output_.get(), into.data(), into.size());
-        if (got > 0) return static_cast<std::size_t>(got);
-        if (got < 0 && would_wait(errno)) return std::size_t{0};
-        output_.reset();
-        return std::nullopt;
-    }
-
-    std::array<pollfd, 2> waits() const override {
-        return {pollfd{output_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}};
-    }
-
-    std::string how_it_ended() override {
-        constexpr int most_looks = 20;
-        siginfo_t how;
-        bool ended = has_ended(how);
-        for (int looks = 0; !ended && looks < most_looks; ++looks) {
-            std::this_thread::sleep_for(step);
-            ended = has_ended(how);
-        }
-        hear_errors();
-        if (!ended) return "closed its standard output" + last_words();
-        if (how.si_code != CLD_EXITED)
-            return "ended by signal " + std::to_string(how.si_status) + last_words();
-        if (how.si_status == 0) return "ended";
-        return "ended with status " + std::to_string(how.si_status) + last_words();
-    }
+    explicit Command(std::unique_ptr<ChildProcess> process) : process_(std::move(process)) {}
+    std::optional<std::size_t> read(std::span<std::uint8_t> into) override { return process_->read(into); }
+    std::array<pollfd, 2> waits() const override { return process_->waits(); }
+    std::string how_it_ended() override { return process_->how_it_ended(); }
 
 private:
-    void hear_errors() {
-        constexpr std::size_t most_kept = 2000;
-        constexpr int most_at_once = 16;
-        for (int k = 0; k < most_at_once && errors_.get() >= 0; ++k) {
-            std::array<char, 4096> words;
-            const auto got = ::read(errors_.get(), words.data(), words.size());
-            if (got < 0 && would_wait(errno)) return;
-            if (got <= 0) return errors_.reset();
-            errors_said_.append(words.data(), static_cast<std::size_t>(got));
-            if (errors_said_.size() > most_kept) errors_said_.erase(0, errors_said_.size() - most_kept);
-        }
-    }
-
-    std::string last_words() const {
-        constexpr std::size_t longest = 200;
-        const std::size_t end = errors_said_.find_last_not_of(" \t\r\n");
-        if (end == std::string::npos) return "";
-        const std::size_t before = errors_said_.find_last_of("\r\n", end);
-        const std::size_t begin = before == std::string::npos ? 0 : before + 1;
-        return ": " + printable(errors_said_.substr(begin, end + 1 - begin), longest);
-    }
-
-    bool has_ended(siginfo_t& how) const {
-        how = {};
-        return ::waitid(P_PID, static_cast<::id_t>(process_), &how, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-               how.si_pid == process_;
-    }
-
-    const ::pid_t process_;  // and its group, which is there until it is waited for
-    Descriptor output_, errors_;
-    std::string errors_said_;  // the last of it
+    std::unique_ptr<ChildProcess> process_;
 };
 
 class Connection final : public LiveBytes {
@@ -290,39 +201,11 @@ Result<int> wait_for_connection(int socket) {
     return ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &failure, &length) == 0 ? failure : errno;
 }
 
-/// The standard output of a command that /bin/sh runs, in a process group of its own, without standard input.
-/// The last line that it says on standard error is kept for how it ended. With this object the whole group is
-/// asked to end (SIGTERM), and after 2 s made to (SIGKILL).
 Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
-    TRY_ASSIGN(auto output, make_pipe());
-    TRY_ASSIGN(auto errors, make_pipe());
-    constexpr int roomy = 1 << 20;
-    (void)::fcntl(output.in.get(), F_SETPIPE_SZ, roomy);  // otherwise what it is
-    ::posix_spawn_file_actions_t files;
-    ::posix_spawn_file_actions_init(&files);
-    ::posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    ::posix_spawn_file_actions_adddup2(&files, output.in.get(), STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&files, errors.in.get(), STDERR_FILENO);
-    ::posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
-    ::posix_spawnattr_t attributes;
-    ::posix_spawnattr_init(&attributes);
-    sigset_t none, all;
-    ::sigemptyset(&none);
-    ::sigfillset(&all);
-    ::posix_spawnattr_setsigmask(&attributes, &none);
-    ::posix_spawnattr_setsigdefault(&attributes, &all);
-    ::posix_spawnattr_setflags(&attributes,
-                               POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    std::string shell = "sh", option = "-c", words = command;
-    char* const arguments[] = {shell.data(), option.data(), words.data(), nullptr};
-    ::pid_t process = -1;
-    const int failure = ::posix_spawn(&process, "/bin/sh", &files, &attributes, arguments, ::environ);
-    ::posix_spawn_file_actions_destroy(&files);
-    ::posix_spawnattr_destroy(&attributes);
-    if (failure != 0)
-        return input_error("pipe:" + printable(command) + ": cannot be started: " + failure_text(failure));
-    return std::unique_ptr<LiveBytes>(
-        std::make_unique<Command>(process, std::move(output.out), std::move(errors.out)));
+    auto process = ChildProcess::start({"/bin/sh", "-c", command});
+    if (!process) return error_at("pipe:" + printable(command), process.error());
+    if (!*process) return input_error("pipe:" + printable(command) + ": there is no /bin/sh to start it");
+    return std::unique_ptr<LiveBytes>(std::make_unique<Command>(std::move(*process)));
 }
 
 /// It is there within 5 s, or an error says why not; or earlier, of kind interrupted, where the program is

@@ -15,11 +15,8 @@
 //
 // As every reader, each is used by one thread at a time; what may be called from any thread says so.
 
-#include <unistd.h>
-
 #include <array>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -30,6 +27,7 @@
 #include <span>
 #include <utility>
 
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 
@@ -207,30 +205,6 @@ inline std::int64_t steady_ns_of(std::chrono::steady_clock::time_point moment) {
 }
 inline std::int64_t steady_now_ns() {
     return steady_ns_of(std::chrono::steady_clock::now());
-}
-
-/// A descriptor of the system that is closed with its owner; -1: none.
-class Descriptor {
-public:
-    explicit Descriptor(int of = -1) : of_(of) {}
-    ~Descriptor() { reset(); }
-    Descriptor(Descriptor&& other) noexcept : of_(std::exchange(other.of_, -1)) {}
-    Descriptor& operator=(Descriptor&& other) noexcept {
-        std::swap(of_, other.of_);
-        return *this;
-    }
-    int get() const { return of_; }
-    void reset() {
-        if (of_ >= 0) ::close(of_);
-        of_ = -1;
-    }
-
-private:
-    int of_;
-};
-/// Whether a call on one that does not wait failed, with this errno, only because it would have had to.
-inline bool would_wait(int failure) {
-    return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
 }
 
 /// Frames of before a run are so far apart.
