@@ -126,29 +126,23 @@ std::optional<std::string> oni(const Look& look) {
            after_play("FOLDER");
 }
 
-bool is_hdf5(std::string_view begin) {
-    constexpr std::string_view magic("\x89HDF\r\n\x1a\n");
-    for (const std::size_t at : {0U, 512U, 1024U, 2048U})
-        if (at < begin.size() && begin.substr(at).starts_with(magic)) return true;
-    return false;
-}
-
 std::optional<std::string> matlab(const Look& look) {
-    if (!look.begin.starts_with("MATLAB ")) return {};
-    const bool is_new = is_hdf5(look.begin);
-    const std::string array = is_new ? "h5py.File(" + look.python_name() + ")['NAME'][:]"
-                                     : "scipy.io.loadmat(" + look.python_name() + ")['NAME']";
-    return std::string("is a MATLAB file") + (is_new ? " (7.3, which is HDF5)" : "") +
-           ": numpy.save('depth.npy', " + array + ") in Python makes an array of its variable of depth" +
-           (is_new ? " (frames first; transpose rows and columns, which MATLAB swaps)" : "") +
-           after_play("depth.npy");
+    if (!look.begin.starts_with("MATLAB ") || picture_kind(look.begin) == "HDF5") return {};
+    return "is a MATLAB file: numpy.save('depth.npy', scipy.io.loadmat(" + look.python_name() +
+           ")['NAME']) in Python makes an array of its variable of depth" + after_play("depth.npy");
 }
 
+/// One that begins as HDF5 is opened; others have something of another program before it.
 std::optional<std::string> hdf5(const Look& look) {
-    if (!is_hdf5(look.begin)) return {};
-    return "is an HDF5 file: numpy.save('depth.npy', h5py.File(" + look.python_name() +
-           ")['NAME'][:]) in Python makes an array of its data set of depth (h5dump -n lists them)" +
-           after_play("depth.npy");
+    if (picture_kind(look.begin) == "HDF5") return "is an HDF5 file: touchable play " + look.shell_name();
+    constexpr std::string_view magic("\x89HDF\r\n\x1a\n");
+    constexpr std::size_t places[] = {512, 1024, 2048};
+    if (std::ranges::none_of(places, [&](std::size_t at) {
+            return at < look.begin.size() && look.begin.substr(at).starts_with(magic);
+        }))
+        return {};
+    return "is an HDF5 file behind a user block: h5unjam -i " + look.shell_name() +
+           " -o depth.h5 makes one without it" + after_play("depth.h5");
 }
 
 /// "160&120&1&" and floats: COLMAP's dense maps.
@@ -228,7 +222,7 @@ std::optional<std::string> other_geometry(const Look& look) {
 }
 
 using Recognise = std::optional<std::string> (*)(const Look&);
-/// Asked in this order. MATLAB's before HDF5, which is in its newer files.
+/// Asked in this order.
 constexpr Recognise known_kinds[] = {git_lfs, svo,        zip,          packed, sens, oni,           matlab,
                                      hdf5,    colmap_map, colmap_model, ply,    pcd,  other_geometry};
 constexpr Recognise misleading_kinds[] = {git_lfs, svo};

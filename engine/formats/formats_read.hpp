@@ -39,12 +39,13 @@ struct OpenSettings {
     Colour colour = Colour::wanted;
     DepthAlignment alignment = DepthAlignment::automatic;
 
-    /// Whether `known` describes pictures. With a least confidence or a channel alone the rest comes from a
-    /// scene file, or from guesses.
+    /// Whether `known` describes pictures. With a least confidence, a channel or a data set alone the rest
+    /// comes from a scene file, or from guesses.
     bool is_known() const {
         SourceDescription said = known;
         said.least_confidence.reset();
         said.channel.clear();
+        said.dataset.clear();
         return !(said == SourceDescription());
     }
 };

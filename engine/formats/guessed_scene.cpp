@@ -687,6 +687,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (const auto foreign = foreign_folder(folder)) return input_error(folder.string() + ": " + *foreign);
     const auto pictures = std::make_shared<ReadPictures>();
     pictures->take_channel(known.channel);
+    pictures->take_dataset(known.dataset);
     const bool is_relative = preset != nullptr && preset->stored.kind == StoredDepth::Kind::relative;
     TRY_ASSIGN(const auto chosen, choose_pictures(folder, known, is_relative, *pictures));
     const PictureGroup& depth = chosen.depth;
@@ -798,6 +799,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const auto pictures = std::make_shared<ReadPictures>(source);
     pictures->trust_from(known.least_confidence);
     pictures->take_channel(known.channel);
+    pictures->take_dataset(known.dataset);
     TRY_ASSIGN(const auto told, telling_depth({file}, *pictures, preset));
     const StoredImage& stored = *told;
     const bool is_open = preset == nullptr && !known.metres_per_code;
@@ -813,7 +815,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
         know_own_camera(camera, *metadata, place);
     }
-    if (const auto camera = pictures->camera_in({file})) know_own_camera(*camera, file, place);
+    if (const auto camera = pictures->camera_in(std::span(&file, 1))) know_own_camera(*camera, file, place);
     guess.know_place(std::move(place));
     if (is_named_cloud(file))
         guess.know_points();

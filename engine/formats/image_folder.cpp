@@ -75,6 +75,10 @@ public:
             return usage_error(
                 depth.files.front().string() + ": is no OpenEXR file, of which a channel could be named",
                 {{Setting::channel}});
+        if (!pictures_->dataset().empty() && !is_hdf5_file(SourceFile(depth.files.front())))
+            return usage_error(
+                depth.files.front().string() + ": is no HDF5 file, of which a data set could be named",
+                {{Setting::dataset}});
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->least_confidence() && !has_confidence)
             return usage_error(

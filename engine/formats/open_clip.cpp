@@ -146,6 +146,9 @@ Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>&
         !is_exr(first_bytes(SourceFile(path), Candidate::telling_bytes)))
         return usage_error(path.string() + ": is no OpenEXR file, of which a channel could be named",
                            {{Setting::channel}});
+    if (!wanted.known.dataset.empty() && !is_described && !is_folder && !is_hdf5_file(SourceFile(path)))
+        return usage_error(path.string() + ": is no HDF5 file, of which a data set could be named",
+                           {{Setting::dataset}});
     if (is_scene && (scene_file || is_known))
         return usage_error(path.string() + ": is a scene file itself: leave " +
                                (scene_file ? "the other one" : "camera, unit and preset") + " out",
@@ -227,6 +230,7 @@ Result<GuessedScene> describe_picture(const Candidate& candidate) {
     made.pictures = std::make_shared<ReadPictures>(candidate.source);
     made.pictures->trust_from(candidate.wanted.known.least_confidence);
     made.pictures->take_channel(candidate.wanted.known.channel);
+    made.pictures->take_dataset(candidate.wanted.known.dataset);
     made.scene.video.reset();
     const FolderSource of = made.scene.folder.value_or(FolderSource());
     if (of.depth == name) return made;
@@ -268,6 +272,7 @@ Result<GuessedScene> describe_folder(const Candidate& candidate) {
     made.pictures = std::make_shared<ReadPictures>();
     made.pictures->trust_from(candidate.wanted.known.least_confidence);
     made.pictures->take_channel(candidate.wanted.known.channel);
+    made.pictures->take_dataset(candidate.wanted.known.dataset);
     if (made.scene.video) {
         TRY_ASSIGN(made.video, VideoFile::open(candidate.source, PlaneRole::depth));
     }
@@ -324,7 +329,7 @@ const Format formats[] = {
      "a phone's HEIC, HEIF or AVIF with depth (portraits)", "touchable play portrait.heic"},
     {FileKind::bare, is_picture, describe_picture, open_named,
      "a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR (a rendering with its colour, too), NumPy (.npy, "
-     ".npz)",
+     ".npz), HDF5 (.h5, .hdf5, MATLAB's 7.3)",
      "touchable play depth.png", Hints{{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}},
     {FileKind::bare, is_cloud, describe_picture, open_named,
      "a cloud of points with rows and columns (.pcd, .ply): its z is depth, and its points tell the camera",
@@ -411,7 +416,7 @@ std::optional<Error> refusal(const Format* format, const Candidate& candidate) {
     return input_error(file.string() +
                        ": is not a Matroska file, nor a video, nor glTF, nor the text of an MPEG-4 scene, "
                        "nor a recording of ROS (.bag, .mcap, .db3), nor a picture of depth (PNG, PGM, TIFF, "
-                       "PFM, EXR, NumPy), nor a JPEG or HEIC with depth, nor a Depthkit video with " +
+                       "PFM, EXR, NumPy, HDF5), nor a JPEG or HEIC with depth, nor a Depthkit video with " +
                        depthkit_metadata_name(file).string() + " beside it");
 }
 

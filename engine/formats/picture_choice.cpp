@@ -235,8 +235,8 @@ Result<ChosenPictures> choose_pictures(const fs::path& folder, const SourceDescr
         (is_relative || has_word(fs::weakly_canonical(folder).filename().string(), {"depth"})))
         depths = greys_among(groups, pictures);
     if (depths.empty() && stop_requested()) return interrupted_error();
-    // What has no channel of the name that a person said tells which it has.
-    if (depths.empty() && !known.channel.empty())
+    // What has no channel or data set of the name that a person said tells which it has.
+    if (depths.empty() && !(known.channel.empty() && known.dataset.empty()))
         for (const PictureGroup& group : groups) TRY(pictures.look(group.first));
     if (depths.empty()) return without_depth(folder, groups);
     ChosenPictures chosen{.depth = *depths.front()};

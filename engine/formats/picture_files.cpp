@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t most_files = 10'000'000, most_entries = 1'000'000;
 constexpr std::size_t largest_list = std::size_t{256} << 20;
 constexpr const char* list_names[] = {"rgb.txt", "color.txt", "colour.txt", "depth.txt"};
-constexpr const char* picture_extensions[] = {".png",  ".jpg", ".jpeg", ".pgm", ".ppm", ".tif",
-                                              ".tiff", ".pfm", ".exr",  ".npy", ".npz"};
+constexpr const char* picture_extensions[] = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff",
+                                              ".pfm", ".exr", ".npy",  ".npz", ".h5",  ".hdf5"};
 
 /// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
 class Numbered {

@@ -61,9 +61,11 @@ Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem
     if (const auto there = stacks_.find(name); there != stacks_.end()) return there->second;
     if (pictures_.contains(name)) return std::shared_ptr<ImageStack>();
     const SourceFile& opened = source(file);
-    const bool is_tiff = picture_kind(first_bytes(opened, 8)) == "TIFF";
-    if (!is_tiff && !is_npy_file(opened)) return std::shared_ptr<ImageStack>();
-    TRY_ASSIGN(auto stack, is_tiff ? open_tiff_stack(opened) : open_npy_stack(opened, least_confidence_));
+    const bool is_tiff = picture_kind(first_bytes(opened, 8)) == "TIFF", is_hdf5 = is_hdf5_file(opened);
+    if (!is_tiff && !is_hdf5 && !is_npy_file(opened)) return std::shared_ptr<ImageStack>();
+    TRY_ASSIGN(auto stack, is_tiff   ? open_tiff_stack(opened)
+                           : is_hdf5 ? open_hdf5_stack(opened, dataset_)
+                                     : open_npy_stack(opened, least_confidence_));
     if (stack) stacks_[name] = stack;
     return stack;
 }
@@ -100,8 +102,13 @@ std::shared_ptr<const StoredImage> ReadPictures::kept(const std::filesystem::pat
 
 Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, PictureLayer layer) {
     if (realsense_metadata_of(file)) return read_realsense_raw(taken_source(file));
-    TRY_ASSIGN(auto bytes, read_picture_bytes(taken_source(file)));
+    const SourceFile opened = taken_source(file);
     const std::string where = file.string();
+    if (is_hdf5_file(opened)) {
+        TRY_ASSIGN(const auto stack, open_hdf5_stack(opened, dataset_));
+        return stack->image(0);  // a file of a row is one frame
+    }
+    TRY_ASSIGN(auto bytes, read_picture_bytes(opened));
     if (begins_organised_cloud(bytes)) return read_cloud(std::move(bytes), file, layer);
     if (!is_exr(bytes)) return decode_stored_image(std::move(bytes), where);
     const auto decode = [layer, wanted = wanted_, channel = channel_](std::string_view exr,

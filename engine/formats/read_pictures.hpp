@@ -34,7 +34,7 @@ public:
     Result<StoredImage> take(const std::filesystem::path& file, PictureLayer layer = PictureLayer::own);
     /// What is unpacked of a rendering with its own picture; at first all.
     void want_beside(const BesideDepth::Wanted& wanted) { wanted_ = wanted; }
-    /// The pictures of a file that is a stack of them (.npy, .npz, TIFF of several pages), which stays
+    /// The pictures of a file that is a stack of them (.npy, .npz, HDF5, TIFF of several pages), which stays
     /// open; null of others.
     Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
     /// Of stacks that are opened from now on (open_npy_stack).
@@ -43,6 +43,9 @@ public:
     /// Of renderings that are read from now on: the channel that is depth, by name. Empty: found.
     void take_channel(const std::string& channel) { channel_ = channel; }
     const std::string& channel() const { return channel_; }
+    /// The same of HDF5 and its data set.
+    void take_dataset(const std::string& dataset) { dataset_ = dataset; }
+    const std::string& dataset() const { return dataset_; }
     /// Keeps one for `take`, with what is beside it.
     void keep(const std::filesystem::path& file, StoredImage picture) {
         if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
@@ -83,6 +86,7 @@ private:
     std::optional<double> least_confidence_;
     BesideDepth::Wanted wanted_{true, true};
     std::string channel_;                                  // depth's in renderings
+    std::string dataset_;                                  // depth's in HDF5
     std::filesystem::path rendering_;                      // the newest whose own picture was taken
     std::shared_ptr<BesideDepth> beside_;                  // it; null: nothing
     std::map<std::filesystem::path, Intrinsics> cameras_;  // of clouds, the first ones that were read

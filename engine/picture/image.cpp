@@ -56,6 +56,7 @@ constexpr PictureKind picture_kinds[] = {
     {"OpenEXR", is_exr, decode_exr},
     {"npy", is_npy, decode_npy},
     {"npz", is_npz, decode_npz},
+    {"HDF5", is_hdf5, refuse_hdf5},
     {"Netpbm", [](std::string_view begin) { return is_netpbm(begin, "147F"); }, refuse_netpbm},
 };
 

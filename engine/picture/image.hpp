@@ -6,8 +6,8 @@
 // read_stored_image reads a picture of any kind that its first bytes tell (PNG, JPEG, TIFF, OpenEXR, PGM,
 // PPM, PFM, NumPy) as it is stored: a StoredImage is integers as the file has them, or floats, and says how
 // it was stored, so that depth is never squeezed through a conversion. decode_* are the same of bytes in
-// memory, of one kind. An ImageStack reads those of a NumPy file (.npy, .npz) or a TIFF one by one. write_png
-// and png_bytes write PNG, lossless. Pictures of videos are in decoding.hpp.
+// memory, of one kind. An ImageStack reads those of a NumPy file (.npy, .npz), of HDF5 or of a TIFF one by
+// one. write_png and png_bytes write PNG, lossless. Pictures of videos are in decoding.hpp.
 //
 // What a file claims (sizes, expansion) is checked before memory is taken for it. Errors begin with `where`
 // or the file's name (ErrorKind::input); a stop is obeyed within milliseconds. Functions may be called by any
@@ -68,7 +68,7 @@ struct BesideDepth;
 /// An image with how it was stored.
 struct StoredImage {
     Image image;               ///< of a picture of floats its size, and no samples
-    std::string codec;         ///< "png", "mjpeg", "pgm", "ppm", "pfm", "npy", "tiff", "exr"
+    std::string codec;         ///< "png", "mjpeg", "pgm", "ppm", "pfm", "npy", "hdf5", "tiff", "exr"
     std::string pixel_format;  ///< as FFmpeg names it: "gray16be", "grayf32le"
     /// Of a sample as stored: of grey PNG also 1, 2 and 4, of PGM those its greatest value needs; 16 where
     /// larger integers all fit.
@@ -154,7 +154,7 @@ struct SmallArray {
 };
 
 /// The pictures of a file that holds several, read one by one: of an array as NumPy writes it, height x width
-/// or a stack of such; the pages of a TIFF.
+/// or a stack of such; a data set of HDF5; the pages of a TIFF.
 class ImageStack {
 public:
     virtual ~ImageStack() = default;
@@ -180,6 +180,16 @@ Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
 
 /// Whether a file begins as such a one.
 bool is_npy_file(const SourceFile& file);
+
+/// Of a data set of an HDF5 file, also of MATLAB's, whose pictures are turned over as MATLAB shows them: the
+/// one of this name, such as /data/demo_0/obs/depth; without a name it is found as an array of a .npz, where
+/// also "depth" anywhere in its name counts. Others have to be named: an error has those that there are. The
+/// file is read by h5ls and h5dump (Debian: hdf5-tools), each time up to 8 MiB of pictures, or one; it stays
+/// where it is meanwhile. One that wants more than 60 s or 1 GiB is refused.
+Result<std::shared_ptr<ImageStack>> open_hdf5_stack(const SourceFile& file, const std::string& dataset = "");
+
+/// Whether a file begins as HDF5, or as MATLAB's 7.3, which is HDF5.
+bool is_hdf5_file(const SourceFile& file);
 
 /// The pages of a TIFF that are stored as the first one is. Null of a file with a single page.
 Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file);

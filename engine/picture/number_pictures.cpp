@@ -606,6 +606,43 @@ private:
 
 }  // namespace
 
+std::pair<std::string, std::string> numbered_name(const std::string& name) {
+    constexpr const char* digits = "0123456789";
+    const auto last = name.find_last_of(digits);
+    if (last == std::string::npos) return {name, ""};
+    const auto before = name.find_last_not_of(digits, last);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    std::string number = name.substr(begin, last + 1 - begin);
+    number.erase(0, std::min(number.find_first_not_of('0'), number.size()));
+    return {name.substr(0, begin) + "*" + name.substr(last + 1), number};
+}
+
+std::string shape_text(const std::vector<std::int64_t>& shape) {
+    std::string text;
+    for (const std::int64_t extent : shape) {
+        if (!text.empty()) text += 'x';
+        text += std::to_string(extent);
+    }
+    return text.empty() ? "a single number" : text;
+}
+
+Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents, const std::string& where) {
+    std::vector<std::int64_t> shape = extents;
+    if (shape.size() > 2 && shape.back() == 1) shape.pop_back();
+    // Networks count batches and colours too: 1 x 1 x height x width, count x 1 x height x width.
+    for (auto one = shape.begin(); shape.size() > 3 && one != shape.end() - 2;)
+        one = *one == 1 ? shape.erase(one) : one + 1;
+    if (shape.size() == 2) shape.insert(shape.begin(), 1);
+    if (shape.size() != 3 || shape[0] < 1)
+        return input_error(where + ": is an array of " + shape_text(extents) +
+                           ": must be height x width, or count x height x width");
+    if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
+        return input_error(where + ": is an array of " + shape_text(extents) + ", with " +
+                           std::to_string(shape[2]) + " numbers a pixel: must have one");
+    TRY(check_picture_size(shape[2], shape[1], where));
+    return ArrayPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
+}
+
 NumberPicture::NumberPicture(int width, int height, const NumberFormat& format)
     : format_(format), codes_(format.kind != NumberFormat::Kind::floating) {
     const auto count = pixel_count(width, height);

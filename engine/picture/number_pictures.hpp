@@ -1,7 +1,7 @@
 #pragma once
 
 // Pictures that are arrays of numbers: how their numbers are held in a file, and their readers (PGM, PPM,
-// PFM, TIFF, NumPy).
+// PFM, TIFF, NumPy, HDF5).
 //
 // A reader finds out the NumberFormat, puts blocks of numbers into a NumberPicture, and finishes it: codes
 // stay as they are, and what has other numbers becomes a picture of floats. Readers take the bytes of a file;
@@ -22,6 +22,20 @@ struct NumberFormat {
     int bytes = 1;  ///< integers 1, 2, 4 or 8; floating 2, 4 or 8
     bool big_endian = false;
 };
+
+/// The pictures of an array: height x width, or a stack, count x height x width; also with 1 behind it, and
+/// with 1 in any place before height.
+struct ArrayPictures {
+    std::int64_t count = 1;
+    int width = 0, height = 0;
+};
+/// Those of an array with these extents. An array of others is refused, and of sides beyond
+/// `largest_picture_side`.
+Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents, const std::string& where);
+/// A name with a star for its last run of digits, and the number that it is, without zeros before it.
+std::pair<std::string, std::string> numbered_name(const std::string& name);
+/// "3x480x640".
+std::string shape_text(const std::vector<std::int64_t>& extents);
 
 /// Numbers in memory, with the bytes from one to the next of its row and of its column, which may be
 /// negative.
@@ -77,5 +91,21 @@ Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where)
 bool is_npz(std::string_view begin);
 /// The same of a .npz file, which is a zip archive of .npy files: of the array that depth is read from.
 Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where);
+
+/// A data set of an HDF5 file, as h5ls (-r -v) lists it.
+struct Hdf5DataSet {
+    std::string path;                      ///< from the root on: "/data/demo_0/obs/depth"
+    std::vector<std::int64_t> shape{};     ///< each extent 2^31 at most
+    std::optional<NumberFormat> format{};  ///< nothing: it has no numbers of 8 to 64 bits
+    std::string type{};                    ///< h5ls's words for it
+    std::string packed_by{};               ///< h5ls's words for its filters
+    bool is_elsewhere = false;             ///< its numbers are in other files
+};
+/// All that are arrays, in their order. A listing in which a name is twice, or in no group, is refused.
+Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing);
+
+bool is_hdf5(std::string_view begin);
+/// HDF5 is read from its file alone (open_hdf5_stack).
+Result<StoredImage> refuse_hdf5(std::string_view bytes, const std::string& where);
 
 }  // namespace touchable

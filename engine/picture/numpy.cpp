@@ -24,13 +24,6 @@ struct NpyHeader {
     std::size_t data_at = 0;  ///< bytes before the data
 };
 
-/// The pictures of an array: height x width, or a stack, count x height x width; also with 1 behind it, and
-/// with 1 in any place before height.
-struct NpyPictures {
-    std::int64_t count = 1;
-    int width = 0, height = 0;
-};
-
 /// The few of Python's literals of which a header consists.
 class PythonText {
 public:
@@ -105,15 +98,6 @@ Error damaged_header(const std::string& where) {
     return input_error(where + ": is damaged: its header is not NumPy's");
 }
 
-std::string shape_text(const std::vector<std::int64_t>& shape) {
-    std::string text;
-    for (const std::int64_t extent : shape) {
-        if (!text.empty()) text += 'x';
-        text += std::to_string(extent);
-    }
-    return text.empty() ? "a single number" : text;
-}
-
 Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string& where) {
     PythonText text(dictionary);
     std::optional<std::string_view> type;
@@ -160,23 +144,6 @@ Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
     return header;
 }
 
-Result<NpyPictures> npy_pictures(const NpyHeader& header, const std::string& where) {
-    std::vector<std::int64_t> shape = header.shape;
-    if (shape.size() > 2 && shape.back() == 1) shape.pop_back();
-    // Networks count batches and colours too: 1 x 1 x height x width, count x 1 x height x width.
-    for (auto one = shape.begin(); shape.size() > 3 && one != shape.end() - 2;)
-        one = *one == 1 ? shape.erase(one) : one + 1;
-    if (shape.size() == 2) shape.insert(shape.begin(), 1);
-    if (shape.size() != 3 || shape[0] < 1)
-        return input_error(where + ": is an array of " + shape_text(header.shape) +
-                           ": must be height x width, or count x height x width");
-    if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
-        return input_error(where + ": is an array of " + shape_text(header.shape) + ", with " +
-                           std::to_string(shape[2]) + " numbers a pixel: must have one");
-    TRY(check_picture_size(shape[2], shape[1], where));
-    return NpyPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
-}
-
 /// One member that is an array.
 struct NpzArray {
     std::string name;  // without ".npy"
@@ -215,7 +182,7 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
         NpzArray array{member.name.substr(0, member.name.size() - 4), member, member.size};
         array.is_possible = member.is_possible();
         auto header = read_npy_header(*unpacked(archive, array), "");
-        if (header && npy_pictures(*header, "")) array.header = std::move(*header);
+        if (header && pictures_of_array(header->shape, "")) array.header = std::move(*header);
         arrays.push_back(std::move(array));
     }
     return arrays;
@@ -279,18 +246,6 @@ const NpzArray* depth_array(const std::vector<NpzArray>& arrays) {
     return only(arrays, [](const NpzArray& a) { return a.is_pictures(); });
 }
 
-/// A name with a star for its last run of digits, and the number that it is, without zeros before it.
-std::pair<std::string, std::string> numbered_name(const std::string& name) {
-    constexpr const char* digits = "0123456789";
-    const auto last = name.find_last_of(digits);
-    if (last == std::string::npos) return {name, ""};
-    const auto before = name.find_last_not_of(digits, last);
-    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
-    std::string number = name.substr(begin, last + 1 - begin);
-    number.erase(0, std::min(number.find_first_not_of('0'), number.size()));
-    return {name.substr(0, begin) + "*" + name.substr(last + 1), number};
-}
-
 /// Arrays of one picture each, of one size and type, whose names differ by a number alone, as numpy.savez has
 /// them of a list (arr_0, arr_1, ...): in the order of their numbers. Empty where not all that is pictures is
 /// of one such row, or where one row of several is not the only one that is named depth.
@@ -305,7 +260,7 @@ std::vector<NpzArray> row_of_arrays(const std::vector<NpzArray>& arrays) {
     const auto is_alike = [&](const NpzArray& array) {
         const NpyHeader& own = *array.header;
         return array.is_possible && own.shape == first.shape && own.format.kind == first.format.kind &&
-               own.format.bytes == first.format.bytes && npy_pictures(own, "")->count == 1;
+               own.format.bytes == first.format.bytes && pictures_of_array(own.shape, "")->count == 1;
     };
     if (!std::ranges::all_of(row, is_alike)) return {};
     std::ranges::sort(row, {}, [](const NpzArray& array) {
@@ -318,12 +273,12 @@ std::vector<NpzArray> row_of_arrays(const std::vector<NpzArray>& arrays) {
 /// Arrays of as many pixels as the one that is read, which may be depth as well; in words.
 std::string other_pictures(const std::vector<NpzArray>& arrays, const NpzArray& read, const NpzArray* trust) {
     std::vector<std::string> names;
-    const auto size = npy_pictures(*read.header, "");
+    const auto size = pictures_of_array(read.header->shape, "");
     for (const NpzArray& array : arrays) {
         if (&array == &read || &array == trust || !array.is_pictures()) continue;
         if (array.name.find("mask") != std::string::npos || array.name.find("conf") != std::string::npos)
             continue;
-        const auto own = npy_pictures(*array.header, "");
+        const auto own = pictures_of_array(array.header->shape, "");
         if (own->width == size->width && own->height == size->height) names.push_back(printable(array.name));
     }
     if (names.empty()) return "";
@@ -391,7 +346,7 @@ public:
     /// Of the bytes of a .npy file; messages begin with `where`.
     static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where) {
         TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
-        TRY_ASSIGN(const auto pictures, npy_pictures(header, where));
+        TRY_ASSIGN(const auto pictures, pictures_of_array(header.shape, where));
         NpyStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
         TRY(stack.check());
         TRY(stack.find_floats());
@@ -461,7 +416,7 @@ public:
     }
 
 private:
-    NpyStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, NpyPictures pictures)
+    NpyStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, ArrayPictures pictures)
         : bytes_(std::move(bytes)),
           where_(std::move(where)),
           header_(std::move(header)),
@@ -519,7 +474,7 @@ private:
     std::unique_ptr<ByteSource> bytes_;
     std::string where_;
     NpyHeader header_;
-    NpyPictures pictures_;
+    ArrayPictures pictures_;
     bool floats_ = false;
     std::unique_ptr<NpyStack> confidence_;
     std::optional<double> least_confidence_;
@@ -538,7 +493,7 @@ public:
           width_(width),
           height_(height) {}
     static Result<std::shared_ptr<ImageStack>> of(NpzMember member) {
-        TRY_ASSIGN(const auto size, npy_pictures(*member.row.front().header, member.where));
+        TRY_ASSIGN(const auto size, pictures_of_array(member.row.front().header->shape, member.where));
         auto row = std::make_shared<NpzRow>(std::move(member), size.width, size.height);
         TRY(row->find_floats());
         return std::shared_ptr<ImageStack>(std::move(row));

@@ -108,7 +108,7 @@ void add_camera_options(CLI::App& sub, CameraTyped& typed) {
 
 Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
     if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.depth && !typed.preset &&
-        !typed.least_confidence && !typed.channel)
+        !typed.least_confidence && !typed.channel && !typed.dataset)
         return std::optional<SourceDescription>();
     SourceDescription known;
     known.fov = typed.fov;
@@ -117,6 +117,7 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
     known.preset = typed.preset.value_or("");
     known.least_confidence = typed.least_confidence;
     known.channel = typed.channel.value_or("");
+    known.dataset = typed.dataset.value_or("");
     if (!typed.intrinsics) return std::optional(known);
     const std::vector<double> numbers = numbers_in(*typed.intrinsics);
     if (numbers.size() == 2 || numbers.size() == 4) {
@@ -183,6 +184,10 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
     sub.add_option(
            "--channel", typed.camera.channel,
            "of a rendering (OpenEXR): the channel or layer that is depth; otherwise found by its name")
+        ->type_name("NAME");
+    sub.add_option("--dataset", typed.camera.dataset,
+                   "of an HDF5 file: the data set that is depth, such as /data/demo_0/obs/depth; otherwise "
+                   "found by its name")
         ->type_name("NAME");
     return clip;
 }

@@ -17,6 +17,7 @@ struct CameraTyped {
     std::optional<DepthSemantics> depth;
     std::optional<double> least_confidence;  ///< of add_clip_options
     std::optional<std::string> channel;      ///< likewise
+    std::optional<std::string> dataset;      ///< likewise
 };
 
 /// --intrinsics, --fov, --depth-unit, --depth and --preset, which exclude --scene where `sub` has that
@@ -37,7 +38,7 @@ struct ClipTyped {
 };
 
 /// CLIP, which is given back, --scene, --haptic, --height, --align, --fill-from-motion,
-/// --least-confidence and --channel. For a single depth picture add_camera_options goes with them.
+/// --least-confidence, --channel and --dataset. For a single depth picture add_camera_options goes with them.
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
 /// --filters, and an option for each filter that has one (filter_settings).

@@ -324,6 +324,7 @@ std::string segments_depend_on(const ClipChoice& choice) {
     if (!of_camera.preset.empty()) said["preset"] = of_camera.preset;
     if (of_camera.least_confidence) said["least-confidence"] = *of_camera.least_confidence;
     if (!of_camera.channel.empty()) said["channel"] = of_camera.channel;
+    if (!of_camera.dataset.empty()) said["dataset"] = of_camera.dataset;
     if (choice.alignment != DepthAlignment::automatic)
         said["align"] = choice.alignment == DepthAlignment::on ? "on" : "off";
     if (choice.fill_from_motion) said["fill-from-motion"] = true;

@@ -61,6 +61,7 @@ Json recorded_facts(const TouchSetup& setup) {
             facts["depth"] = camera->semantics == DepthSemantics::range ? "range" : "planar";
         if (camera->least_confidence) facts["least_confidence"] = *camera->least_confidence;
         if (!camera->channel.empty()) facts["channel"] = camera->channel;
+        if (!camera->dataset.empty()) facts["dataset"] = camera->dataset;
         if (!camera->preset.empty()) facts["preset"] = camera->preset;
     }
     if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
@@ -164,6 +165,7 @@ std::optional<SourceDescription> camera_of(const Json& facts) {
     }
     if (facts.contains("least_confidence")) known.least_confidence = number(facts, "least_confidence");
     if (facts.contains("channel")) known.channel = text(facts, "channel");
+    if (facts.contains("dataset")) known.dataset = text(facts, "dataset");
     if (facts.contains("preset")) known.preset = text(facts, "preset");
     if (known == SourceDescription()) return std::nullopt;
     return known;

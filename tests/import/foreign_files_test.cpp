@@ -39,8 +39,7 @@ protected:
 
 TEST_F(ForeignFiles, SayWhatTheyAreAndTheWay) {
     const std::string zeros(64, '\0'), hdf5 = "\x89HDF\r\n\x1a\n" + zeros;
-    std::string user_block = "MATLAB 7.3 MAT-file, Platform: GLNXA64";
-    user_block.resize(512, ' ');
+    const std::string user_block = "Simulation 12" + std::string(499, ' ');
     const std::string pcd_fields = "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\n";
     const std::string zip_head = std::string("PK\x03\x04", 4) + std::string(22, '\0');
     std::string tar(257, 'a');
@@ -52,9 +51,7 @@ TEST_F(ForeignFiles, SayWhatTheyAreAndTheWay) {
         {"c.oni", "NI10" + zeros, "OpenNI", "cv2.CAP_OPENNI2"},
         {"z.svo", zeros, "ZED", "svo_export.py"},
         {"z.svo2", "\x89MCAP0\r\n" + zeros, "ZED", "svo_export.py"},
-        {"d.hdf5", hdf5, "is an HDF5 file", "h5py.File('d.hdf5')"},
-        {"d", hdf5, "is an HDF5 file", "h5py.File('d')"},
-        {"n.mat", user_block + hdf5, "MATLAB file (7.3", "h5py.File('n.mat')"},
+        {"u.h5", user_block + hdf5, "is an HDF5 file behind a user block", "h5unjam -i "},
         {"o.mat", "MATLAB 5.0 MAT-file, Platform: PCWIN", "MATLAB file:", "scipy.io.loadmat('o.mat')"},
         {"i.geometric.bin", "160&120&1&" + zeros, "is a depth map of COLMAP (160x120)", "read_array("},
         {"n.bin", "160&120&3&" + zeros, "map of normals of COLMAP", "depth_maps"},

@@ -1,0 +1,440 @@
+// Pictures in HDF5 files, which MATLAB's 7.3 files are, too.
+//
+// HDF5's library is known to crash on hostile files, so this program does not link it: h5ls and h5dump
+// (Debian's hdf5-tools) read a file in a process of their own, with limits of memory and time. h5ls lists the
+// data sets, one of them is chosen as depth, and h5dump gives its numbers, some pictures at a time.
+#include <algorithm>
+#include <bit>
+#include <map>
+#include <set>
+
+#include "engine/base/child_process.hpp"
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/picture/number_pictures.hpp"
+
+namespace touchable {
+namespace {
+
+constexpr std::string_view hdf5_magic = "\x89HDF\r\n\x1a\n", matlab_magic = "MATLAB 7.3 MAT-file";
+constexpr std::size_t largest_listing = std::size_t{64} << 20;
+constexpr std::uint64_t largest_hdf5_picture = std::uint64_t{257} << 20;  // as read_picture_bytes has it
+constexpr std::uint64_t bytes_at_once = std::uint64_t{8} << 20;
+constexpr std::chrono::seconds longest_child(60);
+
+// --- The tools
+
+/// What one of them writes. `words`: its name, options and the file.
+Result<std::string> ask_tool(std::vector<std::string> words, std::uint64_t most) {
+    // No plugin is loaded, which a file could ask for; and no lock, which some disks do not know.
+    const std::vector<std::string> settings{"HDF5_PLUGIN_PRELOAD=::", "HDF5_USE_FILE_LOCKING=FALSE",
+                                            "LC_ALL=C"};
+    constexpr ChildLimits limits{std::uint64_t{1} << 30, 60};
+    const std::string name = words.front();
+    TRY_ASSIGN(const auto tool, ChildProcess::start(std::move(words), limits, settings));
+    if (!tool) return input_error("is HDF5, which needs h5dump: install the package hdf5-tools");
+    auto output = tool->all_output(most, longest_child);
+    if (output || output.error().kind != ErrorKind::input) return output;
+    return input_error("is damaged, or more than HDF5's tools can read: " + name + " " +
+                       output.error().message);
+}
+
+// --- The listing
+
+/// Takes a path as h5ls writes it off the front: up to the first blank without a backslash. Empty: there is
+/// none.
+std::string take_path(std::string_view& line) {
+    constexpr std::string_view letters = "bfnrt", meant = "\b\f\n\r\t";
+    std::string path;
+    std::size_t at = 0;
+    for (; at < line.size() && line[at] != ' '; ++at) {
+        if (line[at] != '\\' || at + 1 == line.size()) {
+            path += line[at];
+            continue;
+        }
+        unsigned code = 0;
+        const char* const digits = line.data() + at + 1;
+        const std::size_t most = std::min<std::size_t>(3, line.size() - at - 1);
+        if (const auto [end, failure] = std::from_chars(digits, digits + most, code, 8);
+            failure == std::errc() && end == digits + 3) {
+            path += static_cast<char>(code);
+            at += 3;
+            continue;
+        }
+        const auto letter = letters.find(line[++at]);
+        path += letter == std::string_view::npos ? line[at] : meant[letter];
+    }
+    line.remove_prefix(std::min(at + 1, line.size()));
+    return path;
+}
+
+/// "{2/2, 80/Inf, 60/60}": the extents that there are, each with the largest that there may be.
+std::optional<std::vector<std::int64_t>> extents_of(std::string_view text) {
+    std::vector<std::int64_t> extents;
+    while (!text.empty()) {
+        std::int64_t extent = 0;
+        const auto [end, failure] = std::from_chars(text.data() + 1, text.data() + text.size(), extent);
+        if (failure != std::errc() || extent < 0 || extent > std::int64_t{1} << 31 || extents.size() == 32)
+            return std::nullopt;
+        extents.push_back(extent);
+        const std::size_t next = text.find(' ', static_cast<std::size_t>(end - text.data()));
+        text.remove_prefix(std::min(next, text.size()));
+    }
+    return extents;
+}
+
+/// Of a type as h5ls has it, in one line or several. Nothing: its numbers are not of whole bytes, or are
+/// none.
+std::optional<NumberFormat> format_of_type(std::string_view type) {
+    using Kind = NumberFormat::Kind;
+    constexpr bool is_big = std::endian::native == std::endian::big;
+    constexpr std::pair<std::string_view, NumberFormat> native[] = {
+        {"signed char", {Kind::signed_integer, 1}},
+        {"unsigned char", {Kind::unsigned_integer, 1}},
+        {"short", {Kind::signed_integer, sizeof(short), is_big}},
+        {"unsigned short", {Kind::unsigned_integer, sizeof(short), is_big}},
+        {"int", {Kind::signed_integer, sizeof(int), is_big}},
+        {"unsigned int", {Kind::unsigned_integer, sizeof(int), is_big}},
+        {"long", {Kind::signed_integer, sizeof(long), is_big}},
+        {"unsigned long", {Kind::unsigned_integer, sizeof(long), is_big}},
+        {"long long", {Kind::signed_integer, sizeof(long long), is_big}},
+        {"unsigned long long", {Kind::unsigned_integer, sizeof(long long), is_big}},
+        {"_Float16", {Kind::floating, 2, is_big}},
+        {"float", {Kind::floating, sizeof(float), is_big}},
+        {"double", {Kind::floating, sizeof(double), is_big}}};
+    if (type.starts_with("shared-")) type.remove_prefix(std::min(type.find(' '), type.size() - 1) + 1);
+    if (type.starts_with("native ")) {
+        for (const auto& [name, format] : native)
+            if (name == type.substr(7)) return format;
+        return std::nullopt;
+    }
+    // What versions before 1.14.4 say of a half float, with the places of its bits.
+    constexpr std::string_view half_bits =
+        "\n(significant for 10 bits at bit 0, msb implied)\n(exponent for 5 bits at bit 10, bias is 0xf)"
+        "\n(sign bit at 15)";
+    for (const bool big : {false, true}) {
+        const std::string order = big ? "-bit big-endian" : "-bit little-endian";
+        if (type == "16" + order + " floating-point" + std::string(half_bits))
+            return NumberFormat{Kind::floating, 2, big};
+        for (const int bytes : {1, 2, 4, 8}) {
+            const std::string bits = std::to_string(8 * bytes), of = bits + (bytes == 1 ? "-bit" : order);
+            if (type == of + " integer") return NumberFormat{Kind::signed_integer, bytes, big};
+            if (type == of + " unsigned integer") return NumberFormat{Kind::unsigned_integer, bytes, big};
+            if (bytes > 1 && type == "IEEE " + of + " float") return NumberFormat{Kind::floating, bytes, big};
+        }
+    }
+    return std::nullopt;
+}
+
+// --- The data set that is depth
+
+std::string_view last_name(const Hdf5DataSet& set) {
+    return std::string_view(set.path).substr(set.path.rfind('/') + 1);
+}
+
+bool has_depth_in_name(const Hdf5DataSet& set) {
+    return small_letters(std::string(last_name(set))).find("depth") != std::string::npos;
+}
+
+std::string with_shape(const Hdf5DataSet& set) {
+    return printable(set.path) + " of " + shape_text(set.shape);
+}
+
+/// Whether it may be depth by its numbers alone. Colour may be channels first; "#refs#" is what MATLAB
+/// refers to; and what is not named depth may be a table, which is narrow.
+bool may_be_depth(const Hdf5DataSet& set) {
+    constexpr int least_side = 16;
+    const auto pictures = pictures_of_array(set.shape, "");
+    if (!set.format || set.is_elsewhere || !pictures || set.path.starts_with("/#")) return false;
+    if (set.shape.size() == 3 && set.shape[0] == 3 && set.format->bytes == 1) return false;
+    return has_depth_in_name(set) || std::min(pictures->width, pictures->height) >= least_side;
+}
+
+std::string some_of(const std::vector<Hdf5DataSet>& sets) {
+    constexpr std::size_t most_named = 8;
+    const std::span<const Hdf5DataSet> first(sets.data(), std::min(sets.size(), most_named));
+    const std::string more =
+        sets.size() > most_named ? " and " + std::to_string(sets.size() - most_named) + " more" : "";
+    return listed(first, with_shape) + more;
+}
+
+/// Those of one picture each, of one size and type, whose paths differ by a number alone, in the order of
+/// their numbers. Empty where not all are of one such row, or where of several rows not one alone has "depth"
+/// in its path.
+std::vector<Hdf5DataSet> row_of_sets(const std::vector<Hdf5DataSet>& sets) {
+    std::map<std::string, std::vector<Hdf5DataSet>> rows;
+    for (const Hdf5DataSet& set : sets) rows[numbered_name(set.path).first].push_back(set);
+    if (rows.size() > 1)
+        std::erase_if(rows, [](const auto& row) {
+            return small_letters(row.first).find("depth") == std::string::npos;
+        });
+    if (rows.size() != 1 || rows.begin()->second.size() < 2) return {};
+    std::vector<Hdf5DataSet>& row = rows.begin()->second;
+    const bool are_alike = std::ranges::all_of(row, [&](const Hdf5DataSet& set) {
+        return set.shape == row.front().shape && set.type == row.front().type &&
+               pictures_of_array(set.shape, "")->count == 1;
+    });
+    if (!are_alike) return {};
+    std::ranges::stable_sort(row, {}, [](const Hdf5DataSet& set) {
+        const std::string number = numbered_name(set.path).second;
+        return std::pair(number.size(), number);
+    });
+    return std::move(row);
+}
+
+/// Of those that may be depth the only one named so, or the only one; or a row of them.
+Result<std::vector<Hdf5DataSet>> chosen(const std::vector<Hdf5DataSet>& all) {
+    std::vector<Hdf5DataSet> sets;
+    std::ranges::copy_if(all, std::back_inserter(sets), may_be_depth);
+    if (sets.empty())
+        return input_error(
+            "is an HDF5 file without a data set of pictures of depth (height x width, or count x height x "
+            "width): it has " +
+            (all.empty() ? "none" : some_of(all)));
+    constexpr bool (*rules[])(const Hdf5DataSet&) = {
+        [](const Hdf5DataSet& set) { return last_name(set) == "depth"; },
+        [](const Hdf5DataSet& set) { return last_name(set).starts_with("depth"); }, has_depth_in_name,
+        [](const Hdf5DataSet&) { return true; }};
+    for (const auto& rule : rules)
+        if (std::ranges::count_if(sets, rule) == 1) return std::vector{*std::ranges::find_if(sets, rule)};
+    if (auto row = row_of_sets(sets); !row.empty()) return row;
+    if (std::ranges::any_of(sets, has_depth_in_name)) std::erase_if(sets, std::not_fn(has_depth_in_name));
+    return input_error("has several data sets that may be depth: " + some_of(sets),
+                       {{Setting::dataset, sets.front().path}});
+}
+
+/// The one of this name, with or without the slash before it.
+Result<std::vector<Hdf5DataSet>> named(const std::vector<Hdf5DataSet>& all, const std::string& name) {
+    const std::string path = name.starts_with('/') ? name : '/' + name;
+    const auto found = std::ranges::find(all, path, &Hdf5DataSet::path);
+    if (found == all.end())
+        return input_error(
+            "has no data set " + in_quotes(name) + ", but " + (all.empty() ? "none at all" : some_of(all)),
+            {{Setting::dataset, "NAME"}});
+    if (found->is_elsewhere)
+        return input_error(printable(path) + ": has its numbers in other files, which are not read");
+    if (!found->format)
+        return input_error(printable(path) + ": is of the type " + in_quotes(found->type) +
+                           ": must be integers or floats of 8 to 64 bits");
+    TRY(pictures_of_array(found->shape, printable(path)));
+    return std::vector{*found};
+}
+
+/// Others of as many pictures of the same size that may be depth as well; in words.
+std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet& read) {
+    std::vector<std::string> names;
+    for (const Hdf5DataSet& set : all)
+        if (set.path != read.path && set.shape == read.shape && has_depth_in_name(set) && may_be_depth(set))
+            names.push_back(printable(set.path));
+    if (names.empty()) return "";
+    return "depth is the data set " + printable(read.path) + "; left out: " + printable(listed(names), 200);
+}
+
+// --- Its pictures
+
+class Hdf5Stack final : public ImageStack {
+public:
+    /// `sets`: one, or a row of one picture each. `pictures` as its numbers lie. Of MATLAB, which stores its
+    /// last index first, they are turned over: rows become columns.
+    Hdf5Stack(SourceFile file, std::vector<Hdf5DataSet> sets, const ArrayPictures& pictures, bool is_turned,
+              std::string left_out)
+        : file_(std::move(file)),
+          path_(std::filesystem::absolute(file_.path()).string()),
+          sets_(std::move(sets)),
+          pictures_(pictures),
+          is_turned_(is_turned),
+          left_out_(std::move(left_out)) {}
+
+    std::int64_t count() const override { return is_row() ? std::ssize(sets_) : pictures_.count; }
+    int width() const override { return is_turned_ ? pictures_.height : pictures_.width; }
+    int height() const override { return is_turned_ ? pictures_.width : pictures_.height; }
+    std::optional<double> least_confidence() const override { return {}; }
+    std::string left_out() const override { return left_out_; }
+
+    Result<StoredImage> image(std::int64_t number) override {
+        if (number < 0 || number >= count())
+            return usage_error(where() + ": has no picture " + std::to_string(number) +
+                               ": must be from 0 to " + std::to_string(count() - 1));
+        TRY_ASSIGN(auto picture, read(number));
+        StoredImage image = std::move(picture).finish("hdf5", floats_);
+        if (stop_requested()) return interrupted_error();
+        return image;
+    }
+
+    /// Refuses more than can be in the file; and whether integers that may be beyond 16 bits are, in any
+    /// picture.
+    Result<void> check() {
+        if (picture_bytes() > largest_hdf5_picture)
+            return input_error(where() + ": has pictures of " + std::to_string(picture_bytes()) +
+                               " bytes: must be " + in_bytes(largest_hdf5_picture) + " at most");
+        TRY_ASSIGN(const auto bytes, bytes_of_file(file_));
+        TRY(check_expansion(picture_bytes() * static_cast<std::uint64_t>(count()), bytes->size(), where()));
+        const bool codes = format().kind == NumberFormat::Kind::unsigned_integer && format().bytes <= 2;
+        if (codes || format().kind == NumberFormat::Kind::floating) return {};
+        for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
+            TRY_ASSIGN(const auto picture, read(number));
+            floats_ = !picture.has_codes();
+        }
+        return {};
+    }
+
+private:
+    bool is_row() const { return sets_.size() > 1; }
+    const NumberFormat& format() const { return *sets_.front().format; }
+    std::string where(std::int64_t number = 0) const {
+        return file_.string() + ": " + printable(set_of(number).path);
+    }
+    const Hdf5DataSet& set_of(std::int64_t number) const {
+        return sets_[is_row() ? static_cast<std::size_t>(number) : 0];
+    }
+    std::uint64_t picture_bytes() const {
+        return static_cast<std::uint64_t>(pictures_.width) * static_cast<std::uint64_t>(pictures_.height) *
+               static_cast<std::uint64_t>(format().bytes);
+    }
+
+    /// Pictures are read in blocks that begin at multiples of their length, so that a clip that is played
+    /// backward needs no more of them.
+    Result<NumberPicture> read(std::int64_t number) {
+        const auto fit = static_cast<std::int64_t>(bytes_at_once / picture_bytes());
+        const auto together = is_row() ? 1 : std::max(std::int64_t{1}, fit);
+        const std::int64_t first = number - number % together;
+        if (first != block_first_) {
+            const std::int64_t pictures = std::min(together, count() - first);
+            block_first_ = -1;
+            TRY_ASSIGN(block_, numbers(first, pictures));
+            block_first_ = first;
+        }
+        const int bytes = format().bytes, line = bytes * pictures_.width;
+        const char* const numbers =
+            block_.data() + static_cast<std::uint64_t>(number - first) * picture_bytes();
+        NumberPicture picture(width(), height(), format());
+        if (is_turned_)
+            picture.put(0, 0, {numbers, width(), height(), line, bytes});
+        else
+            picture.put(0, 0, {numbers, width(), height(), bytes, line});
+        return picture;
+    }
+
+    /// Of `pictures` pictures from `first` on, as they are stored.
+    Result<std::string> numbers(std::int64_t first, std::int64_t pictures) const {
+        const Hdf5DataSet& set = set_of(first);
+        std::vector<std::int64_t> start(set.shape.size()), extents = set.shape;
+        // Extents before that of the pictures' number are 1.
+        const auto counts = std::ranges::find_if(extents, [](std::int64_t extent) { return extent > 1; });
+        if (pictures_.count > 1) {
+            start[static_cast<std::size_t>(counts - extents.begin())] = first;
+            *counts = pictures;
+        }
+        const auto in_row = [](const std::vector<std::int64_t>& all) {
+            return listed(
+                all, [](std::int64_t each) { return std::to_string(each); }, ",");
+        };
+        const std::uint64_t expected = picture_bytes() * static_cast<std::uint64_t>(pictures);
+        auto output = ask_tool({"h5dump", "--no-compact-subset", "-d", set.path, "-s", in_row(start), "-c",
+                                in_row(extents), "-b", "FILE", "-O", "/dev/null", "-o", "/dev/stdout", path_},
+                               expected);
+        if (!output) {
+            Error failed = error_at(where(first), output.error());
+            if (!set.packed_by.empty() && failed.kind == ErrorKind::input)
+                failed.message += " (it is packed by " + printable(set.packed_by) + ")";
+            return failed;
+        }
+        if (output->size() != expected)
+            return input_error(where(first) + ": is damaged: h5dump gives " + std::to_string(output->size()) +
+                               " bytes of " + std::to_string(expected));
+        return output;
+    }
+
+    SourceFile file_;
+    std::string path_;
+    std::vector<Hdf5DataSet> sets_;
+    ArrayPictures pictures_;
+    bool is_turned_, floats_ = false;
+    std::string left_out_;
+    std::string block_;  // pictures from block_first_ on
+    std::int64_t block_first_ = -1;
+};
+
+}  // namespace
+
+bool is_hdf5(std::string_view begin) {
+    const std::size_t known = std::min(begin.size(), matlab_magic.size());
+    return begin.starts_with(hdf5_magic) ||
+           (known >= 8 && begin.substr(0, known) == matlab_magic.substr(0, known));
+}
+
+Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing) {
+    std::vector<Hdf5DataSet> sets;
+    std::set<std::string> paths, groups;
+    Hdf5DataSet* set = nullptr;  // that the lines below it tell of
+    bool is_in_type = false;
+    for (std::string_view rest = listing; !rest.empty();) {
+        std::string_view line = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+        if (line.starts_with('/')) {
+            const std::string path = take_path(line);
+            const std::string_view what = trimmed(line);
+            // A name or a filter's name with a line break could make up a data set that h5ls did not list.
+            const bool is_listed = path == "/" || groups.contains(path.substr(0, path.rfind('/')));
+            if (!is_listed || !paths.insert(path).second)
+                return input_error("is damaged: h5ls lists " + in_quotes(path) + " where it cannot be");
+            if (what == "Group") groups.insert(path == "/" ? "" : path);
+            set = nullptr;
+            if (!what.starts_with("Dataset {") || !what.ends_with('}')) continue;
+            auto shape = extents_of(what.substr(8, what.size() - 9));
+            if (!shape) continue;  // no array: SCALAR, NULL
+            set = &sets.emplace_back(Hdf5DataSet{path, std::move(*shape)});
+        } else if (set && (line.starts_with("    Extern:") || line.starts_with("    Maps:"))) {
+            set->is_elsewhere = true;
+        } else if (set && line.starts_with("    Filter-")) {
+            const std::string_view filter =
+                trimmed(line.substr(std::min(line.find(':'), line.size() - 1) + 1));
+            set->packed_by +=
+                (set->packed_by.empty() ? "" : ", ") + std::string(filter.substr(0, filter.find(' ')));
+        } else if (set && line.starts_with("    Type:")) {
+            set->type = trimmed(line.substr(9));
+            is_in_type = true;
+            continue;
+        } else if (set && is_in_type && line.starts_with("               ")) {
+            set->type += '\n' + std::string(trimmed(line));
+            continue;
+        }
+        is_in_type = false;
+    }
+    for (Hdf5DataSet& each : sets) each.format = format_of_type(each.type);
+    return sets;
+}
+
+Result<std::shared_ptr<ImageStack>> open_hdf5_stack(const SourceFile& file, const std::string& dataset) {
+    const auto here = [&](const Error& error) { return error_at(file.string(), error); };
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file.path(), ignored))
+        return input_error(file.string() + ": is HDF5 on a server: must be a file of this machine");
+    const std::string path = std::filesystem::absolute(file.path()).string();
+    const auto listing = ask_tool({"h5ls", "-r", "-v", path}, largest_listing);
+    if (!listing) return here(listing.error());
+    const auto sets = hdf5_data_sets(*listing);
+    if (!sets) return here(sets.error());
+    auto read = dataset.empty() ? chosen(*sets) : named(*sets, dataset);
+    if (!read) return here(read.error());
+    TRY_ASSIGN(const auto pictures, pictures_of_array(read->front().shape, file.string()));
+    std::string left_out =
+        dataset.empty() && read->size() == 1 ? other_depths(*sets, read->front()) : std::string();
+    const bool is_matlab = first_bytes(file, matlab_magic.size()) == matlab_magic;
+    auto stack =
+        std::make_shared<Hdf5Stack>(file, std::move(*read), pictures, is_matlab, std::move(left_out));
+    TRY(stack->check());
+    return std::shared_ptr<ImageStack>(std::move(stack));
+}
+
+bool is_hdf5_file(const SourceFile& file) {
+    return picture_kind(first_bytes(file, matlab_magic.size())) == "HDF5";
+}
+
+Result<StoredImage> refuse_hdf5(std::string_view, const std::string& where) {
+    return input_error(where + ": is HDF5, which is read as a file of depth alone, not here");
+}
+
+}  // namespace touchable
