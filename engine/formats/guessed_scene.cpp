@@ -77,10 +77,10 @@ bool is_named_disparity(const std::string& name) {
     return has_whole_word(name, {"disp", "disparity", "disparities"});
 }
 
-/// Distances from the camera's centre. Hypersim's depth_meters are such.
+/// Distances from the camera's centre. Hypersim's depth_meters are such, and Replicator's distance_to_camera.
 bool is_named_range(const std::string& name) {
     return has_whole_word(name, {"range", "ranges", "ray", "euclidean"}) ||
-           name.find("depth_meters") != std::string::npos;
+           has_word(name, {"depth_meters", "distance_to_camera"});
 }
 
 bool holds_words(const StoredImage& picture) {

@@ -282,6 +282,8 @@ std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictu
         if (const auto at = stem.find(of_depth); at != std::string::npos)
             for (const char* of_colour : {"color", "colour", "rgb", "image", "Color", "im0"})
                 stems.push_back(std::string(stem).replace(at, std::string(of_depth).size(), of_colour));
+    for (const char* end : {"_depth", ".depth"})
+        if (stem.ends_with(end)) stems.push_back(stem.substr(0, stem.size() - std::string(end).size()));
     for (const std::string& other : stems)
         for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm"}) {
             const fs::path file = depth.parent_path() / (other + extension);

@@ -149,6 +149,16 @@ bool is_picture_number(std::string_view words) {
     return digits(words.substr(0, point)) && digits(words.substr(point + 1));
 }
 
+/// The time in what libfreenect's `record` and NYU Depth number files by: "1294886360.208451-2996770081", a
+/// time and the device's ticks. Other words unchanged.
+std::string_view without_ticks(std::string_view words) {
+    const auto ticks = words.rfind('-');
+    if (ticks == std::string_view::npos) return words;
+    const std::string_view time = words.substr(0, ticks), count = words.substr(ticks + 1);
+    const bool is_time = is_picture_number(time) && time.find('.') != std::string_view::npos;
+    return is_time && is_picture_number(count) ? time : words;
+}
+
 /// Hidden files are no pictures, whatever their names end with: macOS writes ._NAME beside each NAME.
 bool is_hidden(const std::string& name) {
     return name.starts_with(".");
@@ -174,6 +184,7 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
         if (names.size() > most_files) return input_error(within.string() + ": has too many files");
     }
     if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
+    for (auto& [what, _] : names) what = without_ticks(what);
     const auto has_number = [](const auto& each) { return is_picture_number(each.first); };
     if (std::ranges::any_of(names, has_number)) std::erase_if(names, std::not_fn(has_number));
     std::ranges::sort(
@@ -370,7 +381,7 @@ bool is_picture(const fs::path& file) {
 }
 
 /// A name with a star for one of its numbers before the extension, 0 being the last: a run of digits, or two
-/// with a point between them. Nothing where it has not so many.
+/// with a point between them, perhaps with ticks behind (without_ticks). Nothing where it has not so many.
 std::optional<std::string> starred(const std::string& name, int number) {
     const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
     std::size_t end = name.rfind('.');
@@ -378,12 +389,17 @@ std::optional<std::string> starred(const std::string& name, int number) {
     while (true) {
         while (end > 0 && !is_digit(end - 1)) --end;
         if (end == 0) return {};
-        std::size_t begin = end;
-        while (begin > 0 && is_digit(begin - 1)) --begin;
-        if (begin > 1 && name[begin - 1] == '.' && is_digit(begin - 2)) {
-            --begin;
-            while (begin > 0 && is_digit(begin - 1)) --begin;
-        }
+        const auto run_before = [&](std::size_t k) {
+            while (k > 0 && is_digit(k - 1)) --k;
+            return k;
+        };
+        const auto joined_by = [&](std::size_t k, char mark) {
+            return k > 1 && name[k - 1] == mark && is_digit(k - 2);
+        };
+        std::size_t begin = run_before(end);
+        if (joined_by(begin, '-'))
+            if (const std::size_t time = run_before(begin - 1); joined_by(time, '.')) begin = time;
+        if (joined_by(begin, '.')) begin = run_before(begin - 1);
         if (number-- == 0) return name.substr(0, begin) + "*" + name.substr(end);
         end = begin;
     }

@@ -117,8 +117,8 @@ Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<std::
                                                          ReadPictures& pictures,
                                                          const SourceDescription::Preset* preset);
 
-/// The picture of colour whose name is that of a picture of depth in another form, or with another word for
-/// depth in it.
+/// The picture of colour whose name is that of a picture of depth in another form, or with another word in
+/// the place of depth, or without it.
 std::optional<std::filesystem::path> colour_beside(const std::filesystem::path& depth,
                                                    ReadPictures& pictures);
 

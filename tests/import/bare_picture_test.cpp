@@ -141,7 +141,8 @@ TEST(BarePicture, PlanarityIsSaidByNameOptionAndNote) {
         const float metres = 1.0F + 0.0371F * static_cast<float>(k * k);
         pfm.append(reinterpret_cast<const char*>(&metres), sizeof metres);
     }
-    for (const char* name : {"a.pfm", "range_1.pfm", "arrange.pfm", "frame.0000.depth_meters.pfm"})
+    for (const char* name : {"a.pfm", "range_1.pfm", "arrange.pfm", "frame.0000.depth_meters.pfm",
+                             "distance_to_camera_0000.pfm", "distance_to_image_plane_0000.pfm"})
         write_bytes(folder / name, pfm);
     const auto semantics = [&](const char* name, const SourceDescription& known, const std::string& note) {
         auto clip = open_clip(folder / name, std::nullopt, known);
@@ -156,6 +157,8 @@ TEST(BarePicture, PlanarityIsSaidByNameOptionAndNote) {
     EXPECT_EQ(semantics("arrange.pfm", {}, "along the camera's axis"), DepthSemantics::planar);
     EXPECT_EQ(semantics("range_1.pfm", {}, "ray, as the name says"), DepthSemantics::range);
     EXPECT_EQ(semantics("frame.0000.depth_meters.pfm", {}, "ray, as the name says"), DepthSemantics::range);
+    EXPECT_EQ(semantics("distance_to_camera_0000.pfm", {}, "ray, as the name says"), DepthSemantics::range);
+    EXPECT_EQ(semantics("distance_to_image_plane_0000.pfm", {}, "camera's axis"), DepthSemantics::planar);
     SourceDescription known;
     known.semantics = DepthSemantics::range;
     EXPECT_EQ(semantics("a.pfm", known, ""), DepthSemantics::range);
@@ -241,8 +244,9 @@ TEST(BarePicture, WithNothingSaidItIsGuessedAndSaid) {
 }
 
 TEST(BarePicture, ColourBesideItIsItsColour) {
-    for (const auto& [depth, colour] :
-         {std::pair{"room_depth.png", "room_color.png"}, {"d/my.png", "d/my.jpg"}}) {
+    for (const auto& [depth, colour] : {std::pair{"room_depth.png", "room_color.png"},
+                                        {"room_depth.png", "room.png"},
+                                        {"d/my.png", "d/my.jpg"}}) {
         const TemporaryFolder folder;
         std::filesystem::create_directories(folder / "d");
         Samples memory;

@@ -26,7 +26,8 @@ CodecPtr open_encoder(const ForeignVideo& video, bool global_header) {
     encoder->flags |= AV_CODEC_FLAG_QSCALE | (global_header ? AV_CODEC_FLAG_GLOBAL_HEADER : 0);
     encoder->global_quality = 2 * FF_QP2LAMBDA;
     AVDictionary* options = nullptr;
-    if (std::string(video.codec) == "libx264") av_dict_set(&options, "qp", video.lossless ? "0" : "1", 0);
+    if (std::string(video.codec).starts_with("libx264"))
+        av_dict_set(&options, "qp", video.lossless ? "0" : "1", 0);
     if (std::string(video.codec) == "libx265")
         av_dict_set(&options, "x265-params", video.lossless ? "lossless=1:log-level=none" : "log-level=none",
                     0);
@@ -91,6 +92,33 @@ void set_sample(AVFrame& frame, int plane, int x, int y, int value) {
         std::memcpy(row + 2 * std::ptrdiff_t{x}, &word, 2);
     else
         row[x] = static_cast<std::uint8_t>(value);
+}
+
+void join_tracks(const std::vector<std::filesystem::path>& films, const std::filesystem::path& file) {
+    AVFormatContext* out = nullptr;
+    must_not_fail(avformat_alloc_output_context2(&out, nullptr, "mov", file.c_str()), "container");
+    std::vector<AVFormatContext*> inputs(films.size());
+    for (std::size_t k = 0; k < films.size(); ++k) {
+        ASSERT_GE(avformat_open_input(&inputs[k], file_url(films[k]).c_str(), nullptr, nullptr), 0);
+        AVStream* const stream = avformat_new_stream(out, nullptr);
+        ASSERT_GE(avcodec_parameters_copy(stream->codecpar, inputs[k]->streams[0]->codecpar), 0);
+        stream->codecpar->codec_tag = MKTAG('h', 'v', 'c', '1');
+        stream->time_base = inputs[k]->streams[0]->time_base;
+    }
+    ASSERT_GE(avio_open(&out->pb, file_url(file).c_str(), AVIO_FLAG_WRITE), 0);
+    ASSERT_GE(avformat_write_header(out, nullptr), 0);
+    const PacketPtr packet(av_packet_alloc());
+    for (std::size_t k = 0; k < films.size(); ++k) {
+        while (av_read_frame(inputs[k], packet.get()) >= 0) {
+            av_packet_rescale_ts(packet.get(), inputs[k]->streams[0]->time_base, out->streams[k]->time_base);
+            packet->stream_index = static_cast<int>(k);
+            ASSERT_GE(av_interleaved_write_frame(out, packet.get()), 0);
+        }
+        avformat_close_input(&inputs[k]);
+    }
+    ASSERT_GE(av_write_trailer(out), 0);
+    avio_closep(&out->pb);
+    avformat_free_context(out);
 }
 
 }  // namespace touchable::test

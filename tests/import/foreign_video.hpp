@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "engine/picture/ffmpeg.hpp"
 
@@ -29,6 +30,9 @@ inline bool can_encode(const char* codec) {
 /// `fill` sets the samples of a frame. The container is that of the file's name.
 void write_video(const std::filesystem::path& file, const ForeignVideo& video,
                  const std::function<void(AVFrame& frame, int number)>& fill);
+
+/// The pictures of several QuickTime films of HEVC, as they are, as tracks of one.
+void join_tracks(const std::vector<std::filesystem::path>& films, const std::filesystem::path& file);
 
 /// Sets a sample of a plane, of one byte or two.
 void set_sample(AVFrame& frame, int plane, int x, int y, int value);
