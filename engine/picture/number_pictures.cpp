@@ -466,9 +466,10 @@ public:
             if (stop_requested()) return interrupted_error();
             auto page = page_at(at, taken);
             if (!page && stop_requested()) return interrupted_error();
-            // Other programs read the pages before a wrong end of the list, and so it was here for long.
-            is_cut_ = !page || taken > bytes_.size();
-            if (is_cut_ && found.empty()) return page ? damage() : page.error();
+            if (taken > bytes_.size()) return damage();
+            // Other programs read the pages before a wrong end of the list.
+            is_cut_ = !page;
+            if (is_cut_ && found.empty()) return page.error();
             if (is_cut_) break;
             if (found.size() == most_pages)
                 return input_error(where_ + ": has more than " + std::to_string(most_pages) + " pages");
@@ -540,8 +541,11 @@ private:
 class TiffStack final : public ImageStack {
 public:
     TiffStack(std::unique_ptr<ByteSource> bytes, std::string where, std::vector<TiffPage> pages,
-              std::size_t left_out)
-        : bytes_(std::move(bytes)), where_(std::move(where)), pages_(std::move(pages)), left_out_(left_out) {}
+              std::string left_out)
+        : bytes_(std::move(bytes)),
+          where_(std::move(where)),
+          pages_(std::move(pages)),
+          left_out_(std::move(left_out)) {}
 
     Result<void> open() {
         tiff_ = open_tiff(file_);
@@ -555,11 +559,7 @@ public:
     int width() const override { return static_cast<int>(layout_.width); }
     int height() const override { return static_cast<int>(layout_.height); }
     std::optional<double> least_confidence() const override { return {}; }
-    std::string left_out() const override {
-        if (left_out_ == 0) return "";
-        return std::to_string(left_out_) + (left_out_ == 1 ? " page is" : " pages are") +
-               " of another size or kind than the first, and left out";
-    }
+    std::string left_out() const override { return left_out_; }
 
     Result<StoredImage> image(std::int64_t number) override {
         if (number < 0 || number >= count())
@@ -597,7 +597,7 @@ private:
     std::unique_ptr<ByteSource> bytes_;
     std::string where_;
     std::vector<TiffPage> pages_;
-    std::size_t left_out_;
+    std::string left_out_;
     TiffBytes file_{*bytes_};
     TiffLayout layout_;
     bool floats_ = false;
@@ -780,7 +780,8 @@ Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where
 Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
     TRY_ASSIGN(auto bytes, bytes_of_file(file));
     std::string where = file.string();
-    TRY_ASSIGN(auto pages, TiffDirectories(*bytes, where).pages());
+    TiffDirectories directories(*bytes, where);
+    TRY_ASSIGN(auto pages, directories.pages());
     if (pages.size() == 1) return std::shared_ptr<ImageStack>();
     const TiffPage first = pages.front();
     std::size_t left_out = 0;
@@ -789,7 +790,14 @@ Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
         left_out += is_frame || page.is_another_view ? 0 : 1;
         return !is_frame;
     });
-    auto stack = std::make_shared<TiffStack>(std::move(bytes), std::move(where), std::move(pages), left_out);
+    std::string told;
+    if (left_out > 0)
+        told = std::to_string(left_out) + (left_out == 1 ? " page is" : " pages are") +
+               " of another size or kind than the first, and left out";
+    if (directories.is_cut())
+        told += std::string(told.empty() ? "" : "; ") + "its list of pages is damaged behind these";
+    auto stack =
+        std::make_shared<TiffStack>(std::move(bytes), std::move(where), std::move(pages), std::move(told));
     TRY(stack->open());
     return std::shared_ptr<ImageStack>(std::move(stack));
 }

@@ -5,6 +5,7 @@
 // work; main.cpp calls that function, prints the error that it returns, and makes an exit code of it.
 
 #include <functional>
+#include <span>
 
 #include "engine/base/result.hpp"
 
@@ -17,12 +18,25 @@ namespace touchable {
 /// The work that the command line asked for, with its options filled in.
 using Command = std::function<Result<void>()>;
 
+/// A device, a program, a network or a data set, and how its depth is opened: a row of docs/formats.md.
+struct DepthSource {
+    const char* name;               ///< one word; that of its preset, if it has one
+    const char* what;               ///< in words
+    const char* files;              ///< that it writes
+    const char* command;            ///< for one of these
+    const char* read;               ///< from the files; "by its name" where a name is evidence
+    const char* guessed;            ///< some of: camera, unit, scale, rate, planar, coding; or "nothing"
+    const char* heading = nullptr;  ///< of the rows from this one on, where it begins them
+};
+/// All of them. Any thread may ask.
+std::span<const DepthSource> depth_sources();
+
 void add_make_command(CLI::App& app, Command& command);
 /// A window in which a clip is watched and touched.
 void add_play_command(CLI::App& app, Command& command);
 void add_touch_command(CLI::App& app, Command& command);
 void add_info_command(CLI::App& app, Command& command);
-/// What can be opened, and how.
+/// Where depth comes from, and what to type for it.
 void add_formats_command(CLI::App& app, Command& command);
 /// Writes the scene file of pictures that have none, or of a clip that has it in it.
 void add_init_scene_command(CLI::App& app, Command& command);

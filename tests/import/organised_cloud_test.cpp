@@ -194,7 +194,7 @@ TEST(OrganisedCloud, GivesDepthColourAndCamera) {
         write_bytes(folder / name, bytes);
         auto reader = open_clip(folder / name);
         ASSERT_EQ(message(reader), "");
-        EXPECT_TRUE(is_noted(**reader, "the camera is that of the cloud's points"));
+        EXPECT_TRUE(is_noted(**reader, std::string("the camera is that of ") + name));
         const auto frames = read_all(**reader);
         ASSERT_EQ(message(frames), "");
         ASSERT_EQ(frames->size(), 1U);
@@ -227,7 +227,7 @@ TEST(OrganisedCloud, TakesCameraThatIsSaid) {
     const auto reader = open_clip(folder / "cloud.pcd", {}, known);
     ASSERT_EQ(message(reader), "");
     EXPECT_DOUBLE_EQ((*reader)->scene().camera.fx, 30);
-    EXPECT_FALSE(is_noted(**reader, "the camera is that of the cloud's points"));
+    EXPECT_FALSE(is_noted(**reader, "the camera is that of cloud_0.pcd"));
 }
 
 /// The first one has no point.

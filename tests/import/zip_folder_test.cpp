@@ -154,7 +154,7 @@ TEST_F(ZipFolders, OpenByTheirSceneFileOrAnother) {
 }
 
 TEST_F(ZipFolders, SeveralFoldersAreNamed) {
-    write_zip(folder / "a.zip", {{"one/depth/0.png", depth}, {"two/depth/0.png", depth}});
+    write_zip(folder / "a.zip", {{"one/a/depth/0.png", depth}, {"two/a/depth/0.png", depth}});
     const std::string said = refusal_of("a.zip");
     EXPECT_NE(said.find("touchable play " + (folder / "a.zip/one").string() + " (one of 2"),
               std::string::npos)

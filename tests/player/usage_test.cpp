@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 
 #include "tests/player/program.hpp"
 
@@ -163,6 +164,34 @@ TEST(Usage, MistypedWordsNameTheNearest) {
     EXPECT_NE(run_touchable({"paint", "--much"}).err.find("unknown command or file 'paint'; see"),
               std::string::npos);
     EXPECT_EQ(run_touchable({"--nothing"}).err.find("unknown command"), std::string::npos);
+}
+
+TEST(Usage, FormatsTellsWhatToTypeFor) {
+    const Outcome all = run_touchable({"formats"});
+    EXPECT_EQ(all.code, 0);
+    EXPECT_NE(all.out.find("\n  bop\n      BOP: depth/000000.png"), std::string::npos) << all.out;
+    EXPECT_NE(all.out.find("      touchable play clip.mkv\n"), std::string::npos) << all.out;
+    const Outcome one = run_touchable({"formats", "stray"});
+    EXPECT_EQ(one.code, 0);
+    EXPECT_NE(one.out.find("Stray Scanner"), std::string::npos) << one.out;
+    EXPECT_NE(one.out.find("camera_matrix.csv"), std::string::npos) << one.out;
+    EXPECT_NE(one.out.find("unit: metres that a stored 1 stands for (--depth-unit METRES)"),
+              std::string::npos)
+        << one.out;
+    for (const std::string& out : {all.out, one.out}) {
+        std::istringstream lines(out);
+        for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+    }
+    EXPECT_EQ(
+        run_touchable({"formats", "relative-inverse"}).out,
+        "  --preset relative-inverse\n      guessed from one picture (MiDaS and the like): 1/depth without a "
+        "scale\n");
+    const Outcome near = run_touchable({"formats", "tun"});
+    EXPECT_EQ(near.code, 2);
+    EXPECT_EQ(near.err, "touchable: formats: no source is called \"tun\"; did you mean tum?\n");
+    const Outcome none = run_touchable({"formats", "nothing like it"});
+    EXPECT_EQ(none.code, 2);
+    EXPECT_NE(none.err.find("touchable formats lists them"), std::string::npos) << none.err;
 }
 
 TEST(Usage, MissingFileIsCode3AndNamesTheFile) {

@@ -1,0 +1,167 @@
+#include "tests/import/source_writer.hpp"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <gtest/gtest.h>
+#include <tiffio.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/picture/image.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/import/foreign_video.hpp"
+#include "tests/picture/encoded_picture.hpp"
+
+namespace touchable::test {
+
+namespace fs = std::filesystem;
+
+double room(int n, int x, int y) {
+    if (x < 4 && y < 4) return none;
+    const double u = (x + 0.5) / wide * 2 - 1, v = (y + 0.5) / high * 2 - 1, wall = 1.8 + 0.2 * u;
+    if (u > -0.35 + 0.03 * n && u < 0.2 + 0.03 * n && v > -0.3 && v < 0.45) return 1.1 + 0.05 * u;
+    return v > 0 ? std::min(wall, 0.9 / v) : wall;
+}
+
+std::uint16_t room_code(double codes_per_metre, int n, int x, int y) {
+    const double z = room(n, x, y);
+    return std::isnan(z) ? std::uint16_t{0} : static_cast<std::uint16_t>(std::lround(codes_per_metre * z));
+}
+Depth room_in(double codes_per_metre) {
+    return [=](int n, int x, int y) {
+        const int code = room_code(codes_per_metre, n, x, y);
+        return code == 0 ? none : code / codes_per_metre;
+    };
+}
+
+std::vector<float> floats_of(const Depth& depth, double of_none, int n) {
+    std::vector<float> values;
+    for (int y = 0; y < high; ++y)
+        for (int x = 0; x < wide; ++x) {
+            const double z = depth(n, x, y);
+            values.push_back(static_cast<float>(std::isnan(z) ? of_none : z));
+        }
+    return values;
+}
+std::string shape_of_room(const std::string& before, const std::string& after) {
+    return before + std::to_string(high) + ", " + std::to_string(wide) + after;
+}
+Depth millimetres(const Depth& metres) {
+    return [=](int n, int x, int y) { return 1000 * metres(n, x, y); };
+}
+void write_exr(const fs::path& file, const std::map<std::string, std::vector<float>>& channels) {
+    Imf::Header header(wide, high);
+    Imf::FrameBuffer frame;
+    auto copies = channels;
+    for (auto& [name, values] : copies) {
+        header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+        frame.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), 4, 4 * wide));
+    }
+    Imf::OutputFile out(file.c_str(), header);
+    out.setFrameBuffer(frame);
+    out.writePixels(high);
+}
+
+void write_tiff(const fs::path& file, std::vector<float> values) {
+    TIFF* const out = TIFFOpen(file.c_str(), "w");
+    ASSERT_NE(out, nullptr);
+    TIFFSetField(out, TIFFTAG_IMAGEWIDTH, wide);
+    TIFFSetField(out, TIFFTAG_IMAGELENGTH, high);
+    TIFFSetField(out, TIFFTAG_BITSPERSAMPLE, 32);
+    TIFFSetField(out, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+    TIFFSetField(out, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    for (int y = 0; y < high; ++y)
+        EXPECT_EQ(TIFFWriteScanline(out, values.data() + std::ptrdiff_t{y} * wide, static_cast<unsigned>(y)),
+                  1);
+    TIFFClose(out);
+}
+
+/// PFM's rows go from the bottom to the top.
+void write_pfm(const fs::path& file, const std::vector<float>& values) {
+    std::string bytes = "Pf\n" + std::to_string(wide) + ' ' + std::to_string(high) + "\n-1.0\n";
+    for (int y = high - 1; y >= 0; --y)
+        bytes.append(reinterpret_cast<const char*>(values.data() + std::ptrdiff_t{y} * wide), 4 * wide);
+    write_bytes(file, bytes);
+}
+
+/// PGM of 16 bits, high byte first, or as libfreenect's `record` has it, low byte first.
+void write_pgm(const fs::path& file, bool low_first, const std::function<std::uint16_t(int, int)>& code) {
+    std::string bytes = "P5 " + std::to_string(wide) + ' ' + std::to_string(high) + " 65535\n";
+    for (int y = 0; y < high; ++y)
+        for (int x = 0; x < wide; ++x) {
+            const char low = static_cast<char>(code(x, y) & 255), up = static_cast<char>(code(x, y) >> 8);
+            bytes += low_first ? low : up;
+            bytes += low_first ? up : low;
+        }
+    write_bytes(file, bytes);
+}
+
+void write_film(const fs::path& file, int frames, AVRational rate) {
+    fs::create_directories(file.parent_path());
+    ForeignVideo video{"libx264", AV_PIX_FMT_YUV420P, wide, high, frames, rate};
+    write_video(file, video, [](AVFrame& frame, int n) {
+        for (int plane = 0; plane < 3; ++plane)
+            for (int y = 0; y < high / (plane ? 2 : 1); ++y)
+                for (int x = 0; x < wide / (plane ? 2 : 1); ++x)
+                    set_sample(frame, plane, x, y, plane ? 70 + x : 40 + x + n);
+    });
+}
+
+std::string six_digits(int n) {
+    const std::string digits = std::to_string(n);
+    return std::string(6 - digits.size(), '0') + digits;
+}
+
+fs::path Writer::operator/(const std::string& name) const {
+    fs::path file = folder_ / name;
+    fs::create_directories(file.parent_path());
+    return file;
+}
+
+void Writer::text(const std::string& name, const std::string& words) const {
+    write_bytes(*this / name, words);
+}
+
+void Writer::png16(const std::string& name, const std::function<int(int, int)>& code, int width,
+                   int height) const {
+    Image image{width, height, 2, 1, {}};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto word = static_cast<std::uint16_t>(code(x, y));
+            image.samples.push_back(static_cast<std::uint8_t>(word & 255));
+            image.samples.push_back(static_cast<std::uint8_t>(word >> 8));
+        }
+    EXPECT_EQ(message(write_png(*this / name, image.view())), "");
+}
+
+void Writer::room16(const std::string& name, double codes_per_metre, int n) const {
+    png16(name, [=](int x, int y) { return room_code(codes_per_metre, n, x, y); });
+}
+
+void Writer::grey(const std::string& name, const std::function<int(int, int)>& code) const {
+    Image image{wide, high, 1, 1, {}};
+    for (int k = 0; k < wide * high; ++k)
+        image.samples.push_back(static_cast<std::uint8_t>(code(k % wide, k / wide)));
+    EXPECT_EQ(message(write_png(*this / name, image.view())), "");
+}
+
+void Writer::colour(const std::string& name, int width, int height) const {
+    const bool is_jpeg = name.ends_with(".jpg");
+    write_bytes(*this / name,
+                encoded(is_jpeg ? "mjpeg" : "png", is_jpeg ? AV_PIX_FMT_YUVJ444P : AV_PIX_FMT_RGB24, width,
+                        height, [&](AVFrame& frame) {
+                            for (int y = 0; y < height; ++y)
+                                for (int x = 0; x < width; ++x)
+                                    for (int k = 0; k < 3; ++k) {
+                                        const int sample = k == 0 ? 200 - x / 4 : k == 1 ? 40 + y : 90;
+                                        frame.data[is_jpeg ? k : 0][y * frame.linesize[is_jpeg ? k : 0] +
+                                                                    (is_jpeg ? x : 3 * x + k)] =
+                                            static_cast<std::uint8_t>(sample);
+                                    }
+                        }));
+}
+
+}  // namespace touchable::test
