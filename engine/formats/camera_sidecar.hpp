@@ -21,6 +21,8 @@ namespace touchable {
 inline constexpr double usual_fov = 60;  ///< degrees, where nothing tells
 /// Begins a remark that guesses the field of view (guessed_in).
 inline constexpr std::string_view camera_guess_mark = "the camera sees ";
+/// Begins a remark that guesses what hues stand for (guessed_in).
+inline constexpr std::string_view hue_guess_mark = "red is ";
 
 /// Square pixels, the axis through the middle; degrees from the left edge to the right one.
 Camera camera_of_fov(double degrees, int width, int height);

@@ -79,8 +79,24 @@ bool is_named_disparity(const std::string& name) {
 
 /// Distances from the camera's centre. Hypersim's depth_meters are such, and Replicator's distance_to_camera.
 bool is_named_range(const std::string& name) {
-    return has_whole_word(name, {"range", "ranges", "ray", "euclidean"}) ||
+    return has_whole_word(name, {"range", "ranges", "ray", "euclidean", "radial", "depthperspective"}) ||
            has_word(name, {"depth_meters", "distance_to_camera"});
+}
+
+/// A unit of length as a word of a name.
+struct UnitInName {
+    double metres;
+    const char* words;
+};
+
+std::optional<UnitInName> unit_in_name(const std::string& name) {
+    constexpr std::pair<std::string_view, UnitInName> units[] = {
+        {"mm", {0.001, "millimetres"}}, {"millimeters", {0.001, "millimetres"}},
+        {"cm", {0.01, "centimetres"}},  {"centimeters", {0.01, "centimetres"}},
+        {"meters", {1, "metres"}},      {"metres", {1, "metres"}}};
+    for (const auto& [word, unit] : units)
+        if (has_whole_word(name, {word})) return unit;
+    return {};
 }
 
 bool holds_words(const StoredImage& picture) {
@@ -198,6 +214,7 @@ public:
         is_named_ = true;
         says_disparity_ = is_named_disparity(name);
         says_range_ = is_named_range(name);
+        unit_in_name_ = unit_in_name(name);
     }
     void know_list(const std::string& file) { list_ = file; }
     /// Cameras that differ from frame to frame, as FolderSource::cameras.
@@ -389,7 +406,7 @@ private:
                         printable(beside_.file.filename().string()),
                     Hints{{Setting::preset}, {Setting::depth_unit}});
             } else {
-                say(std::string(disparity_guess_mark) + ", and no file beside it has their baseline",
+                say(std::string(disparity_guess_mark) + ", and no calib.txt beside it has their baseline",
                     "with a calib.txt that has it they have a scale",
                     {{Setting::preset, "middlebury"}, {Setting::depth_unit}});
                 set_relative(true, true);
@@ -435,7 +452,15 @@ private:
                  {}, {{Setting::depth_unit}});
             return {};
         }
+        // Integers are no metres.
+        if (unit_in_name_ && values.bits > 8 && (values.is_float || unit_in_name_->metres < 1)) {
+            set_metric(unit_in_name_->metres);
+            tell(std::string("values are ") + unit_in_name_->words + ", as the name says", {},
+                 {{Setting::depth_unit}});
+            return {};
+        }
         guess_unit(values);
+        is_unit_guessed_ = true;
         return {};
     }
 
@@ -449,7 +474,8 @@ private:
             say(std::string(range_guess_mark) + ", as the name says", Hints{{Setting::depth_kind, "planar"}});
             return;
         }
-        if (!is_float || !is_named_ || preset_ != nullptr) return;
+        if (!is_named_ || preset_ != nullptr || (!is_float && (!is_unit_guessed_ || has_camera_of_depth_)))
+            return;
         const double nearer = 100 * (1 - 1 / scene_.camera.longest_ray(scene_.width, scene_.height));
         constexpr double least_felt = 5;  // per cent
         if (nearer < least_felt) return;
@@ -495,11 +521,17 @@ private:
             const bool near_is_high = is_signed || values.lower >= values.upper;
             set_relative(near_is_high, near_is_high);
         } else if (values.is_float) {
-            const bool metres = values.median < 30;
+            constexpr double most_metres = 30, least_millimetres = 600;
+            const bool metres = values.median < most_metres;
+            const bool may_be_centimetres = !metres && values.median < least_millimetres;
             set_metric(metres ? 1 : 0.001);
             say(std::string(value_guess_mark) + (metres ? "metres" : "millimetres") +
                     ", as their median is " + short_number(values.median),
-                otherwise);
+                may_be_centimetres
+                    ? std::string(other_units_mark) + short_number(0.001 * values.median, 3) + " m; " +
+                          short_number(0.01 * values.median, 3) + " m if they are centimetres"
+                    : "",
+                may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise);
             // What is lower in a picture is mostly nearer.
             if (values.lower > most_of_lengths * values.upper && !are_points_)
                 say(std::string(direction_guess_mark) +
@@ -520,8 +552,8 @@ private:
             say(guess + "recordings with a " + list_ + " have it (TUM RGB-D)", Hints{{Setting::depth_unit}});
             return;
         }
-        constexpr double near_for_a_camera = 600, far_for_a_room = 4000;  // of a median, millimetres
-        constexpr double most_of_lidar = 0.5, least_sky = 0.01;           // shares of the pixels
+        constexpr double near_for_a_camera = 1000, far_for_a_room = 3000;  // of a median, millimetres
+        constexpr double most_of_lidar = 0.5, least_sky = 0.01;            // shares of the pixels
         struct Reading {
             bool is_possible;
             const char* unit;
@@ -531,8 +563,13 @@ private:
         const Reading readings[] = {
             {is_millimetre && values.largest > least_sky && values.zeros == 0, "0.01",
              "if they are centimetres and 65535 is the sky (Virtual KITTI)"},
-            {is_millimetre && (values.median < near_for_a_camera || values.zeros > most_of_lidar),
-             "0.00390625", "if 256 codes are a metre (KITTI, VOID)"},
+            {is_millimetre && (values.median < near_for_a_camera || values.median > far_for_a_room ||
+                               values.zeros > most_of_lidar),
+             "0.00390625", "if 256 codes are a metre (KITTI, VOID, ZoeDepth)"},
+            {is_millimetre && values.median < near_for_a_camera, "0.001953125",
+             "if 512 codes are a metre (Taskonomy)"},
+            {is_millimetre && values.median > far_for_a_room, "0.00025",
+             "if 4000 codes are a metre (Matterport3D)"},
             {is_millimetre && values.median > far_for_a_room, "0.0002", "if 5000 codes are a metre (TUM)"},
             {!is_millimetre, "0.001", "if they are millimetres"},
             {unit < 0.001 || (is_millimetre && values.median > far_for_a_room), "0.0001",
@@ -548,6 +585,11 @@ private:
                 hints.push_back({Setting::preset, "vkitti"});
             else
                 hints.push_back({Setting::depth_unit, other});
+        }
+        if (unit < 0.001) {
+            const double below = 0.001 * (static_cast<int>(values.median) & 0x1fff);
+            others += "; " + short_number(below, 3) + " m if the 3 highest bits are a confidence (DEPTH16)";
+            hints.push_back({Setting::preset, "depth16"});
         }
         if (hints.empty()) hints = {{Setting::depth_unit}};
         say(guess + "their median is " + short_number(values.median),
@@ -598,10 +640,13 @@ private:
         const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
         const int other = preset_ ? preset_->invalid : holds_words(depth) && !is_told ? 65535 : 0;
         DepthCoding& coding = scene_.depth;
-        for (const int code : {0, other})
+        const int above = is_told ? 0 : none_above_all(depth).value_or(0);
+        for (const int code : {0, other, above})
             if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
                 coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
                     static_cast<std::uint16_t>(code);
+        if (above > 0)
+            say(std::to_string(above) + " is no depth, as many pixels have it and no other comes near it");
         if (!is_told)
             say(other > 0           ? "0 and 65535 are no depth"
                 : has_negative_none ? "0 and what is below it are no depth"
@@ -640,6 +685,8 @@ private:
     CameraFile file_;                                                      // that beside_ has, if any
     std::optional<GuessedCameras> frames_;                                 // that have one each
     bool is_named_ = false, says_disparity_ = false, says_range_ = false;  // the pictures' names
+    std::optional<UnitInName> unit_in_name_;
+    bool is_unit_guessed_ = false;
     std::string list_;                  // of pictures and their times; empty: there is none
     bool has_camera_of_depth_ = false;  // which was said, or read
     bool are_points_ = false;           // of a cloud
@@ -865,7 +912,7 @@ Guessed guessed_in(const Remark& remark) {
     if (!remark.is_guess) return Guessed::little;
     const auto begins = [&](std::string_view mark) { return remark.what.starts_with(mark); };
     if (begins(direction_guess_mark)) return Guessed::direction;
-    if (begins(no_scale_mark)) return Guessed::scale;
+    if (begins(no_scale_mark) || begins(hue_guess_mark)) return Guessed::scale;
     if (begins(preset_guess_mark) || begins(disparity_guess_mark)) return Guessed::storage;
     if (begins(code_guess_mark) || begins(value_guess_mark))
         return remark.otherwise.starts_with(other_units_mark) ? Guessed::unclear_unit : Guessed::unit;

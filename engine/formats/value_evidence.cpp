@@ -137,10 +137,20 @@ bool has_player(const StoredImage& picture, const Words& words) {
     return smooth >= fewest_pairs && one_in * smooth >= pairs && smooth > 4 * smooth_rotated;
 }
 
+/// Whether a confidence that is the same everywhere lies above lengths: the words of a room are then within a
+/// few hundredths of one number, its lengths are not.
+bool has_one_confidence(const Words& words) {
+    constexpr unsigned lengths = 0x1fff;
+    const unsigned least = words.each.front().word, most = words.each.back().word;
+    return least > lengths && (least ^ most) <= lengths && most - least < least / 10 &&
+           4 * (most - least) > (least & lengths);
+}
+
 /// Android's DEPTH16: 13 bits of millimetres, and a confidence in the 3 highest. Where these differ between
 /// neighbours, the others go on as if nothing was.
 bool has_confidence(const StoredImage& picture, const Words& words) {
     constexpr unsigned lengths = 0x1fff;
+    constexpr std::int64_t fewest_pairs = 64, one_in = 1000;
     if (20 * words.that([](unsigned word) { return word > lengths; }) < words.pixels) return false;
     std::int64_t pairs = 0, smooth = 0, smooth_whole = 0;
     for_neighbours(picture, [&](unsigned a, unsigned b) {
@@ -149,7 +159,8 @@ bool has_confidence(const StoredImage& picture, const Words& words) {
         smooth += is_smooth(a & lengths, b & lengths);
         smooth_whole += is_smooth(a, b);
     });
-    return 200 * pairs > words.pixels && 2 * smooth > pairs && smooth > 4 * smooth_whole;
+    return pairs >= fewest_pairs && one_in * pairs > words.pixels && 2 * smooth > pairs &&
+           smooth > 4 * smooth_whole;
 }
 
 /// Millimetres times 8, with the bits above 16 below: 1 from 8.192 m on, 2 from 16.384 m on.
@@ -519,6 +530,19 @@ bool unpack_depth(StoredImage& picture) {
     return true;
 }
 
+std::optional<std::uint16_t> none_above_all(const StoredImage& picture) {
+    constexpr std::int64_t one_in = 200;
+    constexpr double far_above = 1.25;
+    const Words words(picture);
+    if (!words.tell()) return {};
+    const auto [word, pixels] = words.each.back();
+    const unsigned before = words.each[words.each.size() - 2].word;
+    const bool has_all_bits = word >= 1023 && (word & (word + 1)) == 0, is_round = word % 10'000 == 0;
+    const bool is_piled = one_in * pixels > words.pixels && word > far_above * before;
+    return (has_all_bits || is_round) && is_piled ? std::optional(static_cast<std::uint16_t>(word))
+                                                  : std::nullopt;
+}
+
 EvidentPreset evident_preset(const StoredImage& picture) {
     if (is_unpacked(picture))
         return {preset_named("carla"),
@@ -536,6 +560,8 @@ EvidentPreset evident_preset(const StoredImage& picture) {
         return {preset_named("kinect-sdk1"),
                 "its 3 lowest bits are 0 but for areas, as the numbers of persons are, and depth goes on "
                 "above them"};
+    if (has_one_confidence(words))
+        return {preset_named("depth16"), "its 3 highest bits are the same everywhere, and not 0"};
     if (has_confidence(picture, words))
         return {preset_named("depth16"),
                 "its 3 highest bits change between neighbours whose other bits are nearly the same"};

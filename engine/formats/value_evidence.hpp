@@ -59,6 +59,10 @@ struct EvidentPreset {
 };
 EvidentPreset evident_preset(const StoredImage& picture);
 
+/// Of 16 bits the largest code but 65535, where it stands for no depth: all its bits are set (4095, 8191) or
+/// it is round (10000), more than one pixel in 200 has it, and no other comes near it.
+std::optional<std::uint16_t> none_above_all(const StoredImage& picture);
+
 /// What renderers write into pictures of floats where they see nothing, in whatever unit: infinity, 1e9 and
 /// beyond (Blender: 1e10), and the largest number of 16 bits, 65504, which is what files of halves have in
 /// their place. Halves become floats of 32 bits in other programs. So 65504 is background in any picture of

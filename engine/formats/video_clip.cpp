@@ -160,10 +160,11 @@ public:
         scene.remarks = joined_remarks({{what, true, otherwise, picture.has_colours() ? values : Hints{}}},
                                        scene.remarks);
         if (is_hue && !camera)
-            add_remark(scene.remarks,
-                       {"red is 0.5 m and the whole circle of hues goes to 1.5 m", true,
-                        "a scene file's depth.near and far say otherwise, touchable init-scene "
-                        "writes one to begin with"});
+            add_remark(
+                scene.remarks,
+                {std::string(hue_guess_mark) + "0.5 m and the whole circle of hues goes to 1.5 m", true,
+                 "a scene file's depth.near and far say otherwise, touchable init-scene "
+                 "writes one to begin with"});
         guessed.video = std::move(video);
         return guessed;
     }

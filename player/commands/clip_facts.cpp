@@ -405,7 +405,7 @@ std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
 constexpr double rough_deg = 10;
 /// Filters that leave so much less than those that are on are worth a line.
 constexpr double worth_while = 0.67;
-constexpr double many_holes_pct = 60;
+constexpr double many_holes_pct = 60, nearly_all_holes_pct = 90;
 /// Of neighbours that are no depth, mixed up bytes or packed numbers, a third and more are an octave apart;
 /// of a room's less than a twentieth.
 constexpr double much_torn = 0.2;
@@ -654,9 +654,9 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
                degrees(best->left_deg) + " with other filters: touchable play " + clip + " --filters auto";
     if (findings != nullptr && !findings->empty())
         return findings->front().name + ", see above: " + findings->front().mend;
-    if (facts.invalid_pct > many_holes_pct)
-        return "little to touch: " + short_number(facts.invalid_pct, 2) +
-               " % of the first frame has no depth";
+    const std::string little =
+        "little to touch: " + short_number(facts.invalid_pct, 2) + " % of the first frame has no depth";
+    if (facts.invalid_pct > nearly_all_holes_pct) return little;
     if (const auto guesses = guesses_that_matter(facts); !guesses.empty()) {
         const auto& [guessed, remark] = guesses.front();
         std::vector<std::string> others;
@@ -664,6 +664,7 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
         return verdict_on_guess(guessed, *remark, facts) +
                (others.empty() ? "" : "; guessed too: " + listed(others));
     }
+    if (facts.invalid_pct > many_holes_pct) return little;
     if (now && now->left_deg > rough_deg)
         return "rough: smooth places lean " + degrees(now->left_deg) +
                " to and fro, whatever the filters: record from nearer, or with more light";

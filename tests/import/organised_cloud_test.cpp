@@ -227,7 +227,7 @@ TEST(OrganisedCloud, TakesCameraThatIsSaid) {
     const auto reader = open_clip(folder / "cloud.pcd", {}, known);
     ASSERT_EQ(message(reader), "");
     EXPECT_DOUBLE_EQ((*reader)->scene().camera.fx, 30);
-    EXPECT_FALSE(is_noted(**reader, "the camera is that of cloud_0.pcd"));
+    EXPECT_FALSE(is_noted(**reader, "the camera is that of cloud.pcd"));
 }
 
 /// The first one has no point.
@@ -241,7 +241,7 @@ TEST(OrganisedCloud, SeveralAreFrames) {
     auto reader = open_clip(folder.path());
     ASSERT_EQ(message(reader), "");
     EXPECT_TRUE(is_noted(**reader, "depth is cloud_*.pcd, colour is in the same files"));
-    EXPECT_TRUE(is_noted(**reader, "the camera is that of the cloud's points"));
+    EXPECT_TRUE(is_noted(**reader, "the camera is that of cloud_0.pcd"));
     const auto frames = read_all(**reader);
     ASSERT_EQ(message(frames), "");
     ASSERT_EQ(frames->size(), 3U);

@@ -70,6 +70,16 @@ TEST_F(RealsenseRaw, OpensWithItsCameraAndColour) {
     EXPECT_NE((*reader)->scene().camera.fx, 20.5);
 }
 
+TEST_F(RealsenseRaw, BesideARecordingIsNotWhatTheFolderIsOf) {
+    std::filesystem::create_directory(folder / "depth");
+    Image picture{16, 12, 2, 1, std::vector<std::uint8_t>(2 * 16 * 12, 3)};
+    for (const char* name : {"depth/1.png", "depth/2.png"})
+        EXPECT_EQ(message(write_png(folder / name, picture.view())), "");
+    auto reader = open_clip(folder.path());
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 2);
+}
+
 TEST_F(RealsenseRaw, IsRefusedWhereItsTableDoesNotFit) {
     const auto refusal = [&](const std::string& table) {
         write_bytes(folder / "snap_Depth_metadata.csv", table);

@@ -299,7 +299,7 @@ TEST(ValueEvidence, DisparitiesAreKnownByTheirName) {
     for (const char* name : {"disp1.png", "left_disparity.png"}) {
         auto reader = open_clip(folder / name);
         ASSERT_EQ(message(reader), "");
-        EXPECT_TRUE(is_noted(**reader, "depth is disparities, as the name says, and no file"));
+        EXPECT_TRUE(is_noted(**reader, "depth is disparities, as the name says, and no calib.txt"));
         EXPECT_EQ((*reader)->scene().depth.kind, DepthCodingKind::inverse);
         EXPECT_TRUE((*reader)->scene().depth.near_is_high);
         const auto frame = (*reader)->next();
@@ -318,6 +318,60 @@ TEST(ValueEvidence, DisparitiesAreKnownByTheirName) {
         folder / "disp1.png",
         [&](int x, int y) { return disparity(x, y) == 0 ? 0 : 80 * 0.2 / disparity(x, y); }, 1e-3);
     EXPECT_NE(notes.find("baseline and focal length are those of calib.txt"), std::string::npos) << notes;
+}
+
+/// Values that mean something else by themselves, and lengths by what a file or a name says.
+TEST(ValueEvidence, WhatAFileOrANameSaysGoesFirst) {
+    const TemporaryFolder folder;
+    const auto scale_of = [&](const std::string& name, const std::string& part) {
+        auto reader = open_clip(folder / name);
+        EXPECT_EQ(message(reader), "") << name;
+        if (!reader) return 0.0;
+        EXPECT_TRUE(is_noted(**reader, part)) << name;
+        return (*reader)->scene().depth.scale * (*reader)->scene().metres_per_unit;
+    };
+    const auto multiples_of_8 = [](int x, int y) {
+        return 8 * static_cast<unsigned>(room_millimetres(x, y, 1500));
+    };
+    write_words(folder / "plain.png", multiples_of_8);
+    (void)scale_of("plain.png", "depth is as preset sun has it");
+    write_words(folder / "stated.png", multiples_of_8);
+    write_bytes(folder / "stated.json", R"({"fx": 70, "fy": 70, "cx": 32, "cy": 24, "depth_scale": 0.0002})");
+    EXPECT_DOUBLE_EQ(scale_of("stated.png", "a code is 0.2 mm, as stated.json says"), 0.0002);
+    // A folder of disparities may have depth in it, and a folder's word counts where the file has none.
+    const auto millimetres = [](int x, int y) { return static_cast<unsigned>(room_millimetres(x, y, 1500)); };
+    for (const char* name : {"disp/depth_1.png", "range/kinect.png", "range/1.png", "depth_cm.png"}) {
+        std::filesystem::create_directories((folder.path() / name).parent_path());
+        write_words(folder / name, millimetres);
+    }
+    EXPECT_DOUBLE_EQ(scale_of("disp/depth_1.png", "a code is 1 mm"), 0.001);
+    EXPECT_DOUBLE_EQ(scale_of("range/kinect.png", "if it goes along each pixel's ray"), 0.001);
+    EXPECT_DOUBLE_EQ(scale_of("range/1.png", "each pixel's ray, as the name says"), 0.001);
+    EXPECT_DOUBLE_EQ(scale_of("depth_cm.png", "values are centimetres, as the name says"), 0.01);
+    // 8 bits are no lengths, whatever a camera's file says of its 16.
+    Image bytes{shown_wide, shown_high, 1, 1, {}};
+    for (int k = 0; k < shown_wide * shown_high; ++k)
+        bytes.samples.push_back(static_cast<std::uint8_t>(20 + k % 200));
+    ASSERT_TRUE(write_png(folder / "eight.png", bytes.view()));
+    write_bytes(folder / "eight.json", R"({"fx": 70, "fy": 70, "cx": 32, "cy": 24, "depth_scale": 0.001})");
+    (void)scale_of("eight.png", "depth has no scale");
+}
+
+/// One code far above all others: a sensor's "nothing there". Where others come near it, it is a wall.
+TEST(ValueEvidence, LargestCodeAloneIsNoDepth) {
+    const TemporaryFolder folder;
+    const auto is_none = [&](unsigned largest, int farthest) {
+        write_words(folder / "a.png", [&](int x, int y) {
+            return x < 4 ? largest : static_cast<unsigned>(room_millimetres(x, y, farthest));
+        });
+        auto reader = open_clip(folder / "a.png");
+        EXPECT_EQ(message(reader), "");
+        return reader && is_noted(**reader, std::to_string(largest) + " is no depth, as many pixels have it");
+    };
+    for (const unsigned largest : {4095U, 8191U, 10'000U, 32'767U})
+        EXPECT_TRUE(is_none(largest, 2000)) << largest;
+    EXPECT_FALSE(is_none(4095, 3900));
+    EXPECT_FALSE(is_none(5000, 2000)) << "no number by which devices say none";
 }
 
 /// Values that more than one unit fits: each is named with what the scene is in it.

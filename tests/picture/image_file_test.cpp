@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include <cstdlib>
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
@@ -224,26 +226,36 @@ TEST(Image, SixteenBitColourIsRefusedByName) {
     EXPECT_NE(message(image).find("has pixel format rgb48be"), std::string::npos) << message(image);
 }
 
+/// Three numbers of 16 bits a pixel.
+std::string rgb48_png(const std::function<int(int x, int y, int channel)>& value) {
+    return encoded("png", AV_PIX_FMT_RGB48BE, 40, 30, [&](AVFrame& frame) {
+        for (int y = 0; y < 30; ++y)
+            for (int x = 0; x < 40; ++x)
+                for (int c = 0; c < 3; ++c) {
+                    std::uint8_t* const to = frame.data[0] + frame.linesize[0] * y + 6 * x + 2 * c;
+                    to[0] = static_cast<std::uint8_t>(value(x, y, c) >> 8);
+                    to[1] = static_cast<std::uint8_t>(value(x, y, c) & 255);
+                }
+    });
+}
+
 /// Depth in one of three channels of 16 bits, and masks of few values in the others, as EVIMO has them.
 TEST(Image, SixteenBitColourIsTheChannelThatHoldsNumbers) {
     const TemporaryFolder folder;
     for (int depth = 0; depth < 3; ++depth) {
-        const auto image = read_bytes_as_image(
-            folder, encoded("png", AV_PIX_FMT_RGB48BE, 40, 30, [&](AVFrame& frame) {
-                for (int y = 0; y < 30; ++y)
-                    for (int x = 0; x < 40; ++x)
-                        for (int c = 0; c < 3; ++c) {
-                            const int value = c == depth ? 900 + 40 * y + x : x / 20 * 1000;
-                            std::uint8_t* const to = frame.data[0] + frame.linesize[0] * y + 6 * x + 2 * c;
-                            to[0] = static_cast<std::uint8_t>(value >> 8);
-                            to[1] = static_cast<std::uint8_t>(value & 255);
-                        }
-            }));
+        const auto image = read_bytes_as_image(folder, rgb48_png([&](int x, int y, int c) {
+                                                   return c == depth ? 900 + 40 * y + x : x / 20 * 1000;
+                                               }));
         ASSERT_EQ(message(image), "") << depth;
         EXPECT_EQ(image->channels, 1);
         for (const auto& [x, y] : {std::pair{0, 0}, {39, 29}, {25, 7}})
             EXPECT_EQ(image->view().sample(x, y), 900 + 40 * y + x) << depth;
     }
+    // A frame without depth: the first channel, not the mask.
+    const auto blank =
+        read_bytes_as_image(folder, rgb48_png([](int x, int, int c) { return c == 2 ? x / 20 * 1000 : 0; }));
+    ASSERT_EQ(message(blank), "");
+    EXPECT_EQ(blank->view().sample(39, 3), 0);
 }
 
 TEST(ImageDamage, EveryChangedByteOfAPngIsAnErrorOrChangesNothing) {

@@ -125,7 +125,7 @@ TEST_F(BarePicture, VerdictWeighsEveryGuess) {
     begins(verdict(picture(), {}),
            "good to touch if the unit is right (a code is 1 mm, as their median is 418; that "
            "is 0.418 m; 1.63 m if 256 codes");
-    ends(verdict(picture(), {}), " --depth-unit METRES; guessed too: the camera");
+    ends(verdict(picture(), {}), " --depth-unit METRES; guessed too: the camera, range or planar");
     ends(verdict(picture(), {"--depth-unit", "0.001"}), " --fov DEGREES");
     begins(verdict(picture(), camera), "good to touch: ");
     // Floats: where the lower third is larger they may be 1/depth; what goes along a ray is not said.
@@ -156,7 +156,7 @@ TEST_F(BarePicture, VerdictWeighsEveryGuess) {
     // Of every second pixel three times as deep nothing is a surface.
     write_floats(floats, 0, 3);
     begins(verdict(floats, {}),
-           "hardly depth: of 100 % of neighbouring pixels one is more than twice as deep");
+           "hardly depth: 100 % of neighbouring pixels differ by more than a factor of two");
 }
 
 TEST_F(BarePicture, VerdictOnAConvertedClipNamesItsSceneFile) {
