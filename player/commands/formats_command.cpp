@@ -140,6 +140,16 @@ const DepthSource rows[] = {
      "nothing"},
     {"lerobot", "LeRobot", "meta/info.json, videos/KEY/chunk-000/file-000.mp4", "touchable my_data_set",
      "depth, unit, rate, colour (by these names)", "camera"},
+    {"hypersim", "Hypersim", "frame.0000.depth_meters.hdf5, floats along each ray",
+     "touchable scene_cam_00_geometry_hdf5 --fov 60", "depth, unit, along each ray (by its name)",
+     "rate, planar"},
+    {"nyuv2", "NYU Depth v2, labeled", "nyu_depth_v2_labeled.mat (HDF5)",
+     "touchable nyu_depth_v2_labeled.mat --fov 57.8", "depths, 1449 frames", "unit, planar"},
+    {"robomimic", "robomimic", "HDF5 with data/demo_0/obs/agentview_depth",
+     "touchable image_demo.hdf5 --dataset /data/demo_1/obs/agentview_depth --fov 45", "depth of that demo",
+     "unit, planar"},
+    {"pcl", "PCL, Open3D, an organised cloud", "PCD with HEIGHT above 1, PLY with a grid",
+     "touchable cloud.pcd", "depth, camera, colour", "unit"},
 };
 
 /// What the words in `guessed` mean, and what says better.

@@ -16,6 +16,7 @@
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/import/ros2_messages.hpp"
 #include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/hdf5_file.hpp"
 #include "tests/picture/npy_bytes.hpp"
 #include "tests/video/quicktime.hpp"
 
@@ -865,6 +866,63 @@ Made lerobot(Writer& w) {
         seen(60), 3, 30, true);
 }
 
+void add_floats(const fs::path& file, const std::string& path, const std::vector<int>& shape,
+                const std::vector<float>& values) {
+    EXPECT_TRUE(add_data_set(file, {path, shape, "FP", 32},
+                             std::string(reinterpret_cast<const char*>(values.data()), 4 * values.size())))
+        << "needs h5import (hdf5-tools)";
+}
+std::vector<float> two_frames() {
+    std::vector<float> values = floats_of(room, 0), second = floats_of(room, 0, 1);
+    values.insert(values.end(), second.begin(), second.end());
+    return values;
+}
+Made hypersim(Writer& w) {
+    for (int n = 0; n < 2; ++n)
+        add_floats(w / ("frame.000" + std::to_string(n) + ".depth_meters.hdf5"), "dataset", {high, wide},
+                   floats_of(room, 0, n));
+    Made found = made(w.folder(), room, seen(60), 2);
+    found.semantics = DepthSemantics::range;
+    return found;
+}
+Made nyuv2(Writer& w) {
+    const std::string file = w.name("nyu_depth_v2_labeled.mat", "a.mat");
+    // Rows and columns change places, as MATLAB stores its first index last.
+    std::vector<float> turned;
+    for (int n = 0; n < 2; ++n)
+        for (int x = 0; x < wide; ++x)
+            for (int y = 0; y < high; ++y)
+                turned.push_back(std::isnan(room(n, x, y)) ? 0 : static_cast<float>(room(n, x, y)));
+    add_floats(w / "plain.h5", "depths", {2, wide, high}, turned);
+    put_matlab_before(w / "plain.h5", w / file);
+    return made(w / file, room, seen(57.8), 2);
+}
+Made robomimic(Writer& w) {
+    const std::string file = w.name("image_demo.hdf5", "a.h5");
+    for (const char* demo : {"0", "1"})
+        add_floats(w / file, "data/demo_" + std::string(demo) + "/obs/agentview_depth", {2, high, wide, 1},
+                   two_frames());
+    return made(w / file, room, seen(45), 2);
+}
+Made pcl(Writer& w) {
+    const std::string file = w.name("cloud.pcd", "a.pcd");
+    std::string bytes =
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\n"
+        "TYPE F F F\nCOUNT 1 1 1\nWIDTH 160\nHEIGHT 120\nVIEWPOINT 0 0 0 1 0 0 0\n"
+        "POINTS 19200\nDATA binary\n";
+    for (int y = 0; y < high; ++y)
+        for (int x = 0; x < wide; ++x) {
+            const double z = room(0, x, y);
+            for (const double at :
+                 {(x - measured.cx) / measured.fx * z, (y - measured.cy) / measured.fy * z, z}) {
+                const auto number = static_cast<float>(at);
+                bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+            }
+        }
+    w.text(file, bytes);
+    return made(w / file, room, measured);
+}
+
 }  // namespace
 
 const std::map<std::string, SourceMaker>& source_makers() {
@@ -920,7 +978,11 @@ const std::map<std::string, SourceMaker>& source_makers() {
                                                            {"vkitti", vkitti},
                                                            {"diode", diode},
                                                            {"middlebury", middlebury},
-                                                           {"lerobot", lerobot}};
+                                                           {"lerobot", lerobot},
+                                                           {"hypersim", hypersim},
+                                                           {"nyuv2", nyuv2},
+                                                           {"robomimic", robomimic},
+                                                           {"pcl", pcl}};
     return makers;
 }
 

@@ -22,6 +22,7 @@ struct Made {
     bool has_colour = false;  ///< found, whichever that is
     int width = wide, height = high;
     int lost_codes = 0;  ///< at most, by the source's own codec
+    DepthSemantics semantics = DepthSemantics::planar;
 };
 
 using SourceMaker = Made (*)(Writer&);

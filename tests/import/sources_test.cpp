@@ -100,7 +100,7 @@ void expect_opened(ClipReader& clip, const Made& made) {
     const Scene& scene = clip.scene();
     ASSERT_EQ(scene.width, made.width);
     ASSERT_EQ(scene.height, made.height);
-    EXPECT_EQ(scene.depth.semantics, DepthSemantics::planar);
+    EXPECT_EQ(scene.depth.semantics, made.semantics);
     EXPECT_NEAR(scene.camera.fx, made.camera.fx, 1e-6 * made.camera.fx);
     EXPECT_NEAR(scene.camera.fy, made.camera.fy, 1e-6 * made.camera.fy);
     EXPECT_NEAR(scene.camera.cx, made.camera.cx, 1e-5);

@@ -43,8 +43,10 @@ inline std::string counted(const Hdf5Numbers& of, int first) {
     return bytes;
 }
 
-/// Adds a data set to an HDF5 file, which need not be there, by h5import. False: that is not installed.
-inline bool add_data_set(const std::filesystem::path& file, const Hdf5Numbers& of, int first = 1) {
+/// Adds a data set of these native numbers to an HDF5 file, which need not be there, by h5import. False: that
+/// is not installed.
+inline bool add_data_set(const std::filesystem::path& file, const Hdf5Numbers& of,
+                         const std::string& numbers) {
     static_assert(std::endian::native == std::endian::little);
     const TemporaryFolder folder;
     std::ostringstream lines;
@@ -54,12 +56,17 @@ inline bool add_data_set(const std::filesystem::path& file, const Hdf5Numbers& o
     lines << "\nOUTPUT-CLASS " << of.kind << "\nOUTPUT-SIZE " << of.bits << "\nOUTPUT-ARCHITECTURE "
           << (of.kind == "FP" ? "IEEE" : "STD") << "\nOUTPUT-BYTE-ORDER " << of.order << '\n'
           << of.more;
-    write_bytes(folder / "numbers", counted(of, first));
+    write_bytes(folder / "numbers", numbers);
     write_bytes(folder / "settings", lines.str());
     const std::string command = "h5import '" + (folder / "numbers").string() + "' -c '" +
                                 (folder / "settings").string() + "' -o '" + file.string() +
                                 "' >/dev/null 2>&1";
     return std::system(command.c_str()) == 0;
+}
+
+/// The same of first, first + 1, ...
+inline bool add_data_set(const std::filesystem::path& file, const Hdf5Numbers& of, int first = 1) {
+    return add_data_set(file, of, counted(of, first));
 }
 
 /// Puts a block of 512 bytes before an HDF5 file, as MATLAB's 7.3 does.
