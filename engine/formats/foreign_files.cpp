@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view zip_magic = "PK\x03\x04";
 /// Enough for the user block of a MATLAB 7.3 file, and for the header of most clouds.
 constexpr std::size_t telling_bytes = 4096;
 
@@ -80,7 +81,8 @@ std::string_view first_member(std::string_view begin) {
 }
 
 std::optional<std::string> zip(const Look& look) {
-    if (!look.begin.starts_with("PK\x03\x04") || look.extension() == ".npz") return {};
+    if (!look.begin.starts_with(zip_magic) || look.extension() == ".npz" || look.extension() == ".usdz")
+        return {};
     const std::string_view member = first_member(look.begin);
     if (member.ends_with(".npy")) return {};
     if (look.name().ends_with(".zarr.zip"))
@@ -89,6 +91,16 @@ std::optional<std::string> zip(const Look& look) {
     const std::string stem = look.path.stem().string();
     return "is a ZIP file, whose first member is " + in_quotes(member) + ": unzip " + look.shell_name() +
            " -d " + shell_word(stem) + after_play(shell_word(stem));
+}
+
+/// One that is cut is damaged, whatever else it is.
+bool is_whole_zip(const SourceFile& file) {
+    constexpr std::size_t end_of_zip = 22;
+    const auto bytes = bytes_of_file(file);
+    char end[end_of_zip] = {};
+    return bytes && (*bytes)->size() >= end_of_zip &&
+           (*bytes)->read((*bytes)->size() - end_of_zip, end, end_of_zip) &&
+           std::string_view(end, 4) == "PK\x05\x06";
 }
 
 std::optional<std::string> packed(const Look& look) {
@@ -225,7 +237,7 @@ using Recognise = std::optional<std::string> (*)(const Look&);
 /// Asked in this order.
 constexpr Recognise known_kinds[] = {git_lfs, svo,        zip,          packed, sens, oni,           matlab,
                                      hdf5,    colmap_map, colmap_model, ply,    pcd,  other_geometry};
-constexpr Recognise misleading_kinds[] = {git_lfs, svo};
+constexpr Recognise misleading_kinds[] = {git_lfs, svo, zip, other_geometry};
 
 std::optional<std::string> first_said(std::span<const Recognise> kinds, const SourceFile& file,
                                       std::size_t bytes) {
@@ -248,10 +260,9 @@ std::optional<std::string> foreign_file(const SourceFile& file) {
 }
 
 std::optional<std::string> misleading_file(const SourceFile& file, std::string_view begin) {
-    const bool may_be = begin.starts_with("version https:") || svo({file.path(), begin});
-    if (!may_be) return {};
-    constexpr std::size_t enough = 64;  // for the first line of a Git LFS pointer
-    return first_said(misleading_kinds, file, enough);
+    const bool may_be = begin.starts_with("version https:") || svo({file.path(), begin}) ||
+                        (begin.starts_with(zip_magic) && is_whole_zip(file));
+    return may_be ? first_said(misleading_kinds, file, telling_bytes) : std::nullopt;
 }
 
 std::optional<std::string> foreign_folder(const fs::path& folder) {

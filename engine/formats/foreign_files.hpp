@@ -17,9 +17,9 @@ namespace touchable {
 /// ...: git lfs pull". Nothing where it is no file that is known here.
 std::optional<std::string> foreign_file(const SourceFile& file);
 
-/// The same of files that a reader of ours would take for its own by their first bytes: SVO2 is MCAP inside,
-/// and a Git LFS pointer has the name of the file that it stands for. `begin`: its
-/// first 16 bytes, or all; where these cannot be of such a file, nothing more is read.
+/// The same of files that a reader of ours would take for its own by their first bytes: SVO2 is MCAP inside, a
+/// Git LFS pointer has the name of the file that it stands for, and .npz are ZIP files. `begin`: its first 16
+/// bytes, or all; where these cannot be of such a file, nothing more is read.
 std::optional<std::string> misleading_file(const SourceFile& file, std::string_view begin);
 
 /// The same of a folder that is one file to other programs (.zarr).
