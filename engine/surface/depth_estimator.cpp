@@ -103,6 +103,49 @@ bool MeasuredDepth::is_noisy(int width) const {
     return noise_at_median() >= noise_per_picture * pixel * width;
 }
 
+namespace {
+
+/// At every fourth pixel of every fourth row.
+std::vector<float> some_depths(const CodePicture& picture, const DepthCoding& coding) {
+    constexpr int apart = 4;
+    std::vector<float> depths;
+    for (int y = 0; y < picture.height; y += apart)
+        for (int x = 0; x < picture.width; x += apart) {
+            const int code = picture.row(y)[x];
+            const bool is_valid = code != CodePicture::invalid;
+            depths.push_back(is_valid ? static_cast<float>(coding.depth(static_cast<std::uint16_t>(code)))
+                                      : 0);
+        }
+    return depths;
+}
+
+/// The median over common pixels of how many times as deep one frame is as the other, or the other as the
+/// one, whichever is above 1; 1 without common ones.
+double times_as_deep(const std::vector<float>& one, const std::vector<float>& other) {
+    std::vector<float> ratios;
+    for (std::size_t k = 0; k < std::min(one.size(), other.size()); ++k)
+        if (one[k] > 0 && other[k] > 0) ratios.push_back(one[k] / other[k]);
+    if (ratios.empty()) return 1;
+    const auto middle = ratios.begin() + std::ssize(ratios) / 2;
+    std::ranges::nth_element(ratios, middle);
+    const double times = *middle;
+    return std::max(times, 1 / times);
+}
+
+/// Four frames tell, as where a camera's infrared or raw pictures lie among those of depth.
+double alternation(const std::vector<std::vector<float>>& frames) {
+    constexpr double differ_by = 1.5, agree_within = 1.1;
+    if (frames.size() < 4) return 1;
+    const auto factor = [&](std::size_t one, std::size_t other) {
+        return times_as_deep(frames[one], frames[other]);
+    };
+    if (factor(0, 2) > agree_within || factor(1, 3) > agree_within) return 1;
+    const double least = std::min({factor(0, 1), factor(1, 2), factor(2, 3)});
+    return least > differ_by ? least : 1;
+}
+
+}  // namespace
+
 void DepthEstimator::add(const RawFrame& frame) {
     const CodePicture picture = code_picture(middle_part(frame.depth), scene_.depth);
     levels_.add(picture);
@@ -110,6 +153,7 @@ void DepthEstimator::add(const RawFrame& frame) {
     last_.push_back(SmoothPatches::cropped(picture));
     if (last_.size() > SmoothPatches::frames) last_.pop_front();
     noise_.add(picture);
+    if (added_ < first_few) first_few_.push_back(some_depths(picture, scene_.depth));
     ++added_;
 }
 
@@ -139,6 +183,7 @@ std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
     MeasuredDepth measured;
     measured.frames = added_;
     measured.median = *median;
+    measured.alternates_by = alternation(first_few_);
     measured.pixel = *median / scene.camera.fx;
     measured.levels = scene.filter.levels;
     measured.distance = level_distance(scene, *median);

@@ -35,6 +35,9 @@ struct MeasuredDepth {
     double flying = 0;                             ///< share of the pixels that hang between two surfaces
     double midway = 0;                             ///< share of those a quarter of the way from both at least
     double clean_edges = 0;  ///< share of the pixels beside which depth jumps in one step
+    /// How many times as deep a frame is as the one before or behind it, where every second one agrees:
+    /// frames of two kinds take turns. 1: not so.
+    double alternates_by = 1;
     /// Filters, and what they leave: of a camera's depth a search, of other depth whose steps are felt the
     /// removal of these. None: too little of it is smooth.
     std::vector<TriedFilters> tried;
@@ -73,7 +76,8 @@ private:
     LevelEstimator levels_;
     ContourEstimator contours_;
     NoiseEstimator noise_;
-    std::deque<CodePicture> last_;  // cropped
+    std::deque<CodePicture> last_;               // cropped
+    std::vector<std::vector<float>> first_few_;  // depths of these frames at some pixels; 0: none
     int added_ = 0;
 };
 

@@ -96,48 +96,6 @@ void add_first_frame(const RawFrame& frame, ClipFacts& facts) {
     facts.farthest = coding.depth(coding.deeper_is_higher() ? greatest : least);
 }
 
-/// The median over its pixels of how many times as deep a frame is as another; nothing without common ones.
-std::optional<double> times_as_deep(const std::vector<float>& one, const std::vector<float>& other) {
-    std::vector<float> ratios;
-    for (std::size_t k = 0; k < std::min(one.size(), other.size()); ++k)
-        if (one[k] > 0 && other[k] > 0) ratios.push_back(one[k] / other[k]);
-    if (ratios.empty()) return std::nullopt;
-    const auto middle = ratios.begin() + std::ssize(ratios) / 2;
-    std::ranges::nth_element(ratios, middle);
-    return *middle;
-}
-
-/// Frames of two kinds in turn, as where a camera's infrared or raw pictures lie among those of depth. Four
-/// frames tell, at every fourth pixel of every fourth row.
-Result<void> look_at_turns(const RawFrame& first, ClipReader& reader, ClipFacts& facts) {
-    constexpr int frames = 4, apart = 4;
-    constexpr double differ_by = 1.5, agree_within = 1.1;
-    std::vector<std::vector<float>> depths;
-    const auto take = [&](const RawFrame& frame) {
-        const DepthCoding& coding = facts.scene.depth;
-        std::vector<float>& taken = depths.emplace_back();
-        for (int y = 0; y < frame.depth.height; y += apart)
-            for (int x = 0; x < frame.depth.width; x += apart) {
-                const std::uint16_t code = stored_code(frame.depth, coding, x, y);
-                taken.push_back(coding.is_valid(code) ? static_cast<float>(coding.depth(code)) : 0);
-            }
-    };
-    take(first);
-    while (depths.size() < frames) {
-        TRY_ASSIGN(const auto next, reader.next());
-        if (!next) return {};
-        take(*next);
-    }
-    const auto factor = [&](std::size_t one, std::size_t other) {
-        const double times = times_as_deep(depths[one], depths[other]).value_or(1);
-        return std::max(times, 1 / times);
-    };
-    const double least = std::min({factor(0, 1), factor(1, 2), factor(2, 3)});
-    if (least > differ_by && factor(0, 2) < agree_within && factor(1, 3) < agree_within)
-        facts.alternates_by = least;
-    return {};
-}
-
 struct MarkColour {
     const char* name;
     std::array<std::uint8_t, 3> rgb;
@@ -550,7 +508,6 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         }
     facts.notes = remarks_with_options(remarks);
     add_first_frame(*first, facts);
-    TRY(look_at_turns(*first, *clip.reader, facts));
     if (stop_requested()) return interrupted_error();
 
     const Camera& camera = facts.scene.camera;
@@ -641,8 +598,8 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
         return "hardly depth: " + per_cent(facts.torn) +
                " of neighbouring pixels differ by more than a factor of two: the values may mean something "
                "else, touchable formats lists what is known by name (--preset NAME)";
-    if (facts.alternates_by > 1)
-        return "frames of two kinds take turns, one " + number(facts.alternates_by) +
+    if (facts.measured && facts.measured->alternates_by > 1)
+        return "frames of two kinds take turns, one " + number(facts.measured->alternates_by) +
                " times as deep as the next: two kinds of pictures may lie in one folder, or two cameras in "
                "one clip; give one alone";
     const auto* const measured = facts.measured ? &*facts.measured : nullptr;

@@ -39,8 +39,6 @@ struct ClipFacts {
            farthest = 0;  ///< valid depths of the first frame, scene units; both 0: none is valid
     /// Share of the first frame's neighbours of which one is more than twice as deep as the other.
     double torn = 0;
-    /// By how much depth differs between frames one behind the other, where every second one agrees; 1: not.
-    double alternates_by = 1;
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel of the first frames is valid
     Kappa near, mid, far;  ///< at the near plane (metric without one: at `nearest`), between, at far
 
