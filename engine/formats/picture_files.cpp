@@ -606,7 +606,7 @@ std::vector<PictureGroup> picture_groups(const fs::path& folder) {
     std::erase_if(groups, [&](const PictureGroup& group) {
         return is_cloud(group) && !is_organised_cloud(SourceFile(group.first));
     });
-    std::ranges::stable_partition(groups, std::not_fn(is_cloud));
+    std::stable_partition(groups.begin(), groups.end(), std::not_fn(is_cloud));
     // TUM's lists pair pictures by their times.
     for (const char* list : list_names)
         if (is_file(folder / list))
