@@ -3,12 +3,14 @@
 #include <cmath>
 #include <string_view>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/track_codecs.hpp"
 #include "engine/clip/tracks.hpp"
 
 extern "C" {
+#include <libavutil/pixdesc.h>
 #include <libavutil/rational.h>
 }
 
@@ -46,6 +48,30 @@ bool is_named(const AVStream& stream, PlaneRole role) {
 bool has_pictures(const AVStream& stream) {
     return stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
            (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
+}
+
+/// Whether the first picture of a track is grey of more than 8 bits: beside a track in colour only depth is.
+/// Containers do not say it of all codecs.
+bool begins_in_deep_grey(const SourceFile& file, int stream) {
+    constexpr int most_packets = 64;
+    const auto demuxer = Demuxer::open_video(file);
+    if (!demuxer) return false;
+    auto decoder =
+        TrackDecoder::open(*(*demuxer)->container().streams[stream], PlaneRole::depth, file.string());
+    if (!decoder) return false;
+    (*demuxer)->select(stream);
+    for (int k = 0; k < most_packets && !stop_requested(); ++k) {
+        const auto decoded = decoder->receive_frame();
+        if (!decoded || (!*decoded && decoder->drained())) return false;
+        if (*decoded) {
+            const AVPixFmtDescriptor* const pixels =
+                av_pix_fmt_desc_get(static_cast<AVPixelFormat>((*decoded)->frame->format));
+            return pixels != nullptr && pixels->nb_components == 1 && pixels->comp[0].depth > 8;
+        }
+        const auto packet = (*demuxer)->next(stream);
+        if (!packet || !decoder->send(packet->get())) return false;
+    }
+    return false;
 }
 
 /// After the first.
@@ -106,6 +132,7 @@ Result<void> VideoFile::rewind() {
         const AVStream& stream = *container.streams[k];
         return has_pictures(stream) && (!track_ || stream.id == static_cast<int>(*track_));
     };
+    const int chosen = stream_;
     bool has_disparity = false;
     for (int k = 0; k < streams; ++k) has_disparity = has_disparity || demuxer_->is_disparity(k);
     const auto is_it = [&](int k) {
@@ -119,11 +146,17 @@ Result<void> VideoFile::rewind() {
     while (stream_ < streams && (!may_be_it(stream_) || is_depths(stream_))) ++stream_;
     if (stream_ == streams) stream_ = 0;  // of a single track also depth's own
     while (stream_ < streams && !may_be_it(stream_)) ++stream_;
-    for (int k = stream_; k < streams; ++k)
-        if (may_be_it(k) && is_it(k)) {
-            stream_ = k;
-            break;
-        }
+    const auto first_of = [&](auto&& fits) {
+        for (int k = stream_; k < streams; ++k)
+            if (may_be_it(k) && fits(k)) return k;
+        return streams;
+    };
+    int found = first_of(is_it);
+    const bool are_several = first_of([&](int k) { return k > stream_; }) < streams;
+    if (found == streams && are_several && !has_disparity && !times_.empty()) found = chosen;  // once
+    if (found == streams && are_several && !has_disparity)
+        found = first_of([&](int k) { return begins_in_deep_grey(file_, k) == (role_ == PlaneRole::depth); });
+    if (found < streams) stream_ = found;
     if (stream_ == streams)
         return input_error(file_.string() + (track_ ? ": has no pictures in track " + std::to_string(*track_)
                                                     : ": has no video track"));
@@ -170,10 +203,16 @@ Result<void> VideoFile::read_times() {
         note_ = file_.string() +
                 ": has frames less than 1 ms apart: all are played evenly, at their mean rate, " +
                 clip_tags::rate_text(rate_.rate) + " a second";
+    const auto& streams = demuxer_->container().streams;
+    const bool is_first = std::none_of(streams, streams + stream_,
+                                       [](const AVStream* before) { return has_pictures(*before); });
     if (const int others = other_tracks(); others > 0)
         note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " has " + std::to_string(others + 1) +
-                " tracks of pictures, and none is named " + std::string(role_name(role_)) +
-                ": stream " + std::to_string(stream_) + " is read";
+                " tracks of pictures, and none is named " + std::string(role_name(role_)) + ": stream " +
+                std::to_string(stream_) + " is read" +
+                (is_first                    ? ""
+                 : role_ == PlaneRole::depth ? ", as it is grey of more than 8 bits"
+                                             : ", as the first is grey of more than 8 bits");
     if (demuxer_->is_cut())
         note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " is cut: its first " +
                 std::to_string(count()) + (count() == 1 ? " frame is" : " frames are") + " whole";

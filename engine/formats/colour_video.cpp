@@ -46,8 +46,17 @@ std::string small_stem(const fs::path& file) {
     return small_letters(file.stem().string());
 }
 
-/// By name.
-std::vector<fs::path> videos_in(const fs::path& folder) {
+}  // namespace
+
+bool is_named_as_video(const fs::path& file) {
+    return std::ranges::count(video_extensions, small_letters(file.extension().string())) > 0;
+}
+
+bool is_named_as_depth_video(const fs::path& file) {
+    return is_named_as_video(file) && without_any(small_stem(file), depth_words);
+}
+
+std::vector<fs::path> video_files_in(const fs::path& folder) {
     std::vector<fs::path> videos;
     std::error_code ignored;
     std::size_t entries = 0;
@@ -59,12 +68,6 @@ std::vector<fs::path> videos_in(const fs::path& folder) {
     }
     std::ranges::sort(videos);
     return videos;
-}
-
-}  // namespace
-
-bool is_named_as_video(const fs::path& file) {
-    return std::ranges::count(video_extensions, small_letters(file.extension().string())) > 0;
 }
 
 std::optional<ColourVideo> colour_video_beside(const fs::path& depth) {
@@ -82,7 +85,7 @@ std::optional<ColourVideo> colour_video_beside(const fs::path& depth) {
         return 2 * n + (video.extension() == depth.extension() ? 0 : 1);
     };
     std::vector<std::pair<std::size_t, fs::path>> found;
-    for (const fs::path& video : videos_in(depth.parent_path()))
+    for (const fs::path& video : video_files_in(depth.parent_path()))
         if (const auto ranked = rank(video); ranked && video.filename() != depth.filename())
             found.emplace_back(*ranked, video);
     std::ranges::sort(found);
@@ -96,7 +99,7 @@ std::optional<ColourVideo> colour_video_beside(const fs::path& depth) {
 
 std::optional<ColourVideo> colour_video_in(const fs::path& folder, std::int64_t frames) {
     std::vector<fs::path> named, unnamed;
-    for (const fs::path& video : videos_in(folder)) {
+    for (const fs::path& video : video_files_in(folder)) {
         const std::string stem = small_stem(video);
         if (without_any(stem, depth_words)) continue;
         (without_any(stem, colour_words) ? named : unnamed).push_back(video);

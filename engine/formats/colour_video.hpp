@@ -17,6 +17,12 @@ namespace touchable {
 /// Whether a name ends as those of videos do.
 bool is_named_as_video(const std::filesystem::path& file);
 
+/// Whether a video's name has a word for depth (depth, disp, vis).
+bool is_named_as_depth_video(const std::filesystem::path& file);
+
+/// All videos of a folder, by name.
+std::vector<std::filesystem::path> video_files_in(const std::filesystem::path& folder);
+
 /// A video of colour, and how it was found.
 struct ColourVideo {
     std::string name;  ///< in its folder

@@ -74,7 +74,8 @@ bool has_whole_word(const std::string& name, std::initializer_list<std::string_v
 }
 
 bool is_named_disparity(const std::string& name) {
-    return has_whole_word(name, {"disp", "disparity", "disparities"});
+    return has_whole_word(name, {"disp", "disparity", "disparities"}) ||
+           has_word(name, {"inverse_depth", "inv_depth", "invdepth", "inversedepth"});
 }
 
 /// Distances from the camera's centre. Hypersim's depth_meters are such, and Replicator's distance_to_camera.
@@ -215,6 +216,12 @@ public:
         says_disparity_ = is_named_disparity(name);
         says_range_ = is_named_range(name);
         unit_in_name_ = unit_in_name(name);
+    }
+    /// Of the array that is depth in its file, which says more than the file's.
+    void know_array(const std::string& name) {
+        says_disparity_ =
+            is_named_disparity(name) || (says_disparity_ && small_letters(name).find("depth") == name.npos);
+        says_range_ = says_range_ || is_named_range(name);
     }
     void know_list(const std::string& file) { list_ = file; }
     /// Cameras that differ from frame to frame, as FolderSource::cameras.
@@ -766,6 +773,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         guess.know_points();
     else
         guess.know_name(fs::weakly_canonical(folder) / depth.pattern);
+    if (const auto arrays = pictures->stack_in(depth.first); arrays && *arrays)
+        guess.know_array((*arrays)->array());
     if (auto described = guess.describe(folder, stored); !described)
         return error_at(folder.string(), described.error());
     guess.tell_of_preset();
@@ -799,6 +808,10 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
                                 : ", there is no colour"));
     if (!chosen.unfetched.empty())
         guess.tell("left out: " + printable(chosen.unfetched) + ", whose first " + git_lfs_words);
+    if (const auto arrays = camera_arrays(folder); !arrays.empty())
+        guess.tell("arrays beside the pictures, and not used: " +
+                       printable(listed(arrays, &PictureGroup::pattern), 200),
+                   "their numbers can be said", {{Setting::intrinsics, "FX,FY,CX,CY"}});
     if (beside != nullptr) guess.tell_of_layers(*beside, has_own_colour);
     if (!chosen.left_out_by_path.empty())
         guess.say("left out: " + printable(listed(chosen.left_out_by_path), 200),
@@ -868,6 +881,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         guess.know_points();
     else
         guess.know_name(fs::weakly_canonical(file));
+    if (const auto arrays = pictures->stack_in(file); arrays && *arrays) guess.know_array((*arrays)->array());
     if (auto described = guess.describe(file.parent_path(), stored); !described)
         return error_at(file.string(), described.error());
     guess.tell_of_preset();

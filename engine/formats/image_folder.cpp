@@ -75,10 +75,10 @@ public:
             return usage_error(
                 depth.files.front().string() + ": is no OpenEXR file, of which a channel could be named",
                 {{Setting::channel}});
-        if (!pictures_->dataset().empty() && !is_hdf5_file(SourceFile(depth.files.front())))
-            return usage_error(
-                depth.files.front().string() + ": is no HDF5 file, of which a data set could be named",
-                {{Setting::dataset}});
+        if (!pictures_->dataset().empty() && !has_named_arrays(SourceFile(depth.files.front())))
+            return usage_error(depth.files.front().string() +
+                                   ": is no HDF5 file and no .npz, of which a data set could be named",
+                               {{Setting::dataset}});
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->least_confidence() && !has_confidence)
             return usage_error(
@@ -243,6 +243,8 @@ private:
     void tell_of_pages(const PictureFiles& depth, StoredClip& clip) const {
         const fs::path& first = depth.files.front();
         const auto pages = pictures_->stack_in(first);
+        if (pages && *pages && !(*pages)->left_out().empty())
+            clip.notes.push_back(first.filename().string() + ": " + (*pages)->left_out());
         if (!pages || !*pages || (*pages)->count() < 2) return;
         clip.notes.push_back("each file is one frame: of the " + std::to_string((*pages)->count()) +
                              " pictures in " + printable(first.filename().string()) +

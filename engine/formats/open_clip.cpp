@@ -22,6 +22,7 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/bag_file.hpp"
+#include "engine/formats/colour_video.hpp"
 #include "engine/formats/depth_photo.hpp"
 #include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
@@ -112,6 +113,16 @@ Result<std::optional<fs::path>> lerobot_video_in(const fs::path& folder) {
                        shell_word(videos.front().string()));
 }
 
+/// Of a folder that has no pictures, and one video or two, the one that is named depth: the other one may be
+/// its colour. Nothing of any other folder.
+std::optional<fs::path> depth_video_in(const fs::path& folder) {
+    const auto videos = video_files_in(folder);
+    const auto is_depth = [](const fs::path& video) { return is_named_as_depth_video(video); };
+    if (videos.size() > 2 || std::ranges::count_if(videos, is_depth) != 1) return {};
+    return picture_groups(folder).empty() ? std::optional(*std::ranges::find_if(videos, is_depth))
+                                          : std::nullopt;
+}
+
 /// The one recording that it holds, or its pictures, described by its own scene file or not.
 Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wanted) {
     const auto own = folder / own_scene_file;
@@ -126,6 +137,7 @@ Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wan
     if (const auto& only = lerobot ? lerobot : recording) return Candidate{*only, {}, {}, wanted};
     if (const auto snapshot = realsense_snapshot_in(folder); snapshot)
         return Candidate{*snapshot, {}, {}, wanted};
+    if (const auto video = depth_video_in(folder)) return Candidate{*video, {}, {}, wanted};
     return Candidate{folder, folder, {}, wanted};
 }
 
@@ -146,9 +158,10 @@ Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>&
         !is_exr(first_bytes(SourceFile(path), Candidate::telling_bytes)))
         return usage_error(path.string() + ": is no OpenEXR file, of which a channel could be named",
                            {{Setting::channel}});
-    if (!wanted.known.dataset.empty() && !is_described && !is_folder && !is_hdf5_file(SourceFile(path)))
-        return usage_error(path.string() + ": is no HDF5 file, of which a data set could be named",
-                           {{Setting::dataset}});
+    if (!wanted.known.dataset.empty() && !is_described && !is_folder && !has_named_arrays(SourceFile(path)))
+        return usage_error(
+            path.string() + ": is no HDF5 file and no .npz, of which a data set could be named",
+            {{Setting::dataset}});
     if (is_scene && (scene_file || is_known))
         return usage_error(path.string() + ": is a scene file itself: leave " +
                                (scene_file ? "the other one" : "camera, unit and preset") + " out",
@@ -570,6 +583,7 @@ Result<GuessedScene> guess_path(const fs::path& path, const SourceDescription& k
     TRY_ASSIGN(const auto recording, ros2_recording_in(path));
     if (recording) return guess_file(*recording, known);
     if (const auto snapshot = realsense_snapshot_in(path); snapshot) return guess_file(*snapshot, known);
+    if (const auto video = depth_video_in(path)) return guess_file(*video, known);
     return guess_folder(path, known);
 }
 

@@ -6,8 +6,10 @@
 #include <set>
 #include <sstream>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/colour_video.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/formats/organised_cloud.hpp"
 
@@ -149,14 +151,92 @@ bool is_picture_number(std::string_view words) {
     return digits(words.substr(0, point)) && digits(words.substr(point + 1));
 }
 
-/// The time in what libfreenect's `record` and NYU Depth number files by: "1294886360.208451-2996770081", a
-/// time and the device's ticks. Other words unchanged.
-std::string_view without_ticks(std::string_view words) {
-    const auto ticks = words.rfind('-');
-    if (ticks == std::string_view::npos) return words;
-    const std::string_view time = words.substr(0, ticks), count = words.substr(ticks + 1);
-    const bool is_time = is_picture_number(time) && time.find('.') != std::string_view::npos;
-    return is_time && is_picture_number(count) ? time : words;
+/// A name, and the numbers in it: runs of digits, two of which with a point between them are one, a time.
+struct NumbersInName {
+    std::string form;  // a star for each of the numbers
+    std::vector<std::string> numbers;
+    std::vector<std::size_t> places;  // where each begins in the name
+};
+
+NumbersInName numbers_in(const std::string& name) {
+    const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
+    NumbersInName found;
+    for (std::size_t at = 0; at < name.size();) {
+        const std::size_t begin = at;
+        while (is_digit(at)) ++at;
+        if (at == begin) {
+            found.form += name[at++];
+            continue;
+        }
+        if (at < name.size() && name[at] == '.' && is_digit(at + 1))
+            for (++at; is_digit(at);) ++at;
+        found.form += '*';
+        found.numbers.push_back(name.substr(begin, at - begin));
+        found.places.push_back(begin);
+    }
+    return found;
+}
+
+/// Which of their numbers orders names that have several and are alike outside these: the first that is a
+/// time, else the first that is another one in each name. Nothing where none is another one in each, and
+/// where a number comes again later in that order, as that of one camera of several does.
+std::optional<std::size_t> ordering_number(const std::vector<NumbersInName>& names) {
+    const std::size_t count = names.front().numbers.size();
+    const auto column = [&](std::size_t number) {
+        std::vector<std::string> all;
+        for (const NumbersInName& name : names) all.push_back(name.numbers[number]);
+        return all;
+    };
+    const auto without_repeats = [](std::vector<std::string> all) {
+        std::ranges::sort(all);
+        all.erase(std::unique(all.begin(), all.end()), all.end());
+        return all;
+    };
+    std::optional<std::size_t> time, counter;
+    for (std::size_t number = count; number-- > 0;) {
+        const auto all = column(number), different = without_repeats(all);
+        const bool are_times =
+            std::ranges::all_of(all, [](const auto& each) { return each.find('.') != std::string::npos; });
+        if (different.size() == all.size()) counter = number;
+        if (are_times && different.size() > 1) time = number;
+    }
+    if (!counter) return {};
+    const std::size_t order = time.value_or(*counter);
+    std::vector<std::size_t> places(names.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    std::ranges::stable_sort(
+        places, comes_before, [&](std::size_t k) -> auto& { return names[k].numbers[order]; });
+    for (std::size_t number = 0; number < count; ++number) {
+        const auto all = column(number);
+        std::size_t changes = 1;
+        for (std::size_t k = 1; k < places.size(); ++k) changes += all[places[k]] != all[places[k - 1]];
+        if (changes != without_repeats(all).size()) return {};
+    }
+    return order;
+}
+
+/// Words with several numbers each, as a counter and a time, or a time and the device's ticks (NYU Depth):
+/// the number that orders them in their place. Those that are not alike outside their numbers as most are,
+/// are left out. Where none orders them, and where they do not begin and end with numbers, all stay as they
+/// are.
+void take_ordering_numbers(std::vector<std::pair<std::string, std::string>>& words_and_names) {
+    std::map<std::string, std::vector<std::size_t>> forms;
+    std::vector<NumbersInName> all;
+    for (const auto& [words, _] : words_and_names) {
+        all.push_back(numbers_in(words));
+        if (all.back().form.starts_with('*') && all.back().form.ends_with('*'))
+            forms[all.back().form].push_back(all.size() - 1);
+    }
+    if (forms.empty()) return;
+    const auto& most =
+        std::ranges::max_element(forms, {}, [](const auto& form) { return form.second.size(); })->second;
+    std::vector<NumbersInName> names;
+    for (const std::size_t k : most) names.push_back(all[k]);
+    const auto order = names.size() > 1 ? ordering_number(names) : std::nullopt;
+    if (!order) return;
+    std::vector<std::pair<std::string, std::string>> taken;
+    for (const std::size_t k : most) taken.emplace_back(all[k].numbers[*order], words_and_names[k].second);
+    words_and_names = std::move(taken);
 }
 
 /// Hidden files are no pictures, whatever their names end with: macOS writes ._NAME beside each NAME.
@@ -164,8 +244,8 @@ bool is_hidden(const std::string& name) {
     return name.starts_with(".");
 }
 
-/// The star stands for a number. Where no file has one there, as only a scene file's pattern may ask for, it
-/// stands for any words.
+/// The star stands for a number, or for several with words between them (take_ordering_numbers). Where no
+/// file has one there, as only a scene file's pattern may ask for, it stands for any words.
 Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pattern) {
     const fs::path within = (folder / pattern).parent_path();
     const std::string name = fs::path(pattern).filename().string();
@@ -184,9 +264,11 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
         if (names.size() > most_files) return input_error(within.string() + ": has too many files");
     }
     if (names.empty()) return input_error((folder / pattern).string() + ": no file has such a name");
-    for (auto& [what, _] : names) what = without_ticks(what);
     const auto has_number = [](const auto& each) { return is_picture_number(each.first); };
-    if (std::ranges::any_of(names, has_number)) std::erase_if(names, std::not_fn(has_number));
+    if (std::ranges::any_of(names, has_number))
+        std::erase_if(names, std::not_fn(has_number));
+    else
+        take_ordering_numbers(names);
     std::ranges::sort(
         names, comes_before, [](const auto& each) -> auto& { return each.first; });
     if (std::ranges::all_of(names, [](const auto& each) { return parsed_number(each.first).has_value(); }))
@@ -381,7 +463,7 @@ bool is_picture(const fs::path& file) {
 }
 
 /// A name with a star for one of its numbers before the extension, 0 being the last: a run of digits, or two
-/// with a point between them, perhaps with ticks behind (without_ticks). Nothing where it has not so many.
+/// with a point between them. Nothing where it has not so many.
 std::optional<std::string> starred(const std::string& name, int number) {
     const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
     std::size_t end = name.rfind('.');
@@ -393,16 +475,21 @@ std::optional<std::string> starred(const std::string& name, int number) {
             while (k > 0 && is_digit(k - 1)) --k;
             return k;
         };
-        const auto joined_by = [&](std::size_t k, char mark) {
-            return k > 1 && name[k - 1] == mark && is_digit(k - 2);
-        };
         std::size_t begin = run_before(end);
-        if (joined_by(begin, '-'))
-            if (const std::size_t time = run_before(begin - 1); joined_by(time, '.')) begin = time;
-        if (joined_by(begin, '.')) begin = run_before(begin - 1);
+        if (begin > 1 && name[begin - 1] == '.' && is_digit(begin - 2)) begin = run_before(begin - 1);
         if (number-- == 0) return name.substr(0, begin) + "*" + name.substr(end);
         end = begin;
     }
+}
+
+/// Arrays of cameras' matrices, by their names: no pictures, whatever folder they are in.
+bool is_named_camera_array(const fs::path& file) {
+    const std::string extension = small_letters(file.extension().string()),
+                      stem = small_letters(file.stem().string());
+    if (extension != ".npy" && extension != ".npz") return false;
+    constexpr const char* names[] = {"k", "cam", "cams", "camera", "cameras"};
+    return std::ranges::count(names, stem) > 0 ||
+           has_word(stem, {"intrinsic", "extrinsic", "pose", "calib", "camk", "cam_k", "c2w", "w2c"});
 }
 
 using Wanted = bool (*)(const fs::path&);
@@ -444,6 +531,58 @@ void join_by_earlier_numbers(std::map<std::string, PictureGroup>& groups) {
     }
 }
 
+/// The pattern of names that are alike outside their numbers: a star in place of all from the first that
+/// differs to the last.
+std::string pattern_of_all(const std::vector<NumbersInName>& names, const std::string& first) {
+    const auto differs = [&](std::size_t number) {
+        return std::ranges::any_of(names, [&](const NumbersInName& name) {
+            return name.numbers[number] != names.front().numbers[number];
+        });
+    };
+    std::size_t begin = 0, last = names.front().numbers.size() - 1;
+    while (begin < last && !differs(begin)) ++begin;
+    while (last > begin && !differs(last)) --last;
+    const auto& [form, numbers, places] = names.front();
+    return first.substr(0, places[begin]) + '*' + first.substr(places[last] + numbers[last].size());
+}
+
+/// Files of which several numbers differ from each to the next, so that by a star for one of them alone they
+/// would be many groups of few: one group, where one of their numbers orders them.
+void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGroup>& groups) {
+    std::map<std::string, std::vector<std::string>> forms;  // patterns of groups alike outside all numbers
+    for (const auto& [pattern, group] : groups) {
+        const fs::path within = fs::path(pattern).parent_path();
+        forms[(within / numbers_in(group.first.filename().string()).form).string()].push_back(pattern);
+    }
+    for (const auto& [form, patterns] : forms) {
+        if (patterns.size() < 2 || stop_requested()) continue;
+        std::size_t largest = 0;
+        for (const std::string& pattern : patterns) largest = std::max(largest, groups[pattern].count);
+        if (patterns.size() < largest) continue;
+        const fs::path within = fs::path(patterns.front()).parent_path();
+        std::vector<std::string> files;
+        std::vector<NumbersInName> names;
+        std::error_code ignored;
+        for (const auto& entry : fs::directory_iterator(folder / within / "", ignored)) {
+            const std::string name = entry.path().filename().string();
+            NumbersInName numbers = numbers_in(name);
+            const bool is_pattern = name.find_first_of("%*") != std::string::npos;
+            if (is_pattern || (within / numbers.form).string() != form || !is_file(entry.path())) continue;
+            files.push_back(name);
+            names.push_back(std::move(numbers));
+            if (files.size() > most_files) return;
+        }
+        if (names.size() < 2 || !ordering_number(names)) continue;
+        const std::string pattern = (within / pattern_of_all(names, files.front())).string();
+        if (groups.contains(pattern)) continue;
+        PictureGroup joined;
+        joined.count = files.size();
+        joined.first = folder / within / *std::ranges::min_element(files);
+        for (const std::string& each : patterns) groups.erase(each);
+        groups[pattern] = std::move(joined);
+    }
+}
+
 /// Those in `folder / within`, each with its slash.
 std::vector<std::string> folders_in(const fs::path& folder, const std::string& within, std::size_t& entries) {
     std::vector<std::string> found;
@@ -469,6 +608,7 @@ std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
             for (const std::string& deeper : folders_in(folder, within, entries))
                 add_files(folder, deeper, is_wanted, found, entries);
     join_by_earlier_numbers(found);
+    join_by_all_numbers(folder, found);
     std::vector<PictureGroup> groups;
     for (auto& [pattern, group] : found) {
         group.pattern = group.count > 1 ? pattern : group.first.lexically_relative(folder).string();
@@ -601,7 +741,9 @@ std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
 }
 
 std::vector<PictureGroup> picture_groups(const fs::path& folder) {
-    std::vector<PictureGroup> groups = groups_of(folder, is_named_as_picture);
+    std::vector<PictureGroup> groups = groups_of(folder, [](const fs::path& file) {
+        return is_named_as_picture(file) && !is_named_camera_array(file);
+    });
     const auto is_cloud = [](const PictureGroup& group) { return is_named_cloud(group.first); };
     std::erase_if(groups, [&](const PictureGroup& group) {
         return is_cloud(group) && !is_organised_cloud(SourceFile(group.first));
@@ -617,6 +759,10 @@ std::vector<PictureGroup> picture_groups(const fs::path& folder) {
 
 std::vector<PictureGroup> camera_groups(const fs::path& folder) {
     return groups_of(folder, [](const fs::path& file) { return file.extension() == ".pincam"; });
+}
+
+std::vector<PictureGroup> camera_arrays(const fs::path& folder) {
+    return groups_of(folder, is_named_camera_array);
 }
 
 std::vector<std::string> unusable_lists(const fs::path& folder) {
@@ -639,9 +785,11 @@ std::string found_elsewhere(const fs::path& folder) {
         if (!is_hidden(entry.path().filename().string()) &&
             (is_named_as_clip(entry.path()) || is_record3d(entry.path())))
             videos.insert(entry.path());
-    if (!videos.empty())
+    if (!videos.empty()) {
+        const auto named = std::ranges::find_if(videos, is_named_as_depth_video);
         return std::string("but ") + (videos.size() == 1 ? "a video" : "videos") + ": touchable play " +
-               shell_word(videos.begin()->string());
+               shell_word((named == videos.end() ? videos.begin() : named)->string());
+    }
     const std::set<fs::path> folders = folders_further_down(folder);
     if (folders.empty()) return "";
     return std::string("but further down than it is looked: touchable play ") +

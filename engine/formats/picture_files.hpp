@@ -82,6 +82,10 @@ std::vector<PictureGroup> picture_groups(const std::filesystem::path& folder);
 /// The files with the cameras of frames, grouped in the same way (ARKitScenes' .pincam).
 std::vector<PictureGroup> camera_groups(const std::filesystem::path& folder);
 
+/// Arrays of NumPy that are named as cameras' matrices (K.npy, intrinsics.npz), grouped in the same way: they
+/// are no pictures.
+std::vector<PictureGroup> camera_arrays(const std::filesystem::path& folder);
+
 /// Whether a pattern is a list of files and their times.
 bool is_list(const std::string& pattern);
 

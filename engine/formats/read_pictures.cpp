@@ -65,7 +65,7 @@ Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem
     if (!is_tiff && !is_hdf5 && !is_npy_file(opened)) return std::shared_ptr<ImageStack>();
     TRY_ASSIGN(auto stack, is_tiff   ? open_tiff_stack(opened)
                            : is_hdf5 ? open_hdf5_stack(opened, dataset_)
-                                     : open_npy_stack(opened, least_confidence_));
+                                     : open_npy_stack(opened, least_confidence_, dataset_));
     if (stack) stacks_[name] = stack;
     return stack;
 }
@@ -104,8 +104,10 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     if (realsense_metadata_of(file)) return read_realsense_raw(taken_source(file));
     const SourceFile opened = taken_source(file);
     const std::string where = file.string();
-    if (is_hdf5_file(opened)) {
-        TRY_ASSIGN(const auto stack, open_hdf5_stack(opened, dataset_));
+    const bool is_hdf5 = is_hdf5_file(opened);
+    if (is_hdf5 || (!dataset_.empty() && has_named_arrays(opened))) {
+        TRY_ASSIGN(const auto stack, is_hdf5 ? open_hdf5_stack(opened, dataset_)
+                                             : open_npy_stack(opened, least_confidence_, dataset_));
         return stack->image(0);  // a file of a row is one frame
     }
     TRY_ASSIGN(auto bytes, read_picture_bytes(opened));

@@ -62,7 +62,7 @@ struct SourceDescription {
     /// Of arrays with a confidence beside depth (open_npy_stack).
     std::optional<double> least_confidence{};
     std::string channel{};  ///< of renderings (OpenEXR): depth's channel or layer; empty: found by its name
-    std::string dataset{};  ///< of HDF5: depth's data set; empty: found by its name
+    std::string dataset{};  ///< of HDF5 and .npz: depth's data set or array; empty: found by its name
     bool operator==(const SourceDescription&) const = default;
 };
 

@@ -130,79 +130,26 @@ std::optional<NumberFormat> format_of_type(std::string_view type) {
 
 // --- The data set that is depth
 
-std::string_view last_name(const Hdf5DataSet& set) {
-    return std::string_view(set.path).substr(set.path.rfind('/') + 1);
+/// "#refs#" is what MATLAB refers to.
+std::vector<NamedArray> named_arrays(const std::vector<Hdf5DataSet>& sets) {
+    std::vector<NamedArray> arrays;
+    for (const Hdf5DataSet& set : sets)
+        arrays.push_back({set.path, set.shape,
+                          set.is_elsewhere || set.path.starts_with("/#") ? std::nullopt : set.format});
+    return arrays;
 }
 
-bool has_depth_in_name(const Hdf5DataSet& set) {
-    return small_letters(std::string(last_name(set))).find("depth") != std::string::npos;
-}
-
-std::string with_shape(const Hdf5DataSet& set) {
-    return printable(set.path) + " of " + shape_text(set.shape);
-}
-
-/// Whether it may be depth by its numbers alone. Colour may be channels first; "#refs#" is what MATLAB
-/// refers to; and what is not named depth may be a table, which is narrow.
-bool may_be_depth(const Hdf5DataSet& set) {
-    constexpr int least_side = 16;
-    const auto pictures = pictures_of_array(set.shape, "");
-    if (!set.format || set.is_elsewhere || !pictures || set.path.starts_with("/#")) return false;
-    if (set.shape.size() == 3 && set.shape[0] == 3 && set.format->bytes == 1) return false;
-    return has_depth_in_name(set) || std::min(pictures->width, pictures->height) >= least_side;
-}
-
-std::string some_of(const std::vector<Hdf5DataSet>& sets) {
-    constexpr std::size_t most_named = 8;
-    const std::span<const Hdf5DataSet> first(sets.data(), std::min(sets.size(), most_named));
-    const std::string more =
-        sets.size() > most_named ? " and " + std::to_string(sets.size() - most_named) + " more" : "";
-    return listed(first, with_shape) + more;
-}
-
-/// Those of one picture each, of one size and type, whose paths differ by a number alone, in the order of
-/// their numbers. Empty where not all are of one such row, or where of several rows not one alone has "depth"
-/// in its path.
-std::vector<Hdf5DataSet> row_of_sets(const std::vector<Hdf5DataSet>& sets) {
-    std::map<std::string, std::vector<Hdf5DataSet>> rows;
-    for (const Hdf5DataSet& set : sets) rows[numbered_name(set.path).first].push_back(set);
-    if (rows.size() > 1)
-        std::erase_if(rows, [](const auto& row) {
-            return small_letters(row.first).find("depth") == std::string::npos;
-        });
-    if (rows.size() != 1 || rows.begin()->second.size() < 2) return {};
-    std::vector<Hdf5DataSet>& row = rows.begin()->second;
-    const bool are_alike = std::ranges::all_of(row, [&](const Hdf5DataSet& set) {
-        return set.shape == row.front().shape && set.type == row.front().type &&
-               pictures_of_array(set.shape, "")->count == 1;
-    });
-    if (!are_alike) return {};
-    std::ranges::stable_sort(row, {}, [](const Hdf5DataSet& set) {
-        const std::string number = numbered_name(set.path).second;
-        return std::pair(number.size(), number);
-    });
-    return std::move(row);
-}
-
-/// Of those that may be depth the only one named so, or the only one; or a row of them.
 Result<std::vector<Hdf5DataSet>> chosen(const std::vector<Hdf5DataSet>& all) {
-    std::vector<Hdf5DataSet> sets;
-    std::ranges::copy_if(all, std::back_inserter(sets), may_be_depth);
-    if (sets.empty())
+    const auto arrays = named_arrays(all);
+    TRY_ASSIGN(const auto places, depth_among(arrays, "data set"));
+    if (places.empty())
         return input_error(
             "is an HDF5 file without a data set of pictures of depth (height x width, or count x height x "
             "width): it has " +
-            (all.empty() ? "none" : some_of(all)));
-    constexpr bool (*rules[])(const Hdf5DataSet&) = {
-        [](const Hdf5DataSet& set) { return last_name(set) == "depth"; },
-        [](const Hdf5DataSet& set) { return last_name(set).starts_with("depth"); }, has_depth_in_name,
-        [](const Hdf5DataSet&) { return true; }};
-    for (const auto& rule : rules)
-        if (std::ranges::count_if(sets, rule) == 1) return std::vector{*std::ranges::find_if(sets, rule)};
-    if (auto row = row_of_sets(sets); !row.empty()) return row;
-    if (std::ranges::any_of(sets, has_depth_in_name)) std::erase_if(sets, std::not_fn(has_depth_in_name));
-    return input_error("has several data sets that may be depth: " + some_of(sets),
-                       {{Setting::dataset, sets.front().path}});
+            (all.empty() ? "none" : some_of(arrays)));
+    std::vector<Hdf5DataSet> sets;
+    for (const std::size_t place : places) sets.push_back(all[place]);
+    return sets;
 }
 
 /// The one of this name, with or without the slash before it.
@@ -210,9 +157,9 @@ Result<std::vector<Hdf5DataSet>> named(const std::vector<Hdf5DataSet>& all, cons
     const std::string path = name.starts_with('/') ? name : '/' + name;
     const auto found = std::ranges::find(all, path, &Hdf5DataSet::path);
     if (found == all.end())
-        return input_error(
-            "has no data set " + in_quotes(name) + ", but " + (all.empty() ? "none at all" : some_of(all)),
-            {{Setting::dataset, "NAME"}});
+        return input_error("has no data set " + in_quotes(name) + ", but " +
+                               (all.empty() ? "none at all" : some_of(named_arrays(all))),
+                           {{Setting::dataset, "NAME"}});
     if (found->is_elsewhere)
         return input_error(printable(path) + ": has its numbers in other files, which are not read");
     if (!found->format)
@@ -222,12 +169,13 @@ Result<std::vector<Hdf5DataSet>> named(const std::vector<Hdf5DataSet>& all, cons
     return std::vector{*found};
 }
 
-/// Others of as many pictures of the same size that may be depth as well; in words.
+/// Others of as many pictures of the same size that are named depth as well; in words.
 std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet& read) {
     std::vector<std::string> names;
-    for (const Hdf5DataSet& set : all)
-        if (set.path != read.path && set.shape == read.shape && has_depth_in_name(set) && may_be_depth(set))
-            names.push_back(printable(set.path));
+    for (const NamedArray& array : named_arrays(all))
+        if (array.name != read.path && array.shape == read.shape && has_depth_in_name(array) &&
+            may_be_depth(array))
+            names.push_back(printable(array.name));
     if (names.empty()) return "";
     return "depth is the data set " + printable(read.path) + "; left out: " + printable(listed(names), 200);
 }
@@ -252,6 +200,9 @@ public:
     int height() const override { return is_turned_ ? pictures_.width : pictures_.height; }
     std::optional<double> least_confidence() const override { return {}; }
     std::string left_out() const override { return left_out_; }
+    std::string array() const override {
+        return sets_.front().path.substr(sets_.front().path.rfind('/') + 1);
+    }
 
     Result<StoredImage> image(std::int64_t number) override {
         if (number < 0 || number >= count())

@@ -163,33 +163,41 @@ public:
     virtual int height() const = 0;
     /// From 0 on. All are alike: floats where any picture has a number that is no integer from 0 to 65535.
     virtual Result<StoredImage> image(std::int64_t number) = 0;
+    /// The name of the array or data set that they are of, of several the first one's; empty: it has none.
+    virtual std::string array() const { return ""; }
     /// Where a .npz has a confidence beside depth: there is no depth (NaN, of integers 0) where it is below.
     virtual std::optional<double> least_confidence() const = 0;
-    /// What the file has beside these pictures and is not read, in words; empty: nothing.
+    /// What the file has beside these pictures and is not read, and by which mask of it there is no depth,
+    /// in words; empty: nothing.
     virtual std::string left_out() const { return ""; }
     /// Arrays of at most 65536 numbers in the same .npz, such as the cameras' matrices; at most 64.
     virtual std::span<const SmallArray> small_arrays() const { return {}; }
 };
 
 /// Of a .npy file, or of the member of a .npz file that holds depth, which is found out by its bytes: the
-/// only array; else the one that is named depth, or the only one whose name begins so; else the only one of
-/// pictures. An array of one picture is a stack of one. Without `least_confidence` it is half of the median
-/// of the first picture's.
+/// `array` of this name; without a name the only one, or else that which is found by its name
+/// (depth_among); an error has those that there are. An array of one picture is a stack of one. A confidence
+/// (conf, *conf*) and a mask (valid, valid_mask, mask) of as many pictures take depth away where they are
+/// low; without `least_confidence` that is half of the median of the first picture's.
 Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
-                                                   std::optional<double> least_confidence = {});
+                                                   std::optional<double> least_confidence = {},
+                                                   const std::string& array = {});
 
 /// Whether a file begins as such a one.
 bool is_npy_file(const SourceFile& file);
 
 /// Of a data set of an HDF5 file, also of MATLAB's, whose pictures are turned over as MATLAB shows them: the
-/// one of this name, such as /data/demo_0/obs/depth; without a name it is found as an array of a .npz, where
-/// also "depth" anywhere in its name counts. Others have to be named: an error has those that there are. The
-/// file is read by h5ls and h5dump (Debian: hdf5-tools), each time up to 8 MiB of pictures, or one; it stays
-/// where it is meanwhile. One that wants more than 60 s or 1 GiB is refused.
+/// one of this name, such as /data/demo_0/obs/depth; without a name it is found as an array of a .npz. Others
+/// have to be named: an error has those that there are. The file is read by h5ls and h5dump (Debian:
+/// hdf5-tools), each time up to 8 MiB of pictures, or one; it stays where it is meanwhile. One that wants
+/// more than 60 s or 1 GiB is refused.
 Result<std::shared_ptr<ImageStack>> open_hdf5_stack(const SourceFile& file, const std::string& dataset = "");
 
 /// Whether a file begins as HDF5, or as MATLAB's 7.3, which is HDF5.
 bool is_hdf5_file(const SourceFile& file);
+
+/// Whether a file has arrays by name, HDF5's or NumPy's (.npz), by its first bytes.
+bool has_named_arrays(const SourceFile& file);
 
 /// The pages of a TIFF that are stored as the first one is. Null of a file with a single page.
 Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file);

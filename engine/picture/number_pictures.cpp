@@ -446,7 +446,25 @@ struct TiffPage {
     std::uint64_t at = 0;                                   // of its directory
     std::map<std::uint16_t, Entry> tags{};
     bool is_another_view = false;  // a smaller copy, or a mask of another page
+
+    bool is_in_colour() const {
+        const auto found = tags.find(TIFFTAG_PHOTOMETRIC);
+        return found != tags.end() &&
+               (found->second.second == PHOTOMETRIC_RGB || found->second.second == PHOTOMETRIC_YCBCR);
+    }
 };
+
+/// The page whose like are frames: the first, or where that is in colour the first in grey of more than 8
+/// bits, if there is one.
+std::size_t first_frame_of(const std::vector<TiffPage>& pages) {
+    if (!pages.front().is_in_colour()) return 0;
+    const auto depth = std::ranges::find_if(pages, [](const TiffPage& page) {
+        const auto bits = page.tags.find(TIFFTAG_BITSPERSAMPLE);
+        return !page.is_another_view && !page.is_in_colour() && bits != page.tags.end() &&
+               bits->second.first == 1 && bits->second.second > 8;
+    });
+    return depth == pages.end() ? 0 : static_cast<std::size_t>(depth - pages.begin());
+}
 
 /// Walks a TIFF's directories, classic or BigTIFF, without what they lead to.
 class TiffDirectories {
@@ -549,7 +567,8 @@ public:
 
     Result<void> open() {
         tiff_ = open_tiff(file_);
-        if (!tiff_) return tiff_damage(file_, where_);
+        if (!tiff_ || TIFFSetSubDirectory(tiff_.get(), pages_.front().at) != 1)
+            return tiff_damage(file_, where_);
         TRY_ASSIGN(const auto layout, checked_layout(tiff_.get(), bytes_->size(), where_));
         layout_ = layout;
         return find_floats();
@@ -604,8 +623,7 @@ private:
     TiffPtr tiff_;  // reads by file_
 };
 
-}  // namespace
-
+/// A name with a star for its last run of digits, and the number that it is, without zeros before it.
 std::pair<std::string, std::string> numbered_name(const std::string& name) {
     constexpr const char* digits = "0123456789";
     const auto last = name.find_last_of(digits);
@@ -615,6 +633,102 @@ std::pair<std::string, std::string> numbered_name(const std::string& name) {
     std::string number = name.substr(begin, last + 1 - begin);
     number.erase(0, std::min(number.find_first_not_of('0'), number.size()));
     return {name.substr(0, begin) + "*" + name.substr(last + 1), number};
+}
+
+/// The last part of a name, in small letters.
+std::string short_name(const NamedArray& array) {
+    return small_letters(array.name.substr(array.name.rfind('/') + 1));
+}
+
+bool has_any(const std::string& name, std::initializer_list<std::string_view> words) {
+    return std::ranges::any_of(words,
+                               [&](std::string_view word) { return name.find(word) != std::string::npos; });
+}
+
+/// Whether a name tells of something else than depth. Names with depth in them may have words of colour and
+/// cameras, too: depth_image, camera_depth.
+bool names_no_depth(const NamedArray& array) {
+    const std::string name = short_name(array);
+    const bool has_normal = name.find("normal") != std::string::npos && !has_any(name, {"normali"});
+    if (has_normal || has_any(name, {"intrinsic", "extrinsic", "pose"})) return true;
+    return !has_depth_in_name(array) &&
+           has_any(name, {"rgb", "color", "colour", "image", "camera", "c2w", "w2c", "point", "xyz", "label",
+                          "segm", "semantic", "instance", "_ids"});
+}
+
+/// Those of one picture each, of one size and type, whose names differ by a number alone, in the order of
+/// their numbers. Empty where not all are of one such row, or where of several rows not one alone has depth
+/// in its name.
+std::vector<std::size_t> row_among(std::span<const NamedArray> arrays,
+                                   const std::vector<std::size_t>& places) {
+    std::map<std::string, std::vector<std::size_t>> rows;
+    for (const std::size_t place : places) rows[numbered_name(arrays[place].name).first].push_back(place);
+    if (rows.size() > 1)
+        std::erase_if(rows, [](const auto& row) { return !has_any(small_letters(row.first), {"depth"}); });
+    if (rows.size() != 1 || rows.begin()->second.size() < 2) return {};
+    std::vector<std::size_t>& row = rows.begin()->second;
+    const NamedArray& first = arrays[row.front()];
+    const bool are_alike = std::ranges::all_of(row, [&](std::size_t place) {
+        const NamedArray& own = arrays[place];
+        return own.shape == first.shape && own.format->kind == first.format->kind &&
+               own.format->bytes == first.format->bytes && pictures_of_array(own.shape, "")->count == 1;
+    });
+    if (!are_alike) return {};
+    std::ranges::stable_sort(row, {}, [&](std::size_t place) {
+        const std::string number = numbered_name(arrays[place].name).second;
+        return std::pair(number.size(), number);
+    });
+    return std::move(row);
+}
+
+}  // namespace
+
+bool has_depth_in_name(const NamedArray& array) {
+    return has_any(short_name(array), {"depth"});
+}
+
+bool is_trust_of_depth(const NamedArray& array) {
+    const std::string name = short_name(array);
+    return array.is_boolean || has_any(name, {"conf", "mask"}) ||
+           (has_any(name, {"valid"}) && !has_depth_in_name(array));
+}
+
+bool may_be_depth(const NamedArray& array) {
+    constexpr int least_side = 16;
+    const auto pictures = pictures_of_array(array.shape, "");
+    if (!array.format || !pictures || is_trust_of_depth(array) || names_no_depth(array)) return false;
+    // Colour with its channels first.
+    if (array.shape.size() == 3 && array.shape[0] == 3 && array.format->bytes == 1) return false;
+    return has_depth_in_name(array) || std::min(pictures->width, pictures->height) >= least_side;
+}
+
+Result<std::vector<std::size_t>> depth_among(std::span<const NamedArray> arrays, const std::string& what) {
+    std::vector<std::size_t> places;
+    for (std::size_t k = 0; k < arrays.size(); ++k)
+        if (may_be_depth(arrays[k])) places.push_back(k);
+    constexpr bool (*rules[])(const NamedArray&) = {
+        [](const NamedArray& array) { return short_name(array) == "depth"; },
+        [](const NamedArray& array) { return short_name(array).starts_with("depth"); }, has_depth_in_name,
+        [](const NamedArray&) { return true; }};
+    for (const auto& rule : rules) {
+        const auto fits = [&](std::size_t place) { return rule(arrays[place]); };
+        if (std::ranges::count_if(places, fits) == 1) return std::vector{*std::ranges::find_if(places, fits)};
+    }
+    if (auto row = row_among(arrays, places); !row.empty() || places.empty()) return row;
+    // Where any is named depth, those alone.
+    std::vector<NamedArray> several;
+    for (const std::size_t place : places) several.push_back(arrays[place]);
+    if (std::ranges::any_of(several, has_depth_in_name))
+        std::erase_if(several, std::not_fn(has_depth_in_name));
+    return input_error("has several " + what + "s that may be depth: " + some_of(several),
+                       {{Setting::dataset, several.front().name}});
+}
+
+std::string some_of(std::span<const NamedArray> arrays) {
+    constexpr std::size_t most_named = 8;
+    const std::string more =
+        arrays.size() > most_named ? " and " + std::to_string(arrays.size() - most_named) + " more" : "";
+    return listed(arrays.first(std::min(arrays.size(), most_named)), &NamedArray::in_words) + more;
 }
 
 std::string shape_text(const std::vector<std::int64_t>& shape) {
@@ -773,6 +887,10 @@ Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where
     TiffBytes file{*source, bytes};
     const TiffPtr tiff = open_tiff(file);
     if (!tiff) return tiff_damage(file, where);
+    TiffDirectories directories(*source, where);
+    if (const auto pages = directories.pages(); pages && pages->size() > 1)
+        if (const std::size_t place = first_frame_of(*pages); place > 0)
+            if (TIFFSetSubDirectory(tiff.get(), (*pages)[place].at) != 1) return tiff_damage(file, where);
     TRY_ASSIGN(auto pixels, tiff_page(tiff.get(), file, where));
     return std::move(pixels).finish();
 }
@@ -783,7 +901,8 @@ Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
     TiffDirectories directories(*bytes, where);
     TRY_ASSIGN(auto pages, directories.pages());
     if (pages.size() == 1) return std::shared_ptr<ImageStack>();
-    const TiffPage first = pages.front();
+    const std::size_t place = first_frame_of(pages);
+    const TiffPage first = pages[place];
     std::size_t left_out = 0;
     std::erase_if(pages, [&](const TiffPage& page) {
         const bool is_frame = page.at == first.at || (!page.is_another_view && page.tags == first.tags);
@@ -791,7 +910,10 @@ Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
         return !is_frame;
     });
     std::string told;
-    if (left_out > 0)
+    if (place > 0)
+        told = "depth is page " + std::to_string(place) + ", as page 0 is in colour; " +
+               std::to_string(left_out) + (left_out == 1 ? " page is" : " pages are") + " left out";
+    else if (left_out > 0)
         told = std::to_string(left_out) + (left_out == 1 ? " page is" : " pages are") +
                " of another size or kind than the first, and left out";
     if (directories.is_cut())

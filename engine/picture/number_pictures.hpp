@@ -8,9 +8,12 @@
 // errors begin with `where`. A NumberPicture is one thread's, the functions are any thread's.
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "engine/base/result.hpp"
+#include "engine/base/words.hpp"
 #include "engine/picture/image.hpp"
 
 namespace touchable {
@@ -32,10 +35,32 @@ struct ArrayPictures {
 /// Those of an array with these extents. An array of others is refused, and of sides beyond
 /// `largest_picture_side`.
 Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents, const std::string& where);
-/// A name with a star for its last run of digits, and the number that it is, without zeros before it.
-std::pair<std::string, std::string> numbered_name(const std::string& name);
 /// "3x480x640".
 std::string shape_text(const std::vector<std::int64_t>& extents);
+
+/// An array of a file that has several: a data set of HDF5, or a member of a .npz.
+struct NamedArray {
+    std::string name;  ///< of HDF5 a path, whose last part counts
+    std::vector<std::int64_t> shape;
+    std::optional<NumberFormat> format;  ///< nothing: it has no numbers that are read
+    bool is_boolean = false;
+
+    std::string in_words() const { return printable(name) + " of " + shape_text(shape); }
+};
+/// Whether the last part of its name has the word depth.
+bool has_depth_in_name(const NamedArray& array);
+/// Whether it tells of each pixel whether its depth holds, by its name: a confidence, a mask.
+bool is_trust_of_depth(const NamedArray& array);
+/// Whether it may be depth by its name, its shape and its numbers: no colour, camera, normals, trust of
+/// depth, and no table, which is narrow and not named depth.
+bool may_be_depth(const NamedArray& array);
+/// The places of those that are depth. One: the only one named depth; else the only one whose name begins so;
+/// else the only one with depth in its name; else the only one that may be depth. Several: a row of one
+/// picture each, of one size and type, whose names differ by a number alone, in the order of their numbers.
+/// Empty where none may be depth. The error of several begins with "has", and calls each a `what`.
+Result<std::vector<std::size_t>> depth_among(std::span<const NamedArray> arrays, const std::string& what);
+/// At most eight of them, in words.
+std::string some_of(std::span<const NamedArray> arrays);
 
 /// Numbers in memory, with the bytes from one to the next of its row and of its column, which may be
 /// negative.

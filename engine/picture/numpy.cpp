@@ -1,6 +1,5 @@
 #include <bit>
 #include <limits>
-#include <map>
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
@@ -20,6 +19,7 @@ constexpr std::string_view npy_magic = "\x93NUMPY";
 struct NpyHeader {
     NumberFormat format;
     bool columns_first = false;  ///< Fortran order: the first index runs fastest
+    bool is_boolean = false;     ///< bytes of 0 and 1
     std::vector<std::int64_t> shape;
     std::size_t data_at = 0;  ///< bytes before the data
 };
@@ -85,7 +85,7 @@ std::optional<NumberFormat> number_format_of(std::string_view type) {
         {"i1", {Kind::signed_integer, 1}},   {"i2", {Kind::signed_integer, 2}},
         {"i4", {Kind::signed_integer, 4}},   {"i8", {Kind::signed_integer, 8}},
         {"f2", {Kind::floating, 2}},         {"f4", {Kind::floating, 4}},
-        {"f8", {Kind::floating, 8}}};
+        {"f8", {Kind::floating, 8}},         {"b1", {Kind::unsigned_integer, 1}}};
     if (type.size() != 3 || std::string_view("<>|").find(type[0]) == std::string_view::npos)
         return std::nullopt;
     for (const auto& [name, format] : types)
@@ -96,6 +96,11 @@ std::optional<NumberFormat> number_format_of(std::string_view type) {
 
 Error damaged_header(const std::string& where) {
     return input_error(where + ": is damaged: its header is not NumPy's");
+}
+
+Error unknown_type(std::string_view type, const std::string& where) {
+    return input_error(where + ": is of NumPy's type " + in_quotes(type) +
+                       ": must be an integer or float of 8 to 64 bits");
 }
 
 Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string& where) {
@@ -114,12 +119,16 @@ Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string&
         text.take(',');
     }
     if (!type || !columns_first || !shape) return damaged_header(where);
+    if (*type == "|O")
+        return input_error(
+            where +
+            ": is a pickled Python object, which is not read, as it may run any program: "
+            "numpy.load(FILE, allow_pickle=True).item() opens it; numpy.save its array of depth");
     const auto format = number_format_of(*type);
-    if (!format)
-        return input_error(where + ": is of NumPy's type " + in_quotes(*type) +
-                           ": must be an integer or float of 8 to 64 bits");
+    if (!format) return unknown_type(*type, where);
     NpyHeader header;
     header.format = *format;
+    header.is_boolean = *type == "|b1";
     header.columns_first = *columns_first;
     header.shape = std::move(*shape);
     return header;
@@ -149,22 +158,21 @@ struct NpzArray {
     std::string name;  // without ".npy"
     ZipMember member;
     std::uint64_t size;
-    std::optional<NpyHeader> header{};  // of what is pictures
+    std::optional<NpyHeader> header{};  // of what can be read
     bool is_possible = true;            // that so many bytes are packed in those of the file
-
-    bool is_pictures() const { return header.has_value(); }
 };
 
 /// A .npy file inside a .npz file, which is a zip archive.
 struct NpzMember {
     std::unique_ptr<ByteSource> bytes;  ///< keeps the archive open
     std::string where;                  ///< both names, as messages begin
-    /// An array of pictures named conf or confidence, which networks write beside depth; null: there is none.
-    std::unique_ptr<ByteSource> confidence{};
+    std::string array{};                ///< its name; empty: the file is of one array alone
+    /// Arrays of as many pictures of the same size that tell where depth holds; empty: there is none.
+    std::string confidence{}, mask{};
     /// The arrays of one picture each that are frames together, in the place of `bytes`; empty: there are
     /// none.
     std::vector<NpzArray> row{};
-    ZipArchive archive{};    ///< of the row
+    ZipArchive archive{};    ///< of all that are named
     std::string left_out{};  ///< ImageStack
     std::vector<SmallArray> small_arrays{};
 };
@@ -181,19 +189,10 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
         if (!member.name.ends_with(".npy")) continue;
         NpzArray array{member.name.substr(0, member.name.size() - 4), member, member.size};
         array.is_possible = member.is_possible();
-        auto header = read_npy_header(*unpacked(archive, array), "");
-        if (header && pictures_of_array(header->shape, "")) array.header = std::move(*header);
+        if (auto header = read_npy_header(*unpacked(archive, array), "")) array.header = std::move(*header);
         arrays.push_back(std::move(array));
     }
     return arrays;
-}
-
-/// The only one that fits, if it is.
-template <class Fits>
-const NpzArray* only(const std::vector<NpzArray>& arrays, Fits&& fits) {
-    const auto first = std::ranges::find_if(arrays, fits);
-    if (first == arrays.end() || std::find_if(first + 1, arrays.end(), fits) != arrays.end()) return nullptr;
-    return &*first;
 }
 
 double number_in(const char* bytes, const NumberFormat& format) {
@@ -237,91 +236,118 @@ std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::ve
     return small;
 }
 
-const NpzArray* depth_array(const std::vector<NpzArray>& arrays) {
-    if (arrays.size() == 1) return &arrays.front();
-    const auto named = [](const NpzArray& a) { return a.is_pictures() && a.name == "depth"; };
-    const auto begins = [](const NpzArray& a) { return a.is_pictures() && a.name.starts_with("depth"); };
-    if (const NpzArray* found = only(arrays, named)) return found;
-    if (const NpzArray* found = only(arrays, begins)) return found;
-    return only(arrays, [](const NpzArray& a) { return a.is_pictures(); });
-}
-
-/// Arrays of one picture each, of one size and type, whose names differ by a number alone, as numpy.savez has
-/// them of a list (arr_0, arr_1, ...): in the order of their numbers. Empty where not all that is pictures is
-/// of one such row, or where one row of several is not the only one that is named depth.
-std::vector<NpzArray> row_of_arrays(const std::vector<NpzArray>& arrays) {
-    std::map<std::string, std::vector<NpzArray>> rows;
-    for (const NpzArray& array : arrays)
-        if (array.is_pictures()) rows[numbered_name(array.name).first].push_back(array);
-    if (rows.size() > 1) std::erase_if(rows, [](const auto& row) { return !row.first.starts_with("depth"); });
-    if (rows.size() != 1 || rows.begin()->second.size() < 2) return {};
-    std::vector<NpzArray>& row = rows.begin()->second;
-    const NpyHeader& first = *row.front().header;
-    const auto is_alike = [&](const NpzArray& array) {
-        const NpyHeader& own = *array.header;
-        return array.is_possible && own.shape == first.shape && own.format.kind == first.format.kind &&
-               own.format.bytes == first.format.bytes && pictures_of_array(own.shape, "")->count == 1;
-    };
-    if (!std::ranges::all_of(row, is_alike)) return {};
-    std::ranges::sort(row, {}, [](const NpzArray& array) {
-        const std::string number = numbered_name(array.name).second;
-        return std::pair(number.size(), number);
-    });
-    return std::move(row);
-}
-
-/// Arrays of as many pixels as the one that is read, which may be depth as well; in words.
-std::string other_pictures(const std::vector<NpzArray>& arrays, const NpzArray& read, const NpzArray* trust) {
-    std::vector<std::string> names;
-    const auto size = pictures_of_array(read.header->shape, "");
+std::vector<NamedArray> named_arrays(const std::vector<NpzArray>& arrays) {
+    std::vector<NamedArray> named;
     for (const NpzArray& array : arrays) {
-        if (&array == &read || &array == trust || !array.is_pictures()) continue;
-        if (array.name.find("mask") != std::string::npos || array.name.find("conf") != std::string::npos)
-            continue;
-        const auto own = pictures_of_array(array.header->shape, "");
-        if (own->width == size->width && own->height == size->height) names.push_back(printable(array.name));
+        NamedArray& last = named.emplace_back(NamedArray{array.name, {}, {}});
+        if (!array.header) continue;
+        last.shape = array.header->shape;
+        last.format = array.header->format;
+        last.is_boolean = array.header->is_boolean;
     }
-    if (names.empty()) return "";
-    return "depth is the array " + printable(read.name) + "; left out: " + printable(listed(names), 200);
+    return named;
 }
 
-Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where) {
+/// Cameras' matrices, or as many of them.
+bool is_of_matrices(const std::vector<std::int64_t>& shape) {
+    const std::size_t sides = shape.size();
+    if (sides < 2 || sides > 3 || shape[sides - 1] != shape[sides - 2]) return false;
+    return shape[sides - 1] == 3 || shape[sides - 1] == 4;
+}
+
+/// Those that are depth: one, or a row of one picture each.
+Result<std::vector<std::size_t>> depth_places(const std::vector<NamedArray>& arrays,
+                                              const std::string& wanted) {
+    if (!wanted.empty()) {
+        const auto found = std::ranges::find(arrays, wanted, &NamedArray::name);
+        if (found == arrays.end())
+            return input_error("has no array " + in_quotes(wanted) + ", but " + some_of(arrays),
+                               {{Setting::dataset, "NAME"}});
+        return std::vector{static_cast<std::size_t>(found - arrays.begin())};
+    }
+    if (arrays.size() == 1) return std::vector<std::size_t>{0};
+    TRY_ASSIGN(auto places, depth_among(arrays, "array"));
+    if (places.empty())
+        return input_error(
+            "has no array of pictures of depth (height x width, or count x height x width): it has " +
+                some_of(arrays),
+            {{Setting::dataset, "NAME"}});
+    return places;
+}
+
+/// Whether an array is of as many pictures of the same size.
+bool is_of_same_pictures(const NamedArray& array, const NamedArray& depth) {
+    const auto own = pictures_of_array(array.shape, ""), other = pictures_of_array(depth.shape, "");
+    return array.format && own && other && own->count == other->count && own->width == other->width &&
+           own->height == other->height;
+}
+
+/// Finds the confidence and the mask of depth, and says what else may be depth, or tells where it holds.
+void find_beside(const std::vector<NamedArray>& arrays, const NamedArray& depth, NpzMember& found) {
+    const auto has = [](const NamedArray& array, const char* word) {
+        return small_letters(array.name).find(word) != std::string::npos;
+    };
+    std::vector<const NamedArray*> alike, confidences, masks;
+    for (const NamedArray& array : arrays)
+        if (&array != &depth && is_of_same_pictures(array, depth)) alike.push_back(&array);
+    for (const NamedArray* array : alike) {
+        const std::string name = small_letters(array->name);
+        const bool is_byte =
+            array->format->kind == NumberFormat::Kind::unsigned_integer && array->format->bytes == 1;
+        if (has(*array, "conf")) confidences.push_back(array);
+        if (is_byte && (name == "valid" || name == "valid_mask" || name == "mask")) masks.push_back(array);
+    }
+    // A confidence of this name is depth's own, so one of other pictures is refused when it is read.
+    for (const NamedArray& array : arrays)
+        if (array.name == "conf" || array.name == "confidence") confidences = {&array};
+    if (confidences.size() > 1)
+        std::erase_if(confidences, [](const NamedArray* array) { return !has_depth_in_name(*array); });
+    if (confidences.size() == 1) found.confidence = confidences.front()->name;
+    if (masks.size() == 1) found.mask = masks.front()->name;
+    std::vector<std::string> names;
+    for (const NamedArray* array : alike)
+        if (array->name != found.confidence && array->name != found.mask &&
+            (may_be_depth(*array) || is_trust_of_depth(*array)))
+            names.push_back(printable(array->name));
+    if (!names.empty())
+        found.left_out =
+            "depth is the array " + printable(depth.name) + "; left out: " + printable(listed(names), 200);
+}
+
+/// `wanted`: the name of depth's array; empty: found.
+Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where, const std::string& wanted) {
     const auto arrays = npz_arrays(archive);
     if (arrays.empty())
         return input_error(where +
                            ": is a zip archive without arrays (.npy): unpack it, or give what is inside");
-    const NpzArray* array = depth_array(arrays);
-    if (!array)
-        if (auto row = row_of_arrays(arrays); !row.empty()) {
-            NpzMember found{nullptr, where};
-            found.row = std::move(row);
-            found.small_arrays = small_arrays_of(archive, arrays);
-            found.archive = std::move(archive);
-            return found;
-        }
-    if (!array)
-        return input_error(where +
-                           ": has several arrays, and none is the only one named depth or of height x "
-                           "width: " +
-                           printable(listed(arrays, &NpzArray::name), 300));
-    const std::string name = where + ": " + printable(array->name);
-    if (!array->is_possible)
-        return input_error(name + ": is damaged: is said to unpack to " + std::to_string(array->size) +
-                           " bytes");
-    const NpzArray* const trust = only(arrays, [&](const NpzArray& a) {
-        return &a != array && a.is_pictures() && a.is_possible &&
-               (a.name == "conf" || a.name == "confidence");
-    });
-    NpzMember found{unpacked(archive, *array), name, trust ? unpacked(archive, *trust) : nullptr};
-    if (array->is_pictures()) found.left_out = other_pictures(arrays, *array, trust);
+    const auto named = named_arrays(arrays);
+    const auto places = depth_places(named, wanted);
+    if (!places) return error_at(where, places.error());
+    for (const std::size_t place : *places)
+        if (!arrays[place].is_possible)
+            return input_error(where + ": " + printable(arrays[place].name) +
+                               ": is damaged: is said to unpack to " + std::to_string(arrays[place].size) +
+                               " bytes");
+    NpzMember found{nullptr, where};
     found.small_arrays = small_arrays_of(archive, arrays);
+    const std::size_t first = places->front();
+    found.array = arrays[first].name;
+    if (places->size() > 1) {
+        for (const std::size_t place : *places) found.row.push_back(arrays[place]);
+    } else {
+        found.bytes = unpacked(archive, arrays[first]);
+        found.where = where + ": " + printable(found.array);
+        find_beside(named, named[first], found);
+    }
+    found.archive = std::move(archive);
     return found;
 }
 
 /// The array that depth is read from. Messages begin with `where`.
-Result<NpzMember> open_npz(std::unique_ptr<ByteSource> bytes, const std::string& where) {
+Result<NpzMember> open_npz(std::unique_ptr<ByteSource> bytes, const std::string& where,
+                           const std::string& wanted = {}) {
     TRY_ASSIGN(auto archive, open_zip(std::move(bytes), most_members, where));
-    return depth_member_of(std::move(archive), where);
+    return depth_member_of(std::move(archive), where, wanted);
 }
 
 constexpr std::size_t npy_block = std::size_t{1} << 20;
@@ -343,9 +369,14 @@ std::size_t pixels_of(const StoredImage& picture) {
 
 class NpyStack final : public ImageStack {
 public:
-    /// Of the bytes of a .npy file; messages begin with `where`.
-    static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where) {
+    /// Of the bytes of a .npy file, which may be of booleans where it is a `mask`; messages begin with
+    /// `where`.
+    static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where, bool is_mask = false) {
         TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
+        if (header.is_boolean && !is_mask) return unknown_type("|b1", where);
+        if (is_of_matrices(header.shape))
+            return input_error(where + ": is of " + shape_text(header.shape) +
+                               " numbers, as cameras' matrices are: must be a picture of depth");
         TRY_ASSIGN(const auto pictures, pictures_of_array(header.shape, where));
         NpyStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
         TRY(stack.check());
@@ -363,26 +394,16 @@ public:
         TRY_ASSIGN(auto picture, read(number));
         StoredImage image = std::move(picture).finish("npy", floats_);
         if (stop_requested()) return interrupted_error();
-        if (!confidence_) return image;
-        TRY_ASSIGN(const auto confidence, confidence_->image(number));
-        const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
-        const bool all_trusted = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
-            for (std::size_t k = first; k < last; ++k) {
-                if (number_at(confidence, k) >= *least_confidence_) continue;
-                if (!image.values.empty())
-                    image.values[k] = std::numeric_limits<float>::quiet_NaN();
-                else
-                    std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
-                                std::uint8_t{0});
-            }
-        });
-        if (!all_trusted) return interrupted_error();
+        if (confidence_) TRY(drop(image, *confidence_, number, *least_confidence_));
+        if (mask_) TRY(drop(image, *mask_, number, 1));
         return image;
     }
 
     std::optional<double> least_confidence() const override { return least_confidence_; }
     std::string left_out() const override { return left_out_; }
-    void leave_out(std::string what) { left_out_ = std::move(what); }
+    void leave_out(const std::string& what) { left_out_ += (left_out_.empty() ? "" : "; ") + what; }
+    std::string array() const override { return array_; }
+    void set_array(std::string name) { array_ = std::move(name); }
     std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
     void set_small_arrays(std::vector<SmallArray> arrays) { small_arrays_ = std::move(arrays); }
 
@@ -415,7 +436,35 @@ public:
         return {};
     }
 
+    /// Where `mask` is 0 there is no depth, if it is of 0 and 1 and most of its first picture is 1; otherwise
+    /// it is another mask than depth's, and is not taken.
+    Result<bool> take_mask(NpyStack mask) {
+        TRY_ASSIGN(const auto first, mask.image(0));
+        const auto& samples = first.image.samples;
+        if (std::ranges::any_of(samples, [](std::uint8_t sample) { return sample > 1; })) return false;
+        if (2 * std::ranges::count(samples, 1) <= std::ssize(samples)) return false;
+        mask_ = std::make_unique<NpyStack>(std::move(mask));
+        return true;
+    }
+
 private:
+    /// Takes depth away where `trust`'s picture of the same number is below `least`.
+    static Result<void> drop(StoredImage& image, NpyStack& trust, std::int64_t number, double least) {
+        TRY_ASSIGN(const auto numbers, trust.image(number));
+        const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
+        const bool is_whole = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) {
+                if (number_at(numbers, k) >= least) continue;
+                if (!image.values.empty())
+                    image.values[k] = std::numeric_limits<float>::quiet_NaN();
+                else
+                    std::fill_n(image.image.samples.begin() + static_cast<std::ptrdiff_t>(k * bytes), bytes,
+                                std::uint8_t{0});
+            }
+        });
+        return is_whole ? Result<void>{} : Result<void>(interrupted_error());
+    }
+
     NpyStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, ArrayPictures pictures)
         : bytes_(std::move(bytes)),
           where_(std::move(where)),
@@ -476,9 +525,9 @@ private:
     NpyHeader header_;
     ArrayPictures pictures_;
     bool floats_ = false;
-    std::unique_ptr<NpyStack> confidence_;
+    std::unique_ptr<NpyStack> confidence_, mask_;
     std::optional<double> least_confidence_;
-    std::string left_out_;
+    std::string left_out_, array_;
     std::vector<SmallArray> small_arrays_;
 };
 
@@ -503,6 +552,7 @@ public:
     int width() const override { return width_; }
     int height() const override { return height_; }
     std::optional<double> least_confidence() const override { return {}; }
+    std::string array() const override { return row_.front().name; }
     std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
     Result<StoredImage> image(std::int64_t number) override {
         if (number < 0 || number >= count())
@@ -547,6 +597,32 @@ Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where)
                        ": must be one picture here");
 }
 
+/// What a member is read as, one array alone.
+Result<NpyStack> stack_of(NpzMember member, const std::string& file, std::optional<double> least_confidence) {
+    TRY_ASSIGN(auto stack, NpyStack::of(std::move(member.bytes), member.where));
+    stack.leave_out(member.left_out);
+    stack.set_array(member.array);
+    stack.set_small_arrays(std::move(member.small_arrays));
+    if (member.confidence.empty() && member.mask.empty()) return stack;
+    const auto arrays = npz_arrays(member.archive);
+    const auto beside = [&](const std::string& name) {
+        return NpyStack::of(unpacked(member.archive, *std::ranges::find(arrays, name, &NpzArray::name)),
+                            file + ": " + printable(name), true);
+    };
+    if (!member.confidence.empty()) {
+        TRY_ASSIGN(auto confidence, beside(member.confidence));
+        TRY(stack.trust(std::move(confidence), least_confidence));
+    }
+    if (!member.mask.empty()) {
+        TRY_ASSIGN(auto mask, beside(member.mask));
+        TRY_ASSIGN(const bool is_taken, stack.take_mask(std::move(mask)));
+        stack.leave_out(is_taken
+                            ? "where its array " + printable(member.mask) + " is 0 there is no depth"
+                            : "its array " + printable(member.mask) + " is not used, as most of it is not 1");
+    }
+    return stack;
+}
+
 }  // namespace
 
 bool is_npy(std::string_view begin) {
@@ -558,20 +634,15 @@ bool is_npz(std::string_view begin) {
 }
 
 Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
-                                                   std::optional<double> least_confidence) {
+                                                   std::optional<double> least_confidence,
+                                                   const std::string& array) {
     TRY_ASSIGN(auto bytes, bytes_of_file(file));
     NpzMember member{std::move(bytes), file.string()};
     if (is_npz(first_bytes(*member.bytes, 4))) {
-        TRY_ASSIGN(member, open_npz(std::move(member.bytes), file.string()));
+        TRY_ASSIGN(member, open_npz(std::move(member.bytes), file.string(), array));
     }
     if (!member.row.empty()) return NpzRow::of(std::move(member));
-    TRY_ASSIGN(auto stack, NpyStack::of(std::move(member.bytes), member.where));
-    stack.leave_out(std::move(member.left_out));
-    stack.set_small_arrays(std::move(member.small_arrays));
-    if (member.confidence) {
-        TRY_ASSIGN(auto confidence, NpyStack::of(std::move(member.confidence), file.string() + ": conf"));
-        TRY(stack.trust(std::move(confidence), least_confidence));
-    }
+    TRY_ASSIGN(auto stack, stack_of(std::move(member), file.string(), least_confidence));
     return std::shared_ptr<ImageStack>(std::make_shared<NpyStack>(std::move(stack)));
 }
 
@@ -579,6 +650,10 @@ bool is_npy_file(const SourceFile& file) {
     const std::string begin = first_bytes(file, 8);
     const std::string_view kind = picture_kind(begin);
     return kind == "npy" || kind == "npz";
+}
+
+bool has_named_arrays(const SourceFile& file) {
+    return is_hdf5_file(file) || is_npz(first_bytes(file, 4));
 }
 
 Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where) {
@@ -590,7 +665,8 @@ Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where)
     if (!member.row.empty())
         return input_error(where + ": has " + std::to_string(member.row.size()) +
                            " pictures: must have one here");
-    return only_image(NpyStack::of(std::move(member.bytes), member.where), member.where);
+    const std::string name = member.where;
+    return only_image(stack_of(std::move(member), where, {}), name);
 }
 
 }  // namespace touchable

@@ -186,8 +186,8 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
            "of a rendering (OpenEXR): the channel or layer that is depth; otherwise found by its name")
         ->type_name("NAME");
     sub.add_option("--dataset", typed.camera.dataset,
-                   "of an HDF5 file: the data set that is depth, such as /data/demo_0/obs/depth; otherwise "
-                   "found by its name")
+                   "of an HDF5 file or a .npz: the data set or array that is depth, such as "
+                   "/data/demo_0/obs/depth; otherwise found by its name")
         ->type_name("NAME");
     return clip;
 }

@@ -6,6 +6,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/npy_bytes.hpp"
 
 namespace touchable::test {
 namespace {
@@ -296,11 +297,39 @@ TEST_F(GuessedFolder, WithoutPicturesSaysWhereTheyAre) {
     EXPECT_NE(refusal().find("but a video: touchable play " + (folder / "Test.mov").string() + ')'),
               std::string::npos)
         << refusal();
+    for (const char* name : {"Zoo.mov", "Zoo_depth.mov"}) write_bytes(folder / name, "");
+    EXPECT_NE(refusal().find("but videos: touchable play " + (folder / "Zoo_depth.mov").string() + ')'),
+              std::string::npos)
+        << refusal();
+    for (const char* name : {"Zoo.mov", "Zoo_depth.mov"}) std::filesystem::remove(folder / name);
     write_bytes(folder / "Test.Metadata.asset", "{\"_versionMajor\": 0}");
     const std::string asset = message(open_clip(folder / "Test.Metadata.asset"));
     EXPECT_NE(asset.find("touchable play " + (folder / "Test.mov").string()), std::string::npos) << asset;
     std::filesystem::remove(folder / "Test.mov");
     EXPECT_EQ(message(open_clip(folder / "Test.Metadata.asset")).find("touchable play"), std::string::npos);
+}
+
+/// A camera's matrix as an array is no picture, in whatever folder.
+TEST_F(GuessedFolder, MatricesAreNoPictures) {
+    for (const char* place : {"", "depth/", "sub/"}) {
+        const std::string matrix = npy_bytes("3, 3", std::vector<float>(9, 1));
+        std::filesystem::create_directories(folder / place);
+        write_bytes(folder / (place + std::string("camK.npy")), matrix);
+        write_npz(folder / (place + std::string("camera.npz")),
+                  {{"K", matrix}, {"dist", npy_bytes("5,", std::vector<float>(5, 0))}});
+    }
+    EXPECT_TRUE(is_refused(open_clip(folder.path()), "no pictures of depth were found"));
+    depth("depth/0000.png");
+    depth("depth/0001.png");
+    const GuessedScene guessed = guess();
+    EXPECT_EQ(guessed.scene.folder->depth, "depth/*.png");
+    bool is_told = false;
+    for (const Remark& remark : guessed.scene.remarks) {
+        EXPECT_EQ(remark.what.find("left out"), std::string::npos) << remark.what;
+        is_told |=
+            remark.what.find("and not used: camK.npy, camera.npz, depth/camK.npy") != std::string::npos;
+    }
+    EXPECT_TRUE(is_told);
 }
 
 TEST_F(GuessedFolder, WithoutDepthSaysWhatIsThere) {

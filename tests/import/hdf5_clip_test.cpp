@@ -68,8 +68,9 @@ TEST_F(Hdf5Clip, ADataSetIsNamedOfHdf5Alone) {
     add("d.h5", {"depth", {16, 20}}, 1000);
     Image still{2, 2, 2, 1, {1, 2, 3, 4, 5, 6, 7, 8}};
     ASSERT_EQ(message(write_png(folder_ / "d.png", still.view())), "");
-    EXPECT_EQ(message(open("d.png", "depth")),
-              (folder_ / "d.png").string() + ": is no HDF5 file, of which a data set could be named");
+    EXPECT_EQ(
+        message(open("d.png", "depth")),
+        (folder_ / "d.png").string() + ": is no HDF5 file and no .npz, of which a data set could be named");
     EXPECT_EQ(message(open("d.h5", "", "Z")),
               (folder_ / "d.h5").string() + ": is no OpenEXR file, of which a channel could be named");
 }

@@ -36,6 +36,56 @@ TEST(PictureFiles, OfAStarComeInTheOrderOfTheirNumbers) {
     EXPECT_TRUE(is_refused(found_files(folder.path(), "x*.png"), "no file has such a name"));
 }
 
+/// Several numbers of each name differ: those of a counter and a time, a time and the device's ticks, which
+/// wrap around, a date, a time of day and a counter.
+TEST(PictureFiles, OfSeveralNumbersAreAllFrames) {
+    const struct {
+        Names files;  // in their order
+        const char* pattern;
+        std::vector<double> keys;
+    } rows[] = {
+        {{"0000001-000000033367.png", "0000002-000000066733.png", "0000003-000000100101.png"},
+         "*.png",
+         {1, 2, 3}},
+        {{"frame_00000_1700000000.500.png", "frame_00001_1700000000.600.png"},
+         "frame_*.png",
+         {1700000000.5, 1700000000.6}},
+        {{"d-1294886360.20-4294967200.pgm", "d-1294886360.23-4294967290.pgm", "d-1294886360.26-90.pgm"},
+         "d-*.pgm",
+         {1294886360.2, 1294886360.23, 1294886360.26}},
+        {{"depth_20240501_101112_0000.png", "depth_20240501_101112_0001.png",
+          "depth_20240501_101113_0002.png", "depth_20240501_101114_0003.png"},
+         "depth_20240501_*.png",
+         {0, 1, 2, 3}}};
+    for (const auto& row : rows) {
+        const TemporaryFolder folder;
+        for (const std::string& name : row.files) write_bytes(folder / name, "");
+        write_bytes(folder / "note_of_the_day.png", "");
+        const auto groups = picture_groups(folder.path());
+        ASSERT_EQ(groups.size(), 2U) << row.pattern;
+        EXPECT_EQ(groups.front().pattern, row.pattern);
+        EXPECT_EQ(groups.front().count, row.files.size());
+        EXPECT_EQ(groups.front().first.filename(), *std::ranges::min_element(row.files));
+        const PictureFiles found = found_in(folder, row.pattern);
+        EXPECT_EQ(names(found), row.files);
+        EXPECT_EQ(found.keys, row.keys) << row.pattern;
+    }
+}
+
+/// One film of two cameras or two takes would be neither.
+TEST(PictureFiles, OfSeveralCamerasAreNoRow) {
+    const std::vector<Names> rows = {
+        {"cam1_0001_17.10.png", "cam2_0001_17.13.png", "cam1_0002_17.20.png", "cam2_0002_17.23.png"},
+        {"stream0_0000.png", "stream0_0001.png", "stream1_0000.png", "stream1_0001.png"},
+        {"take1_01.png", "take1_02.png", "take1_03.png", "take2_04.png", "take2_05.png", "take2_06.png"}};
+    for (const Names& row : rows) {
+        const TemporaryFolder folder;
+        for (const std::string& name : row) write_bytes(folder / name, "");
+        for (const PictureGroup& group : picture_groups(folder.path()))
+            EXPECT_LT(group.count, row.size()) << group.pattern;
+    }
+}
+
 TEST(PictureFiles, OfOtherPlanesAreThoseNearestInTime) {
     const TemporaryFolder folder;
     for (const char* name :

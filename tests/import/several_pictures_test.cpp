@@ -157,7 +157,7 @@ TEST_F(SeveralPictures, RowOfTiffsWithPagesSaysWhichAreRead) {
 }
 
 TEST_F(SeveralPictures, ArraysOfNpzAreFrames) {
-    const auto picture = [](float metres) { return npy_bytes("3, 4", std::vector<float>(12, metres)); };
+    const auto picture = [](float metres) { return npy_bytes("16, 20", std::vector<float>(320, metres)); };
     write_npz(folder / "list.npz", {{"arr_1", picture(2)}, {"arr_0", picture(1)}, {"arr_2", picture(1.5)}});
     auto clip = open_clip(folder / "list.npz");
     ASSERT_EQ(message(clip), "");
@@ -220,6 +220,93 @@ TEST_F(SeveralPictures, ColourVideoBesideStackIsFound) {
         ASSERT_EQ(frames.size(), 3U);
         EXPECT_EQ(frames[2].colour.sample(5, 5, 0), 40);
     }
+}
+
+/// A file that is a stack has one number for all frames, and a number behind a hyphen is none below zero.
+TEST_F(SeveralPictures, ColourVideoOfASceneIsPairedByTime) {
+    colour_video("rgb.mov", 10);
+    const auto scene = [&](const std::string& depth) {
+        write_bytes(folder / "scene.json",
+                    R"({"touchable_scene": 1, "width": 16, "height": 12, "rate": [30, 1],
+                        "camera": {"fx": 20, "fy": 20, "cx": 8, "cy": 6},
+                        "depth": {"coding": "metric", "scale": 1},
+                        "folder": {"depth": ")" +
+                        depth + R"(", "colour": "rgb.mov"}})");
+        auto clip = open_clip(folder.path());
+        EXPECT_EQ(message(clip), "");
+        if (!clip) return std::vector<RawFrame>{};
+        EXPECT_TRUE(is_noted(**clip, "each depth has the frame that is nearest in time")) << depth;
+        return frames_of(**clip);
+    };
+    std::vector<float> metres(5 * 12 * 16, 1500);
+    write_bytes(folder / "depth_7.npy", npy_bytes("5, 12, 16", metres));
+    auto frames = scene("depth_*.npy");
+    ASSERT_EQ(frames.size(), 5U);
+    EXPECT_EQ(frames[4].colour.sample(5, 5, 0), 160);
+    for (const char* name : {"depth-1.png", "depth-2.png"}) depth(name);
+    frames = scene("depth*.png");
+    ASSERT_EQ(frames.size(), 2U);
+    EXPECT_EQ(frames[1].colour.sample(5, 5, 0), 40);
+}
+
+/// The video of depth by its name, with its colour beside it.
+TEST_F(SeveralPictures, FolderOfAVideoOfDepthIsThat) {
+    colour_video("scene.mov", 3);
+    depth_video("scene_depth.mkv");
+    auto clip = open_clip(folder.path());
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(**clip, "colour is scene.mov"));
+    EXPECT_EQ(frames_of(**clip).at(1).depth.sample(4, 4), 1041);
+    EXPECT_EQ(message(guess_clip(folder.path(), {})), "");
+    colour_video("another.mov", 3);
+    EXPECT_NE(message(open_clip(folder.path()))
+                  .find("but videos: touchable play " + (folder / "scene_depth.mkv").string()),
+              std::string::npos)
+        << "of three";
+}
+
+/// No name tells, and the first track is colour.
+TEST_F(SeveralPictures, TrackOfDepthIsTheGreyOne) {
+    std::filesystem::create_directories(folder / "parts");
+    colour_video("parts/c.mkv", 3);
+    depth_video("parts/d.mkv");
+    for (const bool depth_first : {false, true}) {
+        std::vector<std::pair<std::filesystem::path, std::string>> tracks = {{folder / "parts/c.mkv", ""},
+                                                                             {folder / "parts/d.mkv", ""}};
+        if (depth_first) std::swap(tracks[0], tracks[1]);
+        join_tracks(folder / "two.mkv", tracks);
+        auto clip = open_clip(folder / "two.mkv");
+        ASSERT_EQ(message(clip), "");
+        EXPECT_TRUE(is_noted(**clip, depth_first
+                                         ? "none is named depth: stream 0 is read"
+                                         : "none is named depth: stream 1 is read, as it is grey of more"));
+        EXPECT_TRUE(is_noted(**clip, "colour is another track of the file"));
+        const auto frames = frames_of(**clip);
+        ASSERT_EQ(frames.size(), 3U);
+        EXPECT_EQ(frames[2].depth.sample(4, 4), 1042);
+        EXPECT_EQ(frames[2].colour.sample(5, 5, 0), 40);
+    }
+}
+
+/// As Zivid's and Blender's exports have them: colour, then depth.
+TEST_F(SeveralPictures, PageOfDepthMayFollowOneInColour) {
+    auto colour = even_page(0, 24, 12, 8);
+    colour.photometric = 2;
+    const auto write = [&](const std::string& name) {
+        write_bytes(folder / name, tiff_pages({colour, even_page(1200, 16, 12)}));
+    };
+    write("rgbd.tiff");
+    auto clip = open_clip(folder / "rgbd.tiff");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(**clip, "depth is page 1, as page 0 is in colour; 1 page is left out"));
+    EXPECT_EQ(frames_of(**clip).at(0).depth.sample(4, 4), 1200);
+    for (const char* name : {"row/depth_1.tiff", "row/depth_2.tiff"}) {
+        std::filesystem::create_directories(folder / "row");
+        write(name);
+    }
+    auto row = open_clip(folder / "row");
+    ASSERT_EQ(message(row), "");
+    EXPECT_EQ(frames_of(**row).at(1).depth.sample(4, 4), 1200);
 }
 
 TEST_F(SeveralPictures, WhatIsLeftOutIsNamedAsItOpens) {

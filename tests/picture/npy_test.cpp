@@ -51,8 +51,12 @@ u = n.astype('<u2')
 np.savez(folder + 'one.npz', u[0])
 np.savez_compressed(folder + 'named.npz', rgb=np.zeros((4, 4), 'u1'), depth=u[0], depth_error=u[1])
 np.savez_compressed(folder + 'begins.npz', mask=np.zeros((4, 4), 'u1'), depth_mm=u[0], depth_scale=0.001)
-np.savez(folder + 'only.npz', K=np.zeros(9), z=u[0], t=3.0)
-np.savez(folder + 'several.npz', left=u[0], right=u[1])
+np.savez(folder + 'only.npz', K=np.zeros((3, 3)), inverse_DEPTH=u[0], t=3.0)
+large = np.zeros((16, 20), 'u2')
+np.savez(folder + 'several.npz', left=large, right=large)
+np.save(folder + 'object', np.array({'depth': u[0]}, dtype=object), allow_pickle=True)
+np.save(folder + 'K', np.eye(3))
+np.save(folder + 'poses', np.zeros((7, 4, 4)))
 np.savez_compressed(folder + 'stack.npz', depth=u)
 )";
 
@@ -177,8 +181,7 @@ TEST_F(Npy, TheArrayOfDepthAmongSeveralAndWhatIsNone) {
         expect_numbers(read_stored_image(file(name)));
     }
     EXPECT_EQ(refusal("several.npz"),
-              "picture: has several arrays, and none is the only one named depth or of height x width: left, "
-              "right");
+              "picture: has several arrays that may be depth: left of 16x20, right of 16x20");
 
     const std::pair<const char*, const char*> cases[] = {
         {"colour.npy", "is an array of 9x8x3, with 3 numbers a pixel: must have one"},
@@ -186,6 +189,9 @@ TEST_F(Npy, TheArrayOfDepthAmongSeveralAndWhatIsNone) {
         {"row.npy", "is an array of 9: must be height x width"},
         {"complex.npy", "is of NumPy's type \"<c8\": must be an integer or float of 8 to 64 bits"},
         {"records.npy", "is an array of records"},
+        {"object.npy", "is a pickled Python object, which is not read, as it may run any program: "},
+        {"K.npy", "is of 3x3 numbers, as cameras' matrices are: must be a picture of depth"},
+        {"poses.npy", "is of 7x4x4 numbers, as cameras' matrices are"},
         {"fortran_stack.npy", "is a stack in Fortran order"}};
     for (const auto& [name, words] : cases)
         EXPECT_NE(refusal(name).find(words), std::string::npos) << refusal(name);

@@ -54,5 +54,50 @@ TEST_F(NpzConfidence, OfOtherPicturesIsRefused) {
               std::string::npos);
 }
 
+/// One picture of booleans, as numpy.savez writes them.
+std::string boolean_bytes(int ones) {
+    std::string bytes = npy_bytes("3, 4", {});
+    bytes.replace(bytes.find("<f4"), 3, "|b1");
+    for (int k = 0; k < columns * rows; ++k) bytes += k < ones ? '\1' : '\0';
+    return bytes;
+}
+
+TEST_F(NpzConfidence, MasksAreUsedWhereTheyTell) {
+    const std::string depth = npy_bytes("3, 4", std::vector<float>(columns * rows, 2));
+    const struct {
+        const char* name;
+        int ones, missing;
+        const char* said;
+    } masks[] = {{"valid", 10, 2, "where its array valid is 0 there is no depth"},
+                 {"valid_mask", 12, 0, "where its array valid_mask is 0 there is no depth"},
+                 {"mask", 4, 0, "its array mask is not used, as most of it is not 1"},
+                 {"person_mask", 10, 0, "depth is the array depth; left out: person_mask"}};
+    for (const auto& mask : masks) {
+        write_npz(folder_ / "m.npz", {{"depth", depth}, {mask.name, boolean_bytes(mask.ones)}});
+        auto stack = open_npy_stack(SourceFile(folder_ / "m.npz"));
+        ASSERT_EQ(message(stack), "") << mask.name;
+        EXPECT_EQ((*stack)->left_out(), mask.said);
+        EXPECT_EQ(missing(*(*stack)->image(0)), mask.missing) << mask.name;
+        EXPECT_EQ((*stack)->least_confidence(), std::nullopt);
+    }
+    write_npz(folder_ / "only.npz", {{"depth", boolean_bytes(12)}});
+    EXPECT_NE(message(open_npy_stack(SourceFile(folder_ / "only.npz"))).find("is of NumPy's type \"|b1\""),
+              std::string::npos);
+}
+
+TEST_F(NpzConfidence, OfDepthIsUsedByAnyNameWithConf) {
+    const std::string depth = npy_bytes("3, 4", std::vector<float>(columns * rows, 2));
+    std::vector<float> low(columns * rows, 8);
+    low[5] = 1;
+    write_npz(folder_ / "v.npz", {{"depth", depth},
+                                  {"depth_conf", npy_bytes("3, 4", low)},
+                                  {"world_points_conf", npy_bytes("3, 4", std::vector<float>(12, 9))}});
+    auto stack = open_npy_stack(SourceFile(folder_ / "v.npz"));
+    ASSERT_EQ(message(stack), "");
+    EXPECT_EQ((*stack)->least_confidence(), 4);
+    EXPECT_EQ((*stack)->left_out(), "depth is the array depth; left out: world_points_conf");
+    EXPECT_EQ(missing(*(*stack)->image(0)), 1);
+}
+
 }  // namespace
 }  // namespace touchable::test

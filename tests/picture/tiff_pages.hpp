@@ -16,6 +16,7 @@ struct TiffPageOf {
     std::vector<std::uint32_t> codes{};
     int bits = 16;
     int subfile = 0;  ///< NewSubfileType: 1 a smaller copy, 4 a mask
+    int photometric = 1;
 };
 
 /// A page whose every pixel is `code`.
@@ -47,7 +48,7 @@ inline std::string tiff_pages(const std::vector<TiffPageOf>& pages, bool big = f
             {257, height},
             {258, static_cast<std::uint64_t>(page.bits)},
             {259, 1},
-            {262, 1},
+            {262, static_cast<std::uint64_t>(page.photometric)},
             {273, file.size() + 2 + 12 * 11 + 4},
             {277, 1},
             {278, height},
