@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <pugixml.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "engine/base/files.hpp"
 #include "engine/base/same_bits.hpp"
@@ -16,6 +16,7 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/source_description.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -25,201 +26,6 @@ using checked_json::Json;
 
 constexpr std::size_t longest_camera_file = std::size_t{16} << 20;  // Record3D's has a pose for each frame
 constexpr std::size_t most_cameras = 64, longest_name = 200;
-constexpr int deepest_yaml = 16;
-
-Json yaml_scalar(std::string_view text) {
-    text = trimmed(text);
-    if (const auto number = parsed_number(text)) return *number;
-    const bool is_quoted = text.size() > 1 && (text[0] == '"' || text[0] == '\'') && text.back() == text[0];
-    return is_quoted ? std::string(text.substr(1, text.size() - 2)) : std::string(text);
-}
-
-/// Numbers are names as well.
-std::string yaml_name(std::string_view text) {
-    const Json name = yaml_scalar(text);
-    return name.is_string() ? name.get<std::string>() : name.dump();
-}
-
-/// Where a comment begins: at the start, or after a space.
-std::string_view without_comment(std::string_view line) {
-    char quote = 0;
-    for (std::size_t k = 0; k < line.size(); ++k) {
-        if (quote != 0 ? line[k] == quote : line[k] == '"' || line[k] == '\'')
-            quote = quote != 0 ? 0 : line[k];
-        if (quote == 0 && line[k] == '#' && (k == 0 || line[k - 1] == ' ' || line[k - 1] == '\t'))
-            return line.substr(0, k);
-    }
-    return line;
-}
-
-/// Lists and maps in brackets.
-class YamlInBrackets {
-public:
-    explicit YamlInBrackets(std::string_view text) : rest_(text) {}
-    Json value(int depth = 0) {
-        skip_spaces();
-        if (depth > deepest_yaml || rest_.empty()) return nullptr;
-        const char open = rest_[0];
-        if (open != '[' && open != '{') return yaml_scalar(taken(rest_.find_first_of(",]}")));
-        const char close = open == '[' ? ']' : '}';
-        Json made = open == '[' ? Json::array() : Json::object();
-        rest_.remove_prefix(1);
-        for (skip_spaces(); !rest_.empty() && rest_[0] != close; skip_spaces()) {
-            std::string name;
-            if (open == '{') {
-                name = yaml_name(taken(rest_.find_first_of(":,]}")));
-                if (rest_.empty() || rest_[0] != ':') return nullptr;
-                rest_.remove_prefix(1);
-            }
-            Json inner = value(depth + 1);
-            if (open == '[')
-                made.push_back(std::move(inner));
-            else
-                made.emplace(std::move(name), std::move(inner));
-            skip_spaces();
-            if (rest_.empty() || (rest_[0] != ',' && rest_[0] != close)) return nullptr;
-            if (rest_[0] == ',') rest_.remove_prefix(1);
-        }
-        if (rest_.empty()) return nullptr;
-        rest_.remove_prefix(1);
-        return made;
-    }
-
-private:
-    std::string_view taken(std::size_t count) {
-        const auto begin = rest_.substr(0, count);
-        rest_.remove_prefix(begin.size());
-        return begin;
-    }
-    void skip_spaces() {
-        while (!rest_.empty() && (rest_[0] == ' ' || rest_[0] == '\t')) rest_.remove_prefix(1);
-    }
-
-    std::string_view rest_;
-};
-
-class YamlLines {
-public:
-    explicit YamlLines(std::string_view text) {
-        while (!text.empty()) {
-            const auto end = text.find('\n');
-            const std::string_view line = without_comment(text.substr(0, end));
-            text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-            const std::string_view inner = trimmed(line);
-            if (inner == "---" || inner == "...") {
-                if (!lines_.empty()) break;
-                continue;
-            }
-            if (inner.empty() || line[0] == '%') continue;
-            lines_.push_back({static_cast<std::size_t>(inner.data() - line.data()), inner});
-        }
-    }
-
-    Json block(std::size_t indent, int depth) {
-        if (depth > deepest_yaml) {
-            at_ = lines_.size();
-            return nullptr;
-        }
-        if (goes_on(indent) && is_item()) return items(indent, depth);
-        Json map = Json::object();
-        while (goes_on(indent)) {
-            const std::string_view line = lines_[at_].text;
-            auto colon = line.find(": ");
-            if (colon == std::string_view::npos && line.back() == ':') colon = line.size() - 1;
-            ++at_;
-            if (colon == std::string_view::npos) continue;
-            add(map, yaml_name(line.substr(0, colon)),
-                value_of(trimmed(line.substr(colon + 1)), indent, depth));
-            // What stands further in without a reason is passed over.
-            while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
-        }
-        return map;
-    }
-
-    std::size_t first_indent() const { return lines_.empty() ? 0 : lines_[0].indent; }
-
-private:
-    struct Line {
-        std::size_t indent;
-        std::string_view text;
-    };
-    bool is_item() const { return lines_[at_].text == "-" || lines_[at_].text.starts_with("- "); }
-    bool goes_on(std::size_t indent) const { return at_ < lines_.size() && lines_[at_].indent == indent; }
-
-    Json items(std::size_t indent, int depth) {
-        Json list = Json::array();
-        while (goes_on(indent) && is_item()) {
-            const std::string_view text = trimmed(lines_[at_].text.substr(1));
-            const bool is_bracket = text.starts_with('[') || text.starts_with('{');
-            if (!text.empty() && !is_bracket && text[0] != '"' && text[0] != '\'' &&
-                (text.starts_with("- ") || text.find(": ") != std::string_view::npos || text.back() == ':')) {
-                // A map or a list that begins here: as if it stood in a line of its own, at its own place.
-                lines_[at_].indent += static_cast<std::size_t>(text.data() - lines_[at_].text.data());
-                lines_[at_].text = text;
-                list.push_back(block(lines_[at_].indent, depth + 1));
-            } else {
-                ++at_;
-                list.push_back(value_of(text, indent, depth));
-            }
-        }
-        return list;
-    }
-
-    /// What stands behind a name, or in the lines below it.
-    Json value_of(std::string_view text, std::size_t indent, int depth) {
-        while (!text.empty() && (text[0] == '!' || text[0] == '&')) {
-            const auto end = text.find_first_of(" \t");
-            text = end == std::string_view::npos ? std::string_view() : trimmed(text.substr(end));
-        }
-        if (!text.empty() && (text[0] == '[' || text[0] == '{'))
-            return YamlInBrackets(gathered(text)).value();
-        if (!text.empty() && text[0] != '|' && text[0] != '>') return yaml_scalar(text);
-        if (!text.empty()) {  // a text of several lines, which has no numbers of a camera
-            while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
-            return nullptr;
-        }
-        if (at_ >= lines_.size()) return nullptr;
-        const std::size_t below = lines_[at_].indent;
-        return below > indent || (below == indent && is_item()) ? block(below, depth + 1) : Json();
-    }
-
-    /// A value in brackets may go on over lines.
-    std::string gathered(std::string_view text) {
-        std::string all;
-        std::ptrdiff_t open = 0;
-        const auto add_text = [&](std::string_view more) {
-            for (const char c : more) open += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
-            (all += more) += ' ';
-        };
-        for (add_text(text); open > 0 && at_ < lines_.size(); ++at_) add_text(lines_[at_].text);
-        return all;
-    }
-
-    /// Names with a point lead further in.
-    static void add(Json& map, std::string_view name, Json value) {
-        const auto point = name.find('.');
-        Json* within = &map;
-        if (point != std::string_view::npos && point > 0 && point + 1 < name.size()) {
-            within = &map[std::string(name.substr(0, point))];
-            if (within->is_null()) *within = Json::object();
-            name.remove_prefix(point + 1);
-        }
-        if (within->is_object()) within->emplace(std::string(name), std::move(value));
-    }
-
-    std::vector<Line> lines_;
-    std::size_t at_ = 0;
-};
-
-/// YAML as programs write a camera into it, as JSON: maps and lists by indentation or in brackets, numbers
-/// and words. Tags, anchors and comments are passed over; of several documents the first is read, of members
-/// with one name the first. What has a point in its name, such as Camera.fx of ORB-SLAM, is a member of a
-/// member. Null for what is no map, is nested deeper than `deepest_yaml`, or is none of this.
-Json plain_yaml(std::string_view text) {
-    YamlLines lines(text);
-    Json made = lines.block(lines.first_indent(), 0);
-    return made.is_object() && !made.empty() ? std::move(made) : Json();
-}
 
 bool is_side(double pixels) {
     return pixels >= 1 && pixels <= 16384;
@@ -289,14 +95,23 @@ public:
         return found == named_.end() ? nullptr : found->second;
     }
     bool has(std::string_view name) const { return find(name) != nullptr; }
-    /// The first of these that is a number; 0: none is.
+    /// The first of these that is a number, or a word that is one; 0: none is.
     double number(std::initializer_list<const char*> names) const {
-        for (const char* name : names)
-            if (const Json* value = find(name); value != nullptr && value->is_number())
-                return value->get<double>();
+        for (const char* name : names) {
+            const Json* value = find(name);
+            if (value != nullptr && value->is_number()) return value->get<double>();
+            if (value == nullptr || !value->is_string()) continue;
+            if (const auto number = parsed_number(trimmed(value->get_ref<const std::string&>())))
+                return *number;
+        }
         return 0;
     }
-    /// Of a member that is a list, of lists or with its numbers in `data`; at most 17.
+    std::string_view words(std::string_view name) const {
+        const Json* value = find(name);
+        return value != nullptr && value->is_string() ? value->get_ref<const std::string&>()
+                                                      : std::string_view();
+    }
+    /// Of a member that is a list, of lists, with its numbers in `data`, or an object of two; at most 17.
     std::vector<double> list(std::initializer_list<const char*> names) const {
         std::vector<double> numbers;
         for (const char* name : names) {
@@ -304,6 +119,12 @@ public:
             if (value == nullptr) continue;
             if (value->is_object() && value->contains("data")) value = &(*value)["data"];
             if (value->is_number()) continue;
+            if (value->is_object()) {
+                const Members pair(*value);
+                const double across = pair.number({"x", "fx", "cx", "width"}),
+                             down = pair.number({"y", "fy", "cy", "height"});
+                if (across > 0 && down > 0) return {across, down};
+            }
             flatten(*value, numbers);
             if (!numbers.empty()) break;
         }
@@ -363,6 +184,12 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
         cx = pair[0], cy = pair[1];
     double fx = members.number({"fx", "focallengthx", "flx", "fu", "k00", "focalx", "fxdepth", "fxd"}),
            fy = members.number({"fy", "focallengthy", "fly", "fv", "k11", "focaly", "fydepth", "fyd"});
+    // Metashape's principal point is told from the middle, pixels' corners being whole.
+    const Json* const resolution = members.find("resolution");
+    if (const double f = members.number({"f"}); fx == 0 && f > 1 && resolution && resolution->is_object())
+        if (const auto size = members.list({"resolution"}); size.size() == 2)
+            return Intrinsics{f, f, 0.5 * size[0] + cx.value_or(0) - 0.5,
+                              0.5 * size[1] + cy.value_or(0) - 0.5};
     if (fx == 0 && members.has("u0"))
         fx = members.number({"px", "alphau"}), fy = members.number({"py", "alphav"});
     if (fx == 0 && cx)
@@ -371,20 +198,25 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
     // One number is pixels only beside a principal point in pixels.
     if (fx == 0 && cx && *cx > 1) fx = members.number({"focallength", "focal", "focallengthpx", "f"});
     if (fx > 0) return Intrinsics{fx, fy > 0 ? fy : fx, cx, cy};
-    for (const char* matrix : {"intrinsicmatrix",
+    for (const char* matrix : {"kdepth",
+                               "depthk",
+                               "depthintrinsics",
+                               "depthintrinsic",
+                               "intrinsicsdepth",
+                               "intrinsicdepth",
+                               "depthcameramatrix",
+                               "mcalibrationdepthintrinsic",
+                               "intrinsicmatrix",
                                "k",
                                "cameramatrix",
                                "camk",
-                               "depthk",
+                               "camintr",
                                "intrinsicsmatrix",
-                               "depthintrinsics",
-                               "depthintrinsic",
                                "intrinsics",
                                "intrinsic",
                                "cameraintrinsics",
                                "cameraintrinsic",
                                "kmatrix",
-                               "depthcameramatrix",
                                "calibrationmatrix",
                                "perframeintrinsiccoeffs",
                                "p",
@@ -396,7 +228,7 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
                                "k02"})
         if (const auto found = from_matrix(members.list({matrix}))) return found;
     const auto four =
-        members.list({"intrinsics", "intrinsic", "perframeintrinsiccoeffs"});  // Kalibr, Record3D
+        members.list({"intrinsics", "intrinsic", "perframeintrinsiccoeffs", "camintr"});  // Kalibr, Record3D
     const Json* const model = members.find("cameramodel");
     const bool is_pinhole = model == nullptr || *model == "pinhole";
     if (four.size() == 4 && is_pinhole && four[0] > 1 && four[1] > 1)
@@ -413,145 +245,271 @@ bool says_distortion(const Json& object) {
     return std::ranges::any_of(terms, [](double term) { return term != 0; });
 }
 
+/// Metres of a unit in words: "mm", "0.1 mm", "centimetres", "1/5000"; 0: it is none.
+double metres_of_words(std::string_view words) {
+    words = trimmed(words);
+    const auto letters = std::min(words.find_first_not_of("0123456789./ "), words.size());
+    const std::string_view number = trimmed(words.substr(0, letters));
+    const auto slash = number.find('/');
+    const auto above = parsed_number(trimmed(number.substr(0, slash)));
+    const auto below = slash == std::string_view::npos ? std::optional(1.0)
+                                                       : parsed_number(trimmed(number.substr(slash + 1)));
+    if (!number.empty() && (!above || !below || *below == 0)) return 0;
+    const double times = number.empty() ? 1 : *above / *below;
+    std::string unit = bare_name(words.substr(letters));
+    if (unit.ends_with('s')) unit.pop_back();
+    if (unit.ends_with("metre")) unit.replace(unit.size() - 2, 2, "er");
+    constexpr std::pair<std::string_view, double> units[] = {
+        {"mm", 1e-3}, {"millimeter", 1e-3}, {"cm", 1e-2}, {"centimeter", 1e-2},
+        {"m", 1},     {"meter", 1},         {"um", 1e-6}, {"micrometer", 1e-6}};
+    for (const auto& [name, metres] : units)
+        if (unit == name) return times * metres;
+    return unit.empty() && slash != std::string_view::npos ? times : 0;
+}
+
+/// Metres of a unit of depth, which an object names, or that of a renderer's scene; 0: it does not say.
+/// `name`: its own.
+double unit_of_members(const Json& object, const std::string& name) {
+    const Members members(object);
+    for (const char* member : {"depthunit", "depthunits"})
+        if (const double metres = metres_of_words(members.words(member)); metres > 0) return metres;
+    if (bare_name(name) == "depth")
+        for (const char* member : {"unit", "units"})
+            if (const double metres = metres_of_words(members.words(member)); metres > 0) return metres;
+    return members.number({"metersperunit", "meterspersceneunit"});
+}
+
 /// How many codes a metre has, by an object's own members; 0: it does not say. Three ways are in use: codes
 /// in a metre (Open3D, ORB-SLAM, ScanNet), metres of a code (RealSense, instant-ngp, nerfstudio), and
 /// millimetres of a code (BOP, beside cam_K).
-double codes_per_metre_of(const Json& object) {
+double codes_per_metre_of(const Json& object, const std::string& name = "") {
     const Members members(object);
     constexpr double most_metres = 0.005, most_millimetres = 20, least_codes = 50, most_codes = 1e6;
     const auto is_count = [](double codes) { return codes >= least_codes && codes <= most_codes; };
     const auto is_metres = [](double metres) { return metres > 1e-9 && metres <= most_metres; };
-    const double codes = members.number(
-        {"depthmapfactor", "pngdepthscale", "depthfactor", "mdepthshift", "depthshift", "depthmapscale"});
+    const double codes =
+        members.number({"depthmapfactor", "pngdepthscale", "depthfactor", "mdepthshift", "depthshift",
+                        "depthmapscale", "depthscalingfactor", "depthmultiplier"});
     if (codes > 0) return is_count(codes) ? codes : is_metres(codes) ? 1 / codes : 0;
-    const double metres = members.number({"integerdepthscale", "depthunitscalefactor", "depthunit",
-                                          "depthunits", "depthunitm", "depthscalefactor", "metrespercode"});
+    const double metres =
+        members.number({"integerdepthscale", "depthunitscalefactor", "depthunit", "depthunits", "depthunitm",
+                        "depthscalefactor", "metrespercode", "depthunitinmeters", "depthtometers"});
     if (metres > 0) return is_metres(metres) ? 1 / metres : is_count(metres) ? metres : 0;
+    const double millimetres = members.number({"depthscalemm"});
+    if (millimetres > 0 && millimetres <= most_millimetres) return 1000 / millimetres;
     double scale = members.number({"depthscale", "depthscales", "scaledepth"});
     if (is_metres(scale)) return 1 / scale;
     if (scale > 0 && scale <= most_millimetres && members.has("camk")) return 1000 / scale;
     // 1 is BOP's millimetre, or says that there is nothing to do.
     if (scale > most_metres && scale != 1)
         return scale <= most_millimetres ? 1000 / scale : is_count(scale) ? scale : 0;
-    scale = members.has("fx") ? members.number({"scale"}) : 0;  // Replica
+    if (const double in_words = metres_of_words(members.words("depthscale")); is_metres(in_words))
+        return 1 / in_words;
+    // A scene in centimetres says nothing of whole numbers.
+    const bool is_of_scene = members.has("metersperunit") || members.has("meterspersceneunit");
+    if (const double unit = unit_of_members(object, name); unit > 0 && (!is_of_scene || is_metres(unit)))
+        return is_count(1 / unit) ? 1 / unit : 0;
+    scale = members.has("fx") ? members.number({"scale", "scalefactor"}) : 0;  // Replica
     return is_count(scale) ? scale : 0;
 }
 
-double rate_of_members(const Json& object) {
+double rate_of_members(const Json& object, const std::string& = "") {
     constexpr double highest = 1000;
     const double rate =
         Members(object).number({"fps", "framerate", "camerafps", "framespersecond", "depthfps"});
     return rate > 0 && rate <= highest ? rate : 0;
 }
 
-/// Adds the cameras in `json` to `found`, depth's first. What has focal lengths or a matrix is one camera,
-/// whatever else is in it. `name`, `width`, `height`: what the members around it say; `depth`: how many.
-void find_cameras(const Json& json, std::vector<CameraFile>& found, const std::string& name = "",
-                  int width = 0, int height = 0, int depth = 0) {
-    constexpr int deepest = 6;
-    if (depth > deepest || found.size() >= most_cameras) return;
-    if (json.is_array()) {
-        std::size_t looked = 0;
-        for (const Json& each : json)
-            if (each.is_object() && looked++ < most_cameras)
-                find_cameras(each, found, name == "frames" ? std::to_string(looked) : name, width, height,
-                             depth + 1);
-        return;
+/// What stands in a line of its own, or in a member, as librealsense prints it:
+/// "[ 640x480  p[319.1 240.2]  f[600 601]  Brown Conrady [0 0 0 0 0] ]".
+std::optional<CameraFile> from_printed(std::string_view text) {
+    constexpr std::size_t longest = 1 << 12;
+    text = text.substr(0, longest);
+    const auto centre = text.find(" p["), focal = text.find(" f[", std::min(centre, text.size()));
+    if (centre == std::string_view::npos || focal == std::string_view::npos) return {};
+    const auto within = [&](std::size_t at) {
+        return numbers_in(text.substr(at + 3, text.find(']', at) - std::min(text.find(']', at), at + 3)));
+    };
+    const auto c = within(centre), f = within(focal);
+    if (c.size() != 2 || f.size() != 2) return {};
+    CameraFile made{.intrinsics = {f[0], f[1], c[0], c[1]}};
+    const std::string_view size = trimmed(text.substr(0, centre), " [:");
+    const auto times = size.rfind('x');
+    if (times != std::string_view::npos) {
+        const auto before = size.find_last_not_of("0123456789", times - (times > 0 ? 1 : 0));
+        const auto width =
+                       parsed_number(size.substr(before == size.npos ? 0 : before + 1, times - before - 1)),
+                   height = parsed_number(size.substr(times + 1));
+        if (width && height && is_side(*width) && is_side(*height)) {
+            made.intrinsics.width = static_cast<int>(*width);
+            made.intrinsics.height = static_cast<int>(*height);
+        }
     }
+    const auto terms = text.find('[', focal + 3);
+    const auto bends =
+        terms == std::string_view::npos ? std::vector<double>() : numbers_in(text.substr(terms));
+    made.has_distortion = std::ranges::any_of(bends, [](double term) { return term != 0; });
+    return made;
+}
+
+/// A file of a stereo camera of ZED has a section for each size of its pictures, which it does not tell.
+std::pair<int, int> size_by_name(const std::string& name) {
+    constexpr std::pair<const char*, std::pair<int, int>> sizes[] = {
+        {"_CAM_2K", {2208, 1242}}, {"_CAM_FHD", {1920, 1080}}, {"_CAM_FHD1200", {1920, 1200}},
+        {"_CAM_HD", {1280, 720}},  {"_CAM_SVGA", {960, 600}},  {"_CAM_VGA", {672, 376}}};
+    for (const auto& [end, size] : sizes)
+        if (name.ends_with(end)) return size;
+    return {0, 0};
+}
+
+bool is_number_name(const std::string& name) {
+    return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
+}
+
+/// The stem of the picture that an object is of; empty: it names none, or no number of one.
+std::string picture_of(const Json& object) {
+    const Members members(object);
+    for (const char* name : {"filepath", "imgname", "imagename", "filename"}) {
+        const auto words = members.words(name);
+        if (words.size() >= longest_name) continue;
+        std::string stem = std::filesystem::path(words).stem().string();
+        if (!number_in(stem, 0).empty()) return stem;
+    }
+    return "";
+}
+
+/// What the members around one say of it.
+struct Around {
+    std::string name{}, frame{};
+    int width = 0, height = 0, depth = 0;
+};
+
+/// Of members or elements, each of a frame, by their `keys`, the one of the wanted picture; -1: none is, or
+/// it is not sure.
+int place_of(const FrameKey& wanted, const std::vector<std::string>& keys) {
+    if (wanted.stem.empty() || keys.size() < std::max<std::size_t>(wanted.pictures, 2)) return -1;
+    int found = -1;
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        if (keys[k] == wanted.stem) return static_cast<int>(k);
+        if (wanted.number.empty() || number_in(keys[k], 0) != wanted.number) continue;
+        if (found >= 0) return -1;
+        found = static_cast<int>(k);
+    }
+    return found;
+}
+
+void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameKey& wanted, Around around);
+
+/// The elements of a list, each an object, or a pair of a name and an object.
+void find_in_list(const Json& list, std::vector<CameraFile>& found, const FrameKey& wanted, Around around) {
+    struct Element {
+        const Json* object;
+        std::string name;
+    };
+    std::vector<Element> elements;
+    std::vector<std::string> keys;
+    for (const Json& each : list) {
+        if (wanted.stem.empty() && elements.size() == most_cameras) break;
+        const bool is_pair =
+            each.is_array() && each.size() == 2 && each[0].is_primitive() && each[1].is_object();
+        if (!each.is_object() && !is_pair) continue;
+        const std::string name = !is_pair              ? ""
+                                 : each[0].is_string() ? each[0].get<std::string>()
+                                                       : each[0].dump();
+        elements.push_back({is_pair ? &each[1] : &each, name});
+        keys.push_back(picture_of(*elements.back().object));
+    }
+    const bool are_frames = around.name == "frames" || std::ranges::none_of(keys, &std::string::empty);
+    const int one = are_frames ? place_of(wanted, keys) : -1;
+    const std::string name = around.name;
+    for (std::size_t k = 0; k < elements.size() && k < most_cameras; ++k) {
+        const std::size_t at = one < 0 ? k : static_cast<std::size_t>(one);
+        const std::string& key = elements[at].name;
+        around.name = key.empty() ? name : name + ' ' + key;
+        if (are_frames) around.frame = keys[at].empty() ? '#' + std::to_string(at) : keys[at];
+        find_cameras(*elements[at].object, found, wanted, around);
+        if (one >= 0) break;
+    }
+}
+
+/// Adds the cameras in `json` to `found`, depth's first, and of cameras that each have a frame that of the
+/// wanted one. What has focal lengths or a matrix is one camera, whatever else is in it.
+void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameKey& wanted, Around around) {
+    constexpr int deepest = 6;
+    if (around.depth++ > deepest || found.size() >= most_cameras) return;
+    if (json.is_array()) find_in_list(json, found, wanted, around);
+    if (json.is_string())
+        if (auto printed = from_printed(json.get_ref<const std::string&>())) {
+            printed->name = around.name;
+            found.push_back(std::move(*printed));
+        }
     if (!json.is_object()) return;
     const Members members(json);
     const auto pair = members.list({"resolution", "imagesize", "imagedimension", "renderproductresolution"});
-    const double own_width =
-                     pair.size() == 2
-                         ? pair[0]
-                         : members.number({"width", "w", "imagewidth", "depthwidth", "resolutionx", "imw"}),
+    const double own_width = pair.size() == 2 ? pair[0]
+                                              : members.number({"width", "w", "imagewidth", "depthwidth",
+                                                                "resolutionx", "imw", "mdepthwidth"}),
                  own_height = pair.size() == 2 ? pair[1]
                                                : members.number({"height", "h", "imageheight", "depthheight",
-                                                                 "resolutiony", "imh"});
+                                                                 "resolutiony", "imh", "mdepthheight"});
     if (is_side(own_width) && is_side(own_height)) {
-        width = static_cast<int>(own_width);
-        height = static_cast<int>(own_height);
+        around.width = static_cast<int>(own_width);
+        around.height = static_cast<int>(own_height);
     }
-    std::string own_name = name;
-    for (const char* member : {"name", "camera_name", "rostopic"})
+    for (const char* member : {"name", "camera_name", "rostopic", "label"})
         if (json.contains(member) && json[member].is_string())
-            own_name += ' ' + json[member].get<std::string>();
-    own_name = own_name.substr(0, longest_name);
+            around.name += ' ' + json[member].get<std::string>();
+    around.name = around.name.substr(0, longest_name);
     if (auto camera = intrinsics_of(json)) {
-        camera->width = width;
-        camera->height = height;
+        std::tie(camera->width, camera->height) =
+            around.width > 0 ? std::pair(around.width, around.height) : size_by_name(around.name);
         found.push_back({.intrinsics = *camera,
                          .codes_per_metre = codes_per_metre_of(json),
                          .has_distortion = says_distortion(json),
-                         .name = own_name});
+                         .name = around.name,
+                         .frame = around.frame});
         return;
     }
     constexpr const char* first[] = {"depth", "depth_intrinsics", "intrinsics", "intrinsic", "camera"};
     const auto inner = [&](const std::string& member) {
-        find_cameras(json[member], found, own_name.empty() ? member : own_name + ' ' + member, width, height,
-                     depth + 1);
+        Around within = around;
+        within.name = around.name.empty() ? member : around.name + ' ' + member;
+        if (is_number_name(member)) within.frame = member;
+        find_cameras(json[member], found, wanted, within);
     };
+    std::vector<std::string> keys;
+    if (!wanted.stem.empty())
+        for (const auto& [member, value] : json.items())
+            if (value.is_object() && is_number_name(member)) keys.push_back(member);
+    if (const int one = place_of(wanted, keys); one >= 0) {
+        inner(keys[static_cast<std::size_t>(one)]);
+        return;
+    }
     for (const char* member : first)
         if (json.contains(member)) inner(member);
     for (const auto& [member, value] : json.items())
         if (std::ranges::find(first, member) == std::end(first)) inner(member);
 }
 
-/// Of the whole text, or of a member of it: ORB-SLAM's Camera, a configuration's cam.
+/// Of the whole text, or of what is in it, `deepest` members down: ORB-SLAM's Camera, a configuration's cam.
 template <class Of>
-double first_said(const Json& json, Of of) {
-    if (!json.is_object()) return 0;
-    double said = of(json);
+double first_said(const Json& json, Of of, int deepest, const std::string& name = "") {
+    double said = json.is_object() ? of(json, name) : 0;
     constexpr std::size_t most = 20;
     std::size_t looked = 0;
-    for (const auto& [name, value] : json.items())
-        if (said == 0 && value.is_object() && looked++ < most) said = of(value);
+    if (said != 0 || deepest == 0 || !json.is_structured()) return said;
+    for (const auto& [member, value] : json.items())
+        if (said == 0 && value.is_structured() && looked++ < most)
+            said = first_said(value, of, deepest - 1, json.is_object() ? member : name);
     return said;
 }
 
-/// An element as JSON has it: numbers, words, members; several of one name are a list.
-Json json_of(const pugi::xml_node& node, int depth = 0) {
-    constexpr int deepest = 8;
-    Json members = Json::object();
-    if (depth > deepest) return nullptr;
-    for (const pugi::xml_node& child : node.children()) {
-        if (child.type() != pugi::node_element) continue;
-        Json value = json_of(child, depth + 1);
-        auto [there, is_new] = members.emplace(child.name(), Json());
-        if (is_new) {
-            *there = std::move(value);
-            continue;
-        }
-        if (!there->is_array()) *there = Json::array({std::move(*there)});
-        there->push_back(std::move(value));
-    }
-    if (!members.empty()) return members;
-    std::istringstream words(node.child_value());
-    Json list = Json::array();
-    for (std::string word; words >> word;) {
-        const auto number = parsed_number(word);
-        if (!number) return std::string(node.child_value());
-        list.push_back(*number);
-    }
-    return list.size() == 1 ? list[0] : list;
-}
-
-Json json_in(std::string_view text) {
-    const auto begin = text.find_first_not_of(" \t\r\n");
-    if (begin == std::string_view::npos) return nullptr;
-    if (text[begin] == '{' || text[begin] == '[') {
-        try {
-            return checked_json::parse(text, text.size());
-        } catch (const checked_json::Refusal&) {
-        } catch (const Json::exception&) {
-        }
-        return nullptr;
-    }
-    if (text[begin] == '<') {
-        pugi::xml_document document;
-        return document.load_buffer(text.data(), text.size()) ? json_of(document) : Json();
-    }
-    return plain_yaml(text);
+void take_members(const Json& json, const FrameKey& wanted, CameraText& said) {
+    constexpr int deepest_scale = 3, deepest_rate = 1;
+    find_cameras(json, said.cameras, wanted, {});
+    if (said.frames_per_second == 0) said.frames_per_second = first_said(json, rate_of_members, deepest_rate);
+    if (said.codes_per_metre == 0) said.codes_per_metre = first_said(json, codes_per_metre_of, deepest_scale);
+    if (said.metres_per_value == 0) said.metres_per_value = first_said(json, unit_of_members, deepest_scale);
 }
 
 /// Numbers after a word that begins a line, up to its end.
@@ -607,9 +565,10 @@ std::vector<CameraFile> from_colmap(std::string_view text) {
     return cameras;
 }
 
-/// ARKitScenes' .pincam: width height fx fy cx cy.
+/// ARKitScenes' .pincam: width height fx fy cx cy; Matterport3D's has five numbers of a lens more.
 std::optional<Intrinsics> from_pincam(const std::vector<double>& numbers) {
-    if (numbers.size() != 6 || !is_side(numbers[0]) || !is_side(numbers[1])) return {};
+    if ((numbers.size() != 6 && numbers.size() != 11) || !is_side(numbers[0]) || !is_side(numbers[1]))
+        return {};
     return Intrinsics{numbers[2],
                       numbers[3],
                       numbers[4],
@@ -626,13 +585,9 @@ std::optional<Intrinsics> from_four(const std::vector<double>& n) {
     return Intrinsics{n[0], n[1], n[2], n[3]};
 }
 
-/// How often a table's frames come, by their times: of one that counts frames or says where a camera stood.
-void read_times(const NumberTable& table, CameraText& said) {
-    const int time = table.column({"timestamp", "timestamps", "time", "t", "sec", "seconds", "timestampns"});
-    const bool counts = table.column({"frame", "frameid", "frameindex", "framenumber", "index"}) >= 0;
-    if (time < 0 || (!counts && table.column({"qx", "qw"}) < 0)) return;
-    std::vector<double> seconds;
-    for (const std::vector<double>& row : table.rows) seconds.push_back(row[static_cast<std::size_t>(time)]);
+/// How often frames come that were taken at these times; 0: they are no times of frames.
+double rate_of_times(std::vector<double> seconds) {
+    if (seconds.empty()) return 0;
     // Since 1970, in nano-, micro- and milliseconds.
     constexpr std::pair<double, double> units[] = {{1e17, 1e-9}, {1e14, 1e-6}, {1e11, 1e-3}};
     for (const auto& [least, unit] : units)
@@ -641,26 +596,39 @@ void read_times(const NumberTable& table, CameraText& said) {
             for (double& each : seconds) each = (each - first) * unit;
             break;
         }
-    if (!std::ranges::is_sorted(seconds)) return;
+    if (!std::ranges::is_sorted(seconds)) return 0;
     const auto rate = rate_of_seconds(seconds);
     constexpr double highest = 1000;
-    if (rate && rate->per_second() <= highest) said.frames_per_second = rate->per_second();
+    return rate && rate->per_second() <= highest ? rate->per_second() : 0;
+}
+
+/// How often a table's frames come, by their times: of one that counts frames or says where a camera stood.
+void read_times(const NumberTable& table, CameraText& said) {
+    const int time = table.column({"timestamp", "timestamps", "time", "t", "sec", "seconds", "timestampns"});
+    const bool counts = table.column({"frame", "frameid", "frameindex", "framenumber", "index"}) >= 0;
+    if (time < 0 || (!counts && table.column({"qx", "qw"}) < 0)) return;
+    std::vector<double> seconds;
+    for (const std::vector<double>& row : table.rows) seconds.push_back(row[static_cast<std::size_t>(time)]);
+    if (!std::ranges::is_sorted(seconds)) return;
+    said.frames_per_second = rate_of_times(seconds);
     said.timed_rows = seconds.size();
 }
 
-/// A row of a table is an object, as in a list of JSON; at most `most_cameras`, evenly.
-void read_rows(const NumberTable& table, CameraText& said) {
-    const std::size_t count = std::min(table.rows.size(), most_cameras);
+/// A row of a table is an object, as in a list of JSON; at most `most_cameras`, evenly, or the wanted one.
+void read_rows(const NumberTable& table, const FrameKey& wanted, CameraText& said) {
+    const int frame = table.column({"frame", "frameid", "frameindex", "framenumber", "index"});
+    std::vector<std::string> keys;
+    for (const std::vector<double>& row : table.rows)
+        keys.push_back(frame < 0 ? "" : short_number(row[static_cast<std::size_t>(frame)], 10));
+    const int one = frame < 0 ? -1 : place_of(wanted, keys);
+    const std::size_t count = one >= 0 ? 1 : std::min(table.rows.size(), most_cameras);
     for (std::size_t n = 0; n < count; ++n) {
-        const std::vector<double>& row = table.rows[n * table.rows.size() / count];
+        const std::size_t at = one >= 0 ? static_cast<std::size_t>(one) : n * table.rows.size() / count;
         Json object = Json::object();
-        for (std::size_t k = 0; k < row.size(); ++k) object.emplace(table.names[k], row[k]);
-        find_cameras(object, said.cameras, std::to_string(n));
+        for (std::size_t k = 0; k < table.names.size(); ++k)
+            object.emplace(table.names[k], table.rows[at][k]);
+        find_cameras(object, said.cameras, wanted, {.frame = keys[at].empty() ? '#' + keys[at] : keys[at]});
     }
-}
-
-bool is_number_name(const std::string& name) {
-    return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
 /// Where each camera is that of a frame, as numbers for names tell, all become one: the median. A camera's
@@ -668,7 +636,7 @@ bool is_number_name(const std::string& name) {
 void join_frames(CameraText& said) {
     constexpr double most_moved = 1.1;
     std::vector<CameraFile>& cameras = said.cameras;
-    if (cameras.size() < 2 || !std::ranges::all_of(cameras, is_number_name, &CameraFile::name)) return;
+    if (cameras.size() < 2 || std::ranges::any_of(cameras, &std::string::empty, &CameraFile::frame)) return;
     const CameraFile median = median_camera_file(cameras);
     const bool is_one = std::ranges::all_of(cameras, [&](const CameraFile& each) {
         const double fx = each.intrinsics.fx, of_median = median.intrinsics.fx;
@@ -677,33 +645,93 @@ void join_frames(CameraText& said) {
     if (is_one) said.cameras = {median};
 }
 
-/// No camera in the text is no error here.
-CameraText cameras_in_text(std::string_view text) {
-    if (auto found = from_calib(text)) return {{std::move(*found)}};
-    if (text.find_first_not_of("0123456789+-.eE, \t\r\n[];") == std::string_view::npos) {
-        const auto numbers = numbers_in(text);
-        if (const auto found = from_matrix(numbers)) return {{{.intrinsics = *found}}};
-        if (const auto found = from_pincam(numbers)) return {{{.intrinsics = *found, .is_bare = true}}};
-        if (const auto found = from_four(numbers)) return {{{.intrinsics = *found, .is_bare = true}}};
-    }
+/// Numbers without words: a matrix, with or without more behind it (a baseline, a lens), one for each frame,
+/// or bare numbers.
+CameraText from_numbers(const std::vector<double>& numbers) {
+    constexpr std::size_t of_matrix = 9, most_behind = 6;
+    if (const auto found = from_matrix(numbers)) return {{{.intrinsics = *found}}};
     CameraText said;
-    const auto take = [&](const Json& json) {
-        find_cameras(json, said.cameras);
-        if (said.frames_per_second == 0) said.frames_per_second = first_said(json, rate_of_members);
-        if (said.codes_per_metre == 0) said.codes_per_metre = first_said(json, codes_per_metre_of);
-    };
+    if (numbers.size() > of_matrix && numbers.size() % of_matrix == 0) {
+        const std::size_t frames = numbers.size() / of_matrix, count = std::min(frames, most_cameras);
+        for (std::size_t n = 0; n < count; ++n) {
+            const auto first =
+                numbers.begin() + static_cast<std::ptrdiff_t>(of_matrix * (n * frames / count));
+            if (const auto found = from_matrix({first, first + of_matrix}))
+                said.cameras.push_back({.intrinsics = *found, .frame = '#' + std::to_string(n)});
+        }
+        if (said.cameras.size() == count) return said;
+    }
+    if (numbers.size() > of_matrix && numbers.size() <= of_matrix + most_behind)
+        if (const auto found = from_matrix({numbers.begin(), numbers.begin() + of_matrix})) {
+            constexpr double longest_baseline = 10;  // metres
+            CameraFile camera{.intrinsics = *found};
+            const double next = numbers[of_matrix];
+            const bool is_one = numbers.size() == of_matrix + 1;
+            if (is_one && next > 0 && next < longest_baseline) camera.baseline = next;
+            camera.has_distortion = !is_one && next != 0;
+            return {{std::move(camera)}};
+        }
+    if (const auto found = from_pincam(numbers)) {
+        const bool is_bent = std::any_of(numbers.begin() + 6, numbers.end(), [](double n) { return n != 0; });
+        return {{{.intrinsics = *found, .has_distortion = is_bent, .is_bare = true}}};
+    }
+    if (const auto found = from_four(numbers)) return {{{.intrinsics = *found, .is_bare = true}}};
+    return {};
+}
+
+/// MVSNet's: the word extrinsic with a 4x4 matrix, the word intrinsic with a 3x3 one, and a range of depths.
+std::optional<Intrinsics> from_mvsnet(std::string_view text) {
+    constexpr std::size_t longest = 1 << 12, of_matrix = 9;
+    text = text.substr(0, longest);
+    const auto begin = text.find("\nintrinsic");
+    if (!trimmed(text, " \t\r\n").starts_with("extrinsic") || begin == std::string_view::npos) return {};
+    auto numbers = numbers_in(text.substr(begin));
+    if (numbers.size() < of_matrix) return {};
+    numbers.resize(of_matrix);
+    return from_matrix(numbers);
+}
+
+/// No camera in the text is no error here.
+CameraText cameras_in_text(std::string_view text, const FrameKey& wanted = {}) {
+    if (auto found = from_calib(text)) return {{std::move(*found)}};
+    if (auto found = from_mvsnet(text)) return {{{.intrinsics = *found}}};
+    if (text.find_first_not_of("0123456789+-.eE, \t\r\n[];") == std::string_view::npos)
+        if (auto found = from_numbers(numbers_in(text)); !found.cameras.empty()) {
+            join_frames(found);
+            return found;
+        }
+    CameraText said;
     if (const NumberTable table = table_in(text); !table.rows.empty()) {
-        read_rows(table, said);
+        read_rows(table, wanted, said);
         read_times(table, said);
     }
-    if (said.cameras.empty()) take(json_in(text));
+    if (said.cameras.empty()) take_members(json_in(text), wanted, said);
     if (said.cameras.empty()) said.cameras = from_colmap(text);
-    if (said.cameras.empty()) take(members_in_lines(text));
+    if (said.cameras.empty()) take_members(members_in_lines(text), wanted, said);
+    if (said.cameras.empty())
+        if (auto printed = from_printed(text)) said.cameras.push_back(std::move(*printed));
     for (CameraFile& camera : said.cameras)
         if (camera.codes_per_metre == 0) camera.codes_per_metre = said.codes_per_metre;
     join_frames(said);
     if (said.codes_per_metre == 0 && said.cameras.size() == 1)
         said.codes_per_metre = said.cameras.front().codes_per_metre;
+    return said;
+}
+
+/// An object in each line: cameras are those of the first that has any, the rate is by their times.
+CameraText cameras_in_lines(std::string_view text, const FrameKey& wanted) {
+    CameraText said;
+    std::vector<double> seconds;
+    while (!text.empty() && seconds.size() < most_cameras) {
+        const auto end = std::min(text.find('\n'), text.size());
+        CameraText in_line = cameras_in_text(text.substr(0, end), wanted);
+        const Json object = json_in(text.substr(0, end));
+        text.remove_prefix(std::min(end + 1, text.size()));
+        if (in_line.cameras.empty()) continue;
+        seconds.push_back(Members(object).number({"time", "timestamp", "t"}));
+        if (said.cameras.empty()) said = std::move(in_line);
+    }
+    if (said.frames_per_second == 0) said.frames_per_second = rate_of_times(std::move(seconds));
     return said;
 }
 
@@ -754,10 +782,15 @@ CameraFile median_camera_file(std::span<const CameraFile> cameras) {
     return median;
 }
 
-Result<CameraText> read_camera_text(const std::filesystem::path& file) {
-    TRY_ASSIGN(auto text, read_given_file(file, file.string(), "a camera's file", longest_camera_file));
+Result<CameraText> read_camera_text(const std::filesystem::path& file, const FrameKey& wanted) {
+    constexpr std::size_t enough_lines = 1 << 18;
+    const bool is_of_lines = small_letters(file.extension().string()) == ".jsonl";
+    TRY_ASSIGN(auto text, is_of_lines
+                              ? Result<std::string>(first_bytes(SourceFile(file), enough_lines))
+                              : read_given_file(file, file.string(), "a camera's file", longest_camera_file));
+    if (is_git_lfs_pointer(text)) return input_error(file.string() + ": " + git_lfs_words);
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);  // a mark that says UTF-8
-    CameraText said = cameras_in_text(text);
+    CameraText said = is_of_lines ? cameras_in_lines(text, wanted) : cameras_in_text(text, wanted);
     bool is_any_far = false;
     std::erase_if(said.cameras, [&](CameraFile& camera) {
         camera.intrinsics.fy = std::abs(camera.intrinsics.fy);
@@ -770,6 +803,29 @@ Result<CameraText> read_camera_text(const std::filesystem::path& file) {
                            ": its principal point is far beside its picture: must be cx, cy in "
                            "pixels, in the picture or near it");
     return said;
+}
+
+double rate_in_file_of_times(const std::filesystem::path& file, std::size_t frames) {
+    constexpr std::size_t longest = 1 << 22;
+    const std::string stem = bare_name(file.stem().string());
+    const auto is_any_of = [&](std::initializer_list<const char*> names) {
+        return std::ranges::find(names, stem) != names.end();
+    };
+    const bool is_rate = is_any_of({"fps", "framerate"});
+    if (!is_rate && !is_any_of({"timestamps", "timestamp", "times", "depthtimestamps", "depthtimes"}))
+        return 0;
+    const auto text = read_given_file(file, file.string(), "times of frames", longest);
+    if (!text || text->find_first_not_of("0123456789+-.eE, \t\r\n[];") != std::string::npos) return 0;
+    const std::vector<double> numbers = numbers_in(*text);
+    constexpr double highest = 1000;
+    if (is_rate) return numbers.size() == 1 && numbers[0] > 0 && numbers[0] <= highest ? numbers[0] : 0;
+    // In lines of a number and a time, or of times alone.
+    const bool is_list = text->starts_with('[');
+    const std::size_t columns = is_list ? 1 : numbers_in(text->substr(0, text->find('\n'))).size();
+    if (columns < 1 || columns > 2 || numbers.size() % columns != 0) return 0;
+    std::vector<double> seconds;
+    for (std::size_t k = columns - 1; k < numbers.size(); k += columns) seconds.push_back(numbers[k]);
+    return frames > 0 && seconds.size() != frames ? 0 : rate_of_times(std::move(seconds));
 }
 
 Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
@@ -816,7 +872,7 @@ CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
             said.cameras.back().name = array.name.substr(0, longest_name);
         }
     }
-    if (said.cameras.empty()) find_cameras(numbers, said.cameras);
+    if (said.cameras.empty()) find_cameras(numbers, said.cameras, {}, {});
     std::erase_if(said.cameras, is_no_camera);
     said.codes_per_metre = codes_per_metre_of(numbers);
     said.frames_per_second = rate_of_members(numbers);

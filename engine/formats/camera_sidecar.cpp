@@ -1,5 +1,8 @@
 #include "engine/formats/camera_sidecar.hpp"
 
+#include <cctype>
+#include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <span>
@@ -9,21 +12,18 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/scene/checked_json.hpp"
+#include "engine/formats/formats_read.hpp"
+#include "engine/formats/sidecar_text.hpp"
 
 namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
-using checked_json::Json;
-
-constexpr std::size_t longest_poses = std::size_t{64} << 20, longest_metadata = std::size_t{16} << 20;
-constexpr double most_apart_seconds = 0.02;  // between a frame and its pose
 
 struct CameraCandidate {
     fs::path file;
     bool is_named = false;  // as a camera's file is
-    bool is_own = false;    // named as the picture is
+    bool is_own = false;    // the picture's, by its stem or number
     bool is_text = false;   // neither named so nor of members: only what names its numbers is a camera
 };
 
@@ -36,8 +36,9 @@ bool is_named_camera(const std::string& name, const std::string& stem) {
     if (has_word(name, {"extrinsic", "pose", "trajector", "groundtruth"})) return false;
     const bool is_numbered_cam =
         stem.starts_with("cam") && stem.find_first_not_of("0123456789", 3) == std::string::npos;
-    return has_word(name, {"camera", "intrinsic", "calib", "camchain"}) || stem == "k" || stem == "fov" ||
-           is_numbered_cam || name == "metadata.json" || name == "transforms.json";
+    return has_word(name, {"camera", "intrinsic", "calib", "camchain"}) || is_numbered_cam ||
+           stem.starts_with("cam_") || stem.ends_with("_cam") || is_any_of(stem, {"k", "camk", "fov"}) ||
+           is_any_of(name, {"metadata", "metadata.json", "transforms.json"});
 }
 
 /// Lists of pictures and of poses, which have readers of their own, and what this program writes.
@@ -72,59 +73,105 @@ std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>&
 }
 
 bool is_small_text(const std::string& extension) {
-    return is_any_of(extension, {".json", ".yaml", ".yml", ".xml", ".txt", ".csv", ".ini", ".toml", ".cfg",
-                                 ".conf", ".cal"});
+    return is_any_of(extension, {".json", ".jsonl", ".yaml", ".yml", ".xml", ".txt", ".csv", ".ini", ".toml",
+                                 ".cfg", ".conf", ".cal"});
 }
 
-/// Files of a folder that may be a camera's, named ones first. Of pictures' own files only this picture's.
-std::vector<CameraCandidate> candidates_in(const fs::path& folder, const PicturesOfCamera& pictures) {
+bool has_digit(std::string_view text) {
+    return text.find_first_of("0123456789") != std::string_view::npos;
+}
+
+/// The words of a name, with the numbers behind them: cam2 and depth of depth_cam_02.
+std::set<std::string> words_of(const std::string& name) {
+    std::set<std::string> words;
+    const std::string letters = small_letters(name) + '.';
+    std::string word;
+    for (std::size_t k = 0; k < letters.size(); ++k) {
+        const bool is_letter = letters[k] >= 'a' && letters[k] <= 'z', is_digit = has_digit({&letters[k], 1});
+        if (is_digit) {
+            const auto end = letters.find_first_not_of("0123456789", k);
+            const std::string number = number_in(letters.substr(k, end - k), 0);
+            if (!word.empty()) words.insert(word + number);
+            word.clear();
+            k = end - 1;
+        } else if (is_letter) {
+            word += letters[k];
+        } else if (!has_digit({&letters[std::min(k + 1, letters.size() - 1)], 1})) {
+            if (!word.empty()) words.insert(word);
+            word.clear();
+        }
+    }
+    return words;
+}
+
+/// What is sought, with what the pictures' names tell.
+struct Sought : PicturesOfCamera {
+    std::vector<std::string> stems{};  // of the frames, or of pictures named as this one is, at most 64
+    int telling = 0;                   // their telling_number
+    FrameKey key{};                    // of a single picture
+    std::set<std::string> words{};     // of depth's folders, that tell cameras apart
+    std::string below{};               // the folder we come from, small letters; empty: none
+    bool needs_camera = false;         // of files that are not named as a camera's
+};
+
+/// Whether two stems begin with the same words, numbers among them, and the second has no other number behind
+/// these: v2_depth and v2_K.
+bool has_stem_of(const std::string& picture, const std::string& stem) {
+    std::size_t same = 0;
+    const auto is_end = [&](std::size_t at) {
+        const auto ends = [at](const std::string& name) {
+            return at == name.size() || std::isalnum(static_cast<unsigned char>(name[at])) == 0;
+        };
+        return ends(picture) && ends(stem);
+    };
+    for (std::size_t k = 0; k <= std::min(picture.size(), stem.size()); ++k) {
+        if (is_end(k)) same = k;
+        if (k == picture.size() || k == stem.size() || picture[k] != stem[k]) break;
+    }
+    return has_digit(stem.substr(0, same)) && !has_digit(stem.substr(same));
+}
+
+/// Files of a folder that may be a camera's, the picture's own first, then named ones. Of pictures' own files
+/// only this picture's; of folders' only that of the one we come from.
+std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought& pictures) {
     constexpr std::size_t most_named = 100, most_others = 16;  // more are of something else
     constexpr std::uintmax_t longest_other = 1 << 20, longest_text = 1 << 22;
     std::vector<std::string> picture_stems;
     std::vector<CameraCandidate> named, others;
     const std::vector<fs::path> texts = texts_in(folder, picture_stems);
+    const std::string own_stem = small_letters(pictures.stem);
     for (const fs::path& file : texts) {
         const std::string name = small_letters(file.filename().string()),
                           stem = small_letters(file.stem().string()),
                           extension = small_letters(file.extension().string());
         if (!is_file(file)) continue;
-        const bool has_members = is_any_of(extension, {".json", ".yaml", ".yml", ".xml"});
         std::error_code failure;
+        if (!pictures.below.empty() && stem != pictures.below &&
+            fs::is_directory(folder / file.stem(), failure))
+            continue;
+        const bool has_members = is_any_of(extension, {".json", ".jsonl", ".yaml", ".yml", ".xml"});
+        const bool is_own = !stem.empty() && (stem == own_stem || has_stem_of(own_stem, stem));
         if (is_named_camera(name, stem)) {
             if (has_members || is_any_of(extension, {"", ".txt", ".ini", ".toml", ".cfg", ".conf", ".cal",
                                                      ".bin", ".mat", ".csv", ".pincam"}))
-                if (named.size() < most_named) named.push_back({file, true});
-        } else if (!pictures.only_named && is_small_text(extension) && others.size() <= most_others &&
-                   !is_of_others(name)) {
-            const bool is_own = !stem.empty() && stem == small_letters(pictures.stem);
+                if (named.size() < most_named) named.push_back({file, true, is_own});
+        } else if (!pictures.only_named && is_small_text(extension) && !is_of_others(name)) {
             // A picture of a folder: what is no other picture's may be of all.
             const bool is_shared = !std::ranges::binary_search(picture_stems, stem);
-            if (!is_own && !pictures.is_whole_folder && !is_shared) continue;
-            if (fs::file_size(file, failure) <= (has_members ? longest_other : longest_text) && !failure)
-                others.push_back({file, false, is_own, !has_members});
+            if (!is_own && (others.size() > most_others || (!pictures.is_whole_folder && !is_shared)))
+                continue;
+            const auto longest = extension == ".jsonl" ? std::numeric_limits<std::uintmax_t>::max()
+                                 : has_members         ? longest_other
+                                                       : longest_text;
+            if (fs::file_size(file, failure) <= longest && !failure)
+                (is_own ? named : others).push_back({file, false, is_own, !has_members});
         }
     }
     if (others.size() <= most_others) named.insert(named.end(), others.begin(), others.end());
-    std::ranges::sort(named, {}, &CameraCandidate::file);
+    std::ranges::sort(named, [](const CameraCandidate& one, const CameraCandidate& other) {
+        return one.is_own != other.is_own ? one.is_own : one.file < other.file;
+    });
     return named;
-}
-
-/// Digits of a stem, without zeros before them: the last ones, or of those the ones `from_end` before them;
-/// empty: there are none.
-std::string number_in(std::string_view stem, int from_end) {
-    constexpr const char* digits = "0123456789";
-    for (;; --from_end) {
-        const auto last = stem.find_last_of(digits);
-        if (last == std::string_view::npos) return "";
-        const auto before = stem.find_last_not_of(digits, last);
-        const std::size_t begin = before == std::string_view::npos ? 0 : before + 1;
-        if (from_end > 0) {
-            stem = stem.substr(0, begin);
-            continue;
-        }
-        const std::string_view number = stem.substr(begin, last + 1 - begin);
-        return std::string(number.substr(std::min(number.find_first_not_of('0'), number.size() - 1)));
-    }
 }
 
 /// Which number of these stems, from their ends, tells one from the other: 16 in 0001_depth16 does not.
@@ -138,73 +185,147 @@ int telling_number(std::span<const std::string> stems) {
     return 0;
 }
 
+constexpr std::size_t most_frames_read = 64;
+
+bool is_folder_of_cameras(const fs::path& folder) {
+    return has_word(small_letters(folder.filename().string()), {"intrinsic", "calib"});
+}
+
+/// A stem with # for each of its numbers.
+std::string shape_of(const std::string& stem) {
+    std::string shape;
+    for (const char c : stem)
+        if (!has_digit({&c, 1}) || !shape.ends_with('#')) shape += has_digit({&c, 1}) ? '#' : c;
+    return shape;
+}
+
+/// The files that pictures with these stems have in a folder, one each: of the same stem, or of the same
+/// number in names that are alike but for their numbers. Of each kind that has one for every picture.
+std::vector<std::vector<fs::path>> series_in(const fs::path& folder, const Sought& pictures) {
+    std::vector<std::string> ignored;
+    using Files = std::map<std::string, fs::path>;
+    std::map<std::string, Files> by_extension, by_shape;
+    for (const fs::path& file : texts_in(folder, ignored)) {
+        const std::string extension = small_letters(file.extension().string());
+        if (!is_any_of(extension, {".json", ".yaml", ".yml", ".xml", ".txt"})) continue;
+        const std::string stem = file.stem().string();
+        by_extension[extension].emplace(stem, file);
+        by_shape[extension + shape_of(stem)].emplace(stem, file);
+    }
+    std::vector<std::vector<fs::path>> series;
+    const auto add = [&](const Files& files, auto key_of) {
+        std::vector<fs::path> found;
+        for (const std::string& stem : pictures.stems)
+            if (const auto file = files.find(key_of(stem)); file != files.end())
+                found.push_back(file->second);
+        constexpr std::size_t most = 8;
+        if (found.size() == pictures.stems.size() && series.size() < most) series.push_back(std::move(found));
+    };
+    for (const auto& [extension, files] : by_extension) add(files, std::identity());
+    for (const auto& [shape, files] : by_shape) {
+        if (files.size() < 2) continue;
+        std::vector<std::string> stems;
+        for (const auto& [stem, file] : files) stems.push_back(stem);
+        const int telling = telling_number(stems);
+        Files by_number;
+        for (const auto& [stem, file] : files)
+            // cam0 and cam1 are two cameras of all frames.
+            if (const std::string number = number_in(stem, telling);
+                !number.empty() && stem != "cam" + number)
+                by_number.emplace(number, file);
+        add(by_number, [&](const std::string& stem) { return number_in(stem, pictures.telling); });
+    }
+    return series;
+}
+
 /// Cameras of a folder in which each frame has a file of its own, of the same name or number.
 struct OwnCameras {
     CameraFile median;
     fs::path first;
     std::string files;  ///< "*.json"
 };
-std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const PicturesOfCamera& pictures) {
-    constexpr std::size_t most_read = 64;
-    const std::size_t frames = pictures.frames.size();
-    if (frames < 2) return {};
-    std::vector<std::string> ignored, stems_of_frames;
-    for (const fs::path& frame : pictures.frames) stems_of_frames.push_back(frame.stem().string());
-    const int telling_of_frames = telling_number(stems_of_frames);
-    std::map<std::string, std::map<std::string, fs::path>> by_extension;
-    for (const fs::path& file : texts_in(folder, ignored)) {
-        const std::string extension = small_letters(file.extension().string());
-        if (!is_any_of(extension, {".json", ".yaml", ".yml", ".xml", ".txt"})) continue;
-        by_extension[extension].emplace(file.stem().string(), file);
-    }
-    for (const auto& [extension, files] : by_extension) {
-        if (files.size() < 2) continue;
-        std::vector<std::string> stems;
-        for (const auto& [stem, file] : files) stems.push_back(stem);
-        const int telling = telling_number(stems);
-        std::map<std::string, fs::path> by_number;
-        for (const auto& [stem, file] : files)
-            // cam0 and cam1 are two cameras of all frames.
-            if (const std::string number = number_in(stem, telling);
-                !number.empty() && stem != "cam" + number)
-                by_number.emplace(number, file);
+std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const Sought& pictures) {
+    if (pictures.frames.size() < 2) return {};
+    // Four or six numbers without names may be anything elsewhere.
+    const bool is_of_cameras = is_folder_of_cameras(folder);
+    for (const std::vector<fs::path>& files : series_in(folder, pictures)) {
         std::vector<CameraFile> cameras;
-        OwnCameras own;
-        const std::size_t count = std::min(frames, most_read);
-        for (std::size_t n = 0; n < count && cameras.size() == n; ++n) {
+        for (const fs::path& file : files) {
             if (stop_requested()) return {};
-            const std::string stem = pictures.frames[n * frames / count].stem().string();
-            auto found = files.find(stem);
-            if (found == files.end()) {
-                found = by_number.find(number_in(stem, telling_of_frames));
-                if (found == by_number.end()) break;
-            }
-            auto said = read_camera_text(found->second);
-            // Four or six numbers without names may be anything.
-            if (!said || said->cameras.size() != 1 || said->cameras.front().is_bare) break;
-            if (n == 0) own.first = found->second;
+            auto said = read_camera_text(file);
+            if (!said || said->cameras.size() != 1) break;
+            if (said->cameras.front().is_bare && !is_of_cameras) break;
             cameras.push_back(std::move(said->cameras.front()));
         }
-        if (cameras.size() != count) continue;
-        own.median = median_camera_file(cameras);
-        own.median.frames = frames;
+        if (cameras.size() != files.size()) continue;
+        OwnCameras own{median_camera_file(cameras), files.front(), '*' + files.front().extension().string()};
+        own.median.frames = pictures.frames.size();
         own.median.is_of_files = true;
-        own.files = '*' + own.first.extension().string();
         return own;
     }
     return {};
 }
 
+/// The camera's files of a single picture in a folder first; those of the pictures beside it are left out.
+std::vector<CameraCandidate> candidates_of_picture(const fs::path& folder, const Sought& pictures) {
+    std::vector<CameraCandidate> candidates = candidates_in(folder, pictures);
+    if (pictures.is_whole_folder || pictures.stems.size() < 2) return candidates;
+    const auto own = std::ranges::find(pictures.stems, pictures.stem) - pictures.stems.begin();
+    for (const std::vector<fs::path>& files : series_in(folder, pictures)) {
+        const fs::path& file = files[static_cast<std::size_t>(own)];
+        const std::string name = small_letters(file.filename().string());
+        const bool is_named =
+            is_folder_of_cameras(folder) || is_named_camera(name, small_letters(file.stem().string()));
+        if (stop_requested()) return {};
+        if (!is_named && is_of_others(name)) continue;
+        const auto said = read_camera_text(file);
+        if (!said || (said->cameras.empty() && said->codes_per_metre == 0)) continue;
+        std::erase_if(candidates, [&](const CameraCandidate& each) {
+            return each.file.extension() == file.extension() &&
+                   shape_of(each.file.stem().string()) == shape_of(file.stem().string());
+        });
+        const bool is_text = !is_named && name.ends_with(".txt");
+        candidates.insert(candidates.begin(), {file, is_named, true, is_text});
+    }
+    return candidates;
+}
+
+/// How far a point is from the middle of a side, of which it is a share.
+double off_middle(double at, int side) {
+    return std::abs((at + 0.5) / side - 0.5);
+}
+
 /// How well a camera goes with depth's pictures, what counts most first.
-std::array<bool, 5> mark_of(const CameraCandidate& candidate, const CameraFile& camera,
-                            const PicturesOfCamera& pictures) {
+using CameraMark = std::array<double, 8>;
+CameraMark mark_of(const CameraCandidate& candidate, const CameraFile& camera, const Sought& pictures) {
     const std::string name =
         small_letters(camera.name) + ' ' + small_letters(candidate.file.filename().string());
     const bool is_of_depth = has_word(name, {"depth"}),
                is_of_colour = !is_of_depth && has_word(name, {"color", "colour", "rgb"});
-    return {candidate.is_named, is_of_depth,
-            camera.intrinsics.width == pictures.width && camera.intrinsics.height == pictures.height,
-            !is_of_colour, !camera.has_distortion};
+    const bool shares_word = std::ranges::any_of(
+        words_of(name), [&](const std::string& word) { return pictures.words.contains(word); });
+    const Intrinsics& of = camera.intrinsics;
+    constexpr double middle = 0.1, most_apart = 0.01;
+    enum SizeFit { of_another_shape, unknown, of_this_shape, by_principal_point, of_this_size };
+    SizeFit fit = unknown;
+    double nearness = 0;
+    if (pictures.width > 0 && pictures.height > 0) {
+        const double across = static_cast<double>(of.width) / pictures.width,
+                     down = static_cast<double>(of.height) / pictures.height;
+        if (of.width <= 0 || of.height <= 0) {
+            const bool is_there = of.cx && of.cy && off_middle(*of.cx, pictures.width) < middle &&
+                                  off_middle(*of.cy, pictures.height) < middle;
+            fit = is_there ? by_principal_point : unknown;
+        } else if (across == 1 && down == 1) {
+            fit = of_this_size;
+        } else {
+            fit = std::abs(across - down) <= most_apart * across ? of_this_shape : of_another_shape;
+            nearness = -std::max(across, 1 / across);
+        }
+    }
+    return {double(candidate.is_own), double(candidate.is_named),    double(shares_word),
+            double(is_of_depth),      static_cast<double>(fit),      nearness,
+            double(!is_of_colour),    double(!camera.has_distortion)};
 }
 
 /// Whether a text has a number in it: in its first 64 KiB.
@@ -225,8 +346,14 @@ void take_scale(double codes_per_metre, const fs::path& file, CameraBeside& besi
     beside.scale_file = file;
 }
 
+void take_unit(double metres_per_value, const fs::path& file, CameraBeside& beside) {
+    if (beside.metres_per_value > 0 || metres_per_value <= 0) return;
+    beside.metres_per_value = metres_per_value;
+    beside.unit_file = file;
+}
+
 /// Takes the cameras of a folder in which each frame has its own.
-void take_frames(const fs::path& folder, const PicturesOfCamera& pictures, CameraBeside& beside) {
+void take_frames(const fs::path& folder, const Sought& pictures, CameraBeside& beside) {
     auto own = cameras_of_frames(folder, pictures);
     if (!own) return;
     take_scale(own->median.codes_per_metre, own->first, beside);
@@ -237,180 +364,111 @@ void take_frames(const fs::path& folder, const PicturesOfCamera& pictures, Camer
     beside.camera = std::move(own->median);
 }
 
+/// The depth camera of an Azure Kinect's calibration, whose numbers are shares of its sensor.
+std::optional<CameraFile> azure_kinect_camera(const fs::path& file, const Sought& pictures) {
+    constexpr std::size_t longest = 1 << 18;
+    const auto text = read_given_file(file, file.string(), "a camera's file", longest);
+    if (!text || text->find("\"ModelParameters\"") == std::string::npos) return {};
+    const auto read = parse_azure_kinect_calibration(*text, {pictures.width, pictures.height}, {}, "");
+    if (!read || !(read->depth.fx > 0) || !(read->depth.fy > 0)) return {};
+    const Camera& camera = read->depth;
+    return CameraFile{.intrinsics = {camera.fx, camera.fy, camera.cx, camera.cy},
+                      .has_distortion = read->depth_lens.any()};
+}
+
+/// What a file says that may be taken.
+Result<CameraText> said_by(const CameraCandidate& candidate, const Sought& pictures) {
+    TRY_ASSIGN(auto said, read_camera_text(candidate.file, pictures.key));
+    if (said.cameras.empty() && candidate.is_named)
+        if (auto found = azure_kinect_camera(candidate.file, pictures)) said.cameras = {std::move(*found)};
+    // A camera is what names its numbers, or is a whole matrix; four or six numbers may be anything.
+    if (candidate.is_text) std::erase_if(said.cameras, &CameraFile::is_bare);
+    // Beside a single picture an angle alone, in a file of any name, may be that of a window.
+    if (!pictures.is_whole_folder && !candidate.is_named && !candidate.is_own)
+        std::erase_if(said.cameras, [](const CameraFile& camera) { return camera.intrinsics.fx == 0; });
+    if (said.cameras.empty() && pictures.needs_camera && !candidate.is_named) return CameraText{};
+    return said;
+}
+
+/// The focal length of a camera for pictures of this size.
+double focal_length(const CameraFile& camera, const Sought& pictures) {
+    std::string ignored;
+    const int width = std::max(pictures.width, 1), height = std::max(pictures.height, 1);
+    return scaled_camera(trusted_intrinsics(camera.intrinsics, width, height, ignored), width, height).fx;
+}
+
+/// Cameras that go equally well with the pictures.
+struct EqualCameras {
+    CameraMark mark{};
+    std::size_t count = 0;
+    double least = 0, most = 0;  // focal lengths
+    /// Whether another one is the first of better ones.
+    bool take(const CameraMark& of_other, double focal) {
+        if (count > 0 && of_other < mark) return false;
+        const bool is_better = count == 0 || of_other > mark;
+        if (is_better) *this = {of_other, 0, focal, focal};
+        ++count;
+        least = std::min(least, focal);
+        most = std::max(most, focal);
+        return is_better;
+    }
+};
+
 /// Adds to `beside` what files of one folder say. `tells`: also names those that are not understood.
-void look_in(const fs::path& folder, const PicturesOfCamera& pictures, bool tells, CameraBeside& beside) {
-    std::array<bool, 5> best{};
-    bool is_of_here = false;
+void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraBeside& beside) {
+    EqualCameras best;
     if (!beside.camera) take_frames(folder, pictures, beside);
     const bool is_known = beside.camera.has_value();
     if (is_known && !tells) return;
-    for (const CameraCandidate& candidate : candidates_in(folder, pictures)) {
+    for (const CameraCandidate& candidate : candidates_of_picture(folder, pictures)) {
         if (stop_requested()) return;
         const std::string name = candidate.file.filename().string();
-        auto said = read_camera_text(candidate.file);
-        // A camera is what names its numbers, or is a whole matrix; four or six numbers may be anything.
-        if (said && candidate.is_text)
-            std::erase_if(said->cameras, [](const CameraFile& camera) { return camera.is_bare; });
-        // Beside a single picture an angle alone, in a file of any name, may be that of a window.
-        if (said && !pictures.is_whole_folder && !candidate.is_named && !candidate.is_own)
-            std::erase_if(said->cameras, [](const CameraFile& camera) { return camera.intrinsics.fx == 0; });
+        if (const double rate = rate_in_file_of_times(candidate.file, pictures.frames.size()); rate > 0) {
+            take_rate(rate, candidate.file, beside);
+            continue;
+        }
+        auto said = said_by(candidate, pictures);
         const bool has_camera = said && !said->cameras.empty();
         const bool is_odometry = said && said->timed_rows > 0;
         const double rate = said && (candidate.is_named || has_camera || is_odometry || !candidate.is_text)
                                 ? said->frames_per_second
                                 : 0;
-        const double scale = said ? said->codes_per_metre : 0;
-        const bool is_silent = !has_camera && rate <= 0 && scale <= 0;
-        if (is_silent && candidate.is_named && tells && small_letters(name) != "metadata.json")
-            beside.not_understood.push_back(name);
-        else if (is_silent && tells && pictures.is_whole_folder && has_number(candidate.file))
+        const double scale = said ? said->codes_per_metre : 0, unit = said ? said->metres_per_value : 0;
+        const bool is_silent = !has_camera && rate <= 0 && scale <= 0 && unit <= 0;
+        if (is_silent && candidate.is_named && tells && !small_letters(name).starts_with("metadata")) {
+            constexpr std::size_t enough = 64;
+            const bool is_pointer = is_git_lfs_pointer(first_bytes(SourceFile(candidate.file), enough));
+            beside.not_understood.push_back(is_pointer ? name + ", which " + git_lfs_words : name);
+        } else if (is_silent && tells && pictures.is_whole_folder && has_number(candidate.file)) {
             beside.not_used.push_back(name);
+        }
         if (!said) continue;
         take_rate(rate, candidate.file, beside);
         take_scale(scale, candidate.file, beside);
+        take_unit(unit, candidate.file, beside);
         const bool is_one = said->cameras.size() == 1;
         for (CameraFile& camera : said->cameras) {
-            const auto mark = mark_of(candidate, camera, pictures);
-            if (is_known || (is_of_here && mark <= best)) continue;
-            if (is_one) camera.name.clear();
-            best = mark;
-            is_of_here = true;
+            if (is_known) break;
+            if (!best.take(mark_of(candidate, camera, pictures), focal_length(camera, pictures))) continue;
+            if (is_one) camera.name = pictures.key.stem.empty() ? "" : camera.frame;
             beside.camera = std::move(camera);
             beside.file = candidate.file;
         }
     }
+    constexpr double most_alike = 1.03;
+    if (best.most <= most_alike * best.least) return;
+    std::string which = printable(beside.file.filename().string());
+    if (!beside.camera->name.empty()) which += " (" + printable(beside.camera->name, 60) + ')';
+    beside.guesses.push_back(std::string(camera_choice_mark) + "the first of " + std::to_string(best.count) +
+                             " that differ, " + which);
 }
 
 /// Whether a folder is a part of a recording by its name: what lies above it is of the recording as well.
 bool is_part_by_name(const fs::path& folder) {
     const std::string name = small_letters(folder.filename().string());
     return has_word(name, {"depth", "disp", "camera", "cam_", "frames", "image", "rgb", "color", "colour",
-                           "data", "keyframes", "left", "right"}) ||
+                           "data", "keyframes", "left", "right", "results", "ground"}) ||
            (!name.empty() && name.find_first_not_of("0123456789") == std::string::npos);
-}
-
-/// How far a point is from the middle of a side, of which it is a share.
-double off_middle(double at, int side) {
-    return std::abs((at + 0.5) / side - 0.5);
-}
-
-/// Poses in the order of the frames.
-using PoseRow = std::vector<std::optional<CameraPose>>;
-
-/// 4x4 numbers, the last row 0 0 0 1; metres.
-std::optional<CameraPose> pose_of_matrix(const std::array<double, 16>& m, double metres_per_unit) {
-    const std::array<double, 9> rotation{m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
-    if (!is_rotation(rotation) || m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) return {};
-    return pose_at(rotation, {m[3], m[7], m[11]}, metres_per_unit);
-}
-
-/// Redwood's and Open3D's: a line of three numbers, the first that of the frame, then the matrix that brings
-/// the camera's points into the world.
-Result<PoseRow> poses_of_log(const std::string& text, const std::string& name, double metres_per_unit) {
-    std::istringstream words(text);
-    PoseRow poses;
-    for (long frame = 0, second = 0, third = 0; words >> frame >> second >> third;) {
-        std::array<double, 16> matrix{};
-        for (double& number : matrix) words >> number;
-        const auto pose = pose_of_matrix(matrix, metres_per_unit);
-        if (!words || !pose || frame < 0 || frame >= static_cast<long>(most_path_frames))
-            return input_error(name + ": after " + std::to_string(poses.size()) +
-                               " frames: must be three numbers, the frame's first, and a 4x4 matrix of a "
-                               "rotation and a place");
-        const auto index = static_cast<std::size_t>(frame);
-        if (poses.size() <= index) poses.resize(index + 1);
-        poses[index] = pose;
-    }
-    if (!words.eof() || poses.empty()) return input_error(name + ": has no poses after three numbers each");
-    return poses;
-}
-
-/// Record3D's: a list of [qx, qy, qz, qw, x, y, z] for each frame, of a camera that looks along -z with y up.
-/// Nothing where it has none.
-Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& name, double metres_per_unit) {
-    PoseRow poses;
-    Json json;
-    try {
-        json = checked_json::parse(text, text.size());
-    } catch (const checked_json::Refusal& refusal) {
-        return input_error(name + ": " + refusal.message);
-    }
-    if (!json.is_object() || !json.contains("poses") || !json["poses"].is_array()) return poses;
-    for (const Json& each : json["poses"]) {
-        std::array<double, 7> n{};
-        bool is_pose = each.is_array() && each.size() == 7 && poses.size() < most_path_frames;
-        for (std::size_t k = 0; is_pose && k < 7; ++k) {
-            is_pose = each[k].is_number();
-            if (is_pose) n[k] = each[k].get<double>();
-        }
-        auto rotation = is_pose ? rotation_of(n[0], n[1], n[2], n[3]) : std::nullopt;
-        for (std::size_t k = 0; rotation && k < 9; ++k)
-            if (k % 3 > 0) (*rotation)[k] *= -1;
-        const auto pose = rotation ? pose_at(*rotation, {n[4], n[5], n[6]}, metres_per_unit) : std::nullopt;
-        if (!pose)
-            return input_error(name + ": poses[" + std::to_string(poses.size()) +
-                               "] must be qx, qy, qz, qw, x, y, z");
-        poses.push_back(pose);
-    }
-    return poses;
-}
-
-/// The nearest in time for each frame.
-PoseRow nearest_poses(const std::vector<CameraPath::TimedPose>& poses,
-                      const std::vector<double>& frame_seconds) {
-    std::vector<double> seconds;
-    for (const CameraPath::TimedPose& pose : poses) seconds.push_back(pose.seconds);
-    PoseRow row;
-    for (const double frame : frame_seconds) {
-        const CameraPath::TimedPose& nearest = poses[nearest_key(seconds, frame)];
-        const bool is_near = std::abs(nearest.seconds - frame) <= most_apart_seconds;
-        row.push_back(is_near ? std::optional(nearest.pose) : std::nullopt);
-    }
-    return row;
-}
-
-Result<PoseRow> poses_of_tum(const std::string& text, const std::string& name, const PictureFiles& depth,
-                             const FrameRate& rate, double metres_per_unit) {
-    TRY_ASSIGN(const auto timed, parse_timed_poses(text, name, metres_per_unit));
-    if (timed.empty()) return input_error(name + ": has no poses");
-    const std::size_t frames = std::min(depth.count(), most_path_frames);
-    std::vector<double> clip_seconds;
-    for (std::size_t n = 0; n < frames; ++n)
-        clip_seconds.push_back(static_cast<double>(rate.time_ns(static_cast<std::int64_t>(n))) * 1e-9);
-    auto stamps = seconds_of_day(depth);
-    if (stamps.size() > frames) stamps.resize(frames);
-    const auto known_in = [](const PoseRow& row) { return CameraPath{row}.known(); };
-    PoseRow by_stamp = stamps.empty() ? PoseRow() : nearest_poses(timed, stamps),
-            by_time = nearest_poses(timed, clip_seconds);
-    PoseRow& best = known_in(by_stamp) >= known_in(by_time) ? by_stamp : by_time;
-    if (2 * known_in(best) >= frames || timed.size() != depth.count()) {
-        if (known_in(best) == 0)
-            return input_error(name + ": none of its " + std::to_string(timed.size()) +
-                               " poses is at the time of a frame, to 20 ms, nor are there as many");
-        return best;
-    }
-    PoseRow in_order;
-    for (std::size_t n = 0; n < frames; ++n) in_order.push_back(timed[n].pose);
-    return in_order;
-}
-
-std::vector<fs::path> pose_files_in(const fs::path& folder) {
-    std::vector<fs::path> files;
-    std::error_code ignored;
-    const auto add = [&](const fs::path& file) {
-        if (is_file(file)) files.push_back(file);
-    };
-    for (const char* name : {"poses.txt", "groundtruth.txt", "trajectory.log"}) add(folder / name);
-    std::vector<fs::path> logs;
-    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        const std::string name = entry.path().filename().string();
-        if (name.ends_with(".log") && name.find("traj") != std::string::npos && name != "trajectory.log")
-            logs.push_back(entry.path());
-    }
-    std::ranges::sort(logs);
-    if (!logs.empty()) add(logs.front());
-    add(folder / "metadata.json");
-    return files;
 }
 
 /// Texts whose names say colour, sorted.
@@ -457,6 +515,108 @@ bool differs(const Camera& a, const Camera& b, const Scene& scene) {
            std::abs(a.cx - b.cx) > share * scene.width || std::abs(a.cy - b.cy) > share * scene.height;
 }
 
+/// What names tell of the pictures whose camera is sought, and of those beside a single one.
+void know_names(const fs::path& of_depth, Sought& pictures) {
+    for (const fs::path& folder : {pictures.folder, of_depth})
+        for (const std::string& word : words_of(folder.filename().string()))
+            if (!is_any_of(
+                    word, {"depth",  "depths", "disparity",  "camera", "cameras",     "cam",  "rgb",  "color",
+                           "colour", "image",  "images",     "frame",  "frames",      "data", "json", "txt",
+                           "yaml",   "scene",  "intrinsics", "calib",  "calibration", "k"}))
+                pictures.words.insert(word);
+    std::vector<std::string> stems;
+    for (const fs::path& frame : pictures.frames) stems.push_back(frame.stem().string());
+    if (stems.empty() && !pictures.stem.empty()) {
+        constexpr std::size_t most = 20'000;
+        std::error_code ignored;
+        std::set<std::string> extensions, alike;
+        std::size_t looked = 0;
+        std::vector<fs::path> files;
+        for (const auto& entry : fs::directory_iterator(pictures.folder, ignored))
+            if (looked++ < most && shape_of(entry.path().stem().string()) == shape_of(pictures.stem))
+                files.push_back(entry.path());
+        for (const fs::path& file : files)
+            if (file.stem().string() == pictures.stem &&
+                !is_small_text(small_letters(file.extension().string())))
+                extensions.insert(file.extension().string());
+        for (const fs::path& file : files)
+            if (extensions.contains(file.extension().string())) alike.insert(file.stem().string());
+        stems.assign(alike.begin(), alike.end());
+    }
+    pictures.telling = telling_number(stems);
+    if (pictures.frames.empty() && !pictures.stem.empty())
+        pictures.key = {pictures.stem, number_in(pictures.stem, pictures.telling), stems.size()};
+    const std::size_t count = std::min(stems.size(), most_frames_read);
+    for (std::size_t n = 0; n < count; ++n) pictures.stems.push_back(stems[n * stems.size() / count]);
+    if (!pictures.stem.empty() && std::ranges::count(pictures.stems, pictures.stem) == 0)
+        pictures.stems.push_back(pictures.stem);
+}
+
+/// Whether a folder has folders or pictures in it, as recordings have.
+bool has_pictures(const fs::path& folder) {
+    std::vector<std::string> picture_stems;
+    std::error_code ignored;
+    const std::vector<fs::path> others = texts_in(folder, picture_stems);
+    return !picture_stems.empty() ||
+           std::ranges::any_of(others, [&](const fs::path& file) { return fs::is_directory(file, ignored); });
+}
+
+/// Folders in `base` that have cameras by their names.
+void add_camera_folders(const fs::path& base, std::vector<fs::path>& folders) {
+    constexpr std::size_t most = 20'000, most_taken = 16;
+    constexpr const char* known[] = {
+        "cameras",           "camera", "intrinsics", "intrinsic", "calib", "calibration",
+        "corrected_cameras", "cam",    "cams",       "k",         "poses", "pose"};
+    std::vector<fs::path> found;
+    std::error_code ignored;
+    std::size_t looked = 0;
+    for (const auto& entry : fs::directory_iterator(base, ignored)) {
+        if (++looked > most || found.size() > most_taken) break;
+        const std::string name = small_letters(entry.path().filename().string());
+        const bool is_known = std::ranges::find(known, name) != std::end(known);
+        if (!is_known && !is_folder_of_cameras(entry.path())) continue;
+        if (entry.is_directory(ignored) && (is_known || !has_pictures(entry.path())))
+            found.push_back(entry.path());
+    }
+    std::ranges::sort(found, {}, [&](const fs::path& folder) {
+        const auto at = std::ranges::find(known, small_letters(folder.filename().string()));
+        return std::pair(at - std::begin(known), folder);
+    });
+    if (found.size() > most_taken) found.resize(most_taken);
+    folders.insert(folders.end(), found.begin(), found.end());
+}
+
+/// A camera of pictures of another shape than these: says how these were made of them, which is not sure. One
+/// of the same shape on its side is turned; of others scaled_camera takes the middle. Empty: of this shape.
+std::string guess_shape(Intrinsics& camera, int width, int height) {
+    if (camera.width <= 0 || camera.height <= 0 || width <= 0 || height <= 0) return "";
+    constexpr double most_apart = 0.02;
+    const double theirs = static_cast<double>(camera.width) / camera.height,
+                 ours = static_cast<double>(width) / height;
+    const auto is_near = [](double a, double b) { return std::abs(a - b) <= most_apart * b; };
+    if (is_near(theirs, ours)) return "";
+    const auto size = [](int w, int h) { return std::to_string(w) + 'x' + std::to_string(h); };
+    const std::string sizes =
+        size(camera.width, camera.height) + " pixels, and these pictures have " + size(width, height);
+    if (!is_near(1 / theirs, ours))
+        return "for the middle of its pictures: it is of " + sizes +
+               ", taken as cut to that and not stretched";
+    const Intrinsics of = camera;
+    const double cx = of.cx.value_or(0), cy = of.cy.value_or(0);
+    camera.width = of.height;
+    camera.height = of.width;
+    if (of.cx && of.cy &&
+        off_middle(cx, of.height) + off_middle(cy, of.width) <
+            off_middle(cx, of.width) + off_middle(cy, of.height))
+        return "with its sides the other way round, as its principal point is: it says " + sizes;
+    camera.fx = of.fy;
+    camera.fy = of.fx;
+    std::swap(camera.fov_x, camera.fov_y);
+    camera.cx = of.cy;
+    if (of.cx) camera.cy = of.width - 1 - cx;
+    return "turned by a quarter: it is of " + sizes;
+}
+
 }  // namespace
 
 Camera camera_of_fov(double degrees, int width, int height) {
@@ -474,8 +634,8 @@ std::string guessed_field_of_view(double degrees) {
 }
 
 CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
-    constexpr int farthest_above = 3;
-    PicturesOfCamera pictures = pictures_of;
+    constexpr int farthest_above = 4;
+    Sought pictures{pictures_of};
     CameraBeside beside;
     std::error_code failure;
     fs::path here = fs::weakly_canonical(pictures.folder.empty() ? "." : pictures.folder, failure);
@@ -490,26 +650,25 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
     take_rate(pictures.own.frames_per_second, pictures.own_file, beside);
     const fs::path of_depth =
         pictures.within.empty() ? here : (here / pictures.within / "").lexically_normal().parent_path();
+    know_names(of_depth, pictures);
     std::vector<fs::path> folders{here};
     if (of_depth != here) folders.push_back(of_depth);
     folders.push_back(here / "sparse" / "0");
-    std::vector<fs::path> around{here};
-    if (of_depth.parent_path() != here) around.push_back(of_depth.parent_path());
-    for (const fs::path& base : around)
-        for (const char* name : {"cameras", "camera", "intrinsics", "intrinsic", "calib", "calibration",
-                                 "corrected_cameras", "cam", "poses", "pose"})
-            folders.push_back(base / name);
+    add_camera_folders(here, folders);
+    if (of_depth.parent_path() != here) add_camera_folders(of_depth.parent_path(), folders);
     for (const fs::path& folder : folders)
         look_in(folder, pictures, folder == here || folder == of_depth, beside);
-    PicturesOfCamera above = pictures;
+    Sought above = pictures;
     above.is_whole_folder = false;
     above.stem.clear();
+    above.stems.clear();
     above.frames.clear();
     fs::path at = here;
     for (int n = 0; n < farthest_above && !beside.camera && at.has_relative_path(); ++n) {
         const bool goes_on = is_part_by_name(at);
+        above.below = small_letters(at.filename().string());
         at = at.parent_path();
-        above.only_named = !goes_on;
+        above.needs_camera = !goes_on;
         look_in(at, above, false, beside);
         if (!goes_on) break;
     }
@@ -517,9 +676,12 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
         beside.codes_per_metre = beside.camera->codes_per_metre;
         beside.scale_file = beside.file;
     }
-    if (beside.camera)
-        beside.camera->intrinsics =
-            trusted_intrinsics(beside.camera->intrinsics, pictures.width, pictures.height, beside.doubt);
+    if (!beside.camera) return beside;
+    Intrinsics& camera = beside.camera->intrinsics;
+    camera = trusted_intrinsics(camera, pictures.width, pictures.height, beside.doubt);
+    if (auto guess = guess_shape(camera, pictures.width, pictures.height); !guess.empty())
+        beside.guesses.push_back(std::string(camera_choice_mark) + "that of " +
+                                 printable(beside.file.filename().string()) + ' ' + guess);
     return beside;
 }
 
@@ -654,33 +816,6 @@ Result<std::optional<GuessedCameras>> guess_cameras(const fs::path& folder, cons
     TRY_ASSIGN(const auto files, camera_files(folder, source, frames));
     TRY_ASSIGN(const auto cameras, read_frame_cameras(files, width, height));
     return std::optional(GuessedCameras{source.cameras, median_camera(cameras)});
-}
-
-std::optional<FoundPoses> poses_beside(const fs::path& folder, const PictureFiles& depth,
-                                       const FrameRate& rate, double metres_per_unit) {
-    std::optional<FoundPoses> not_understood;
-    for (const fs::path& file : pose_files_in(folder)) {
-        const std::string name = file.filename().string(), extension = file.extension().string();
-        const auto text = read_given_file(file, file.string(), "poses of the camera",
-                                          extension == ".json" ? longest_metadata : longest_poses);
-        auto row = !text                  ? Result<PoseRow>(text.error())
-                   : extension == ".json" ? poses_of_record3d(*text, name, metres_per_unit)
-                   : extension == ".log"  ? poses_of_log(*text, name, metres_per_unit)
-                                          : poses_of_tum(*text, name, depth, rate, metres_per_unit);
-        if (!row) {
-            if (!not_understood)
-                not_understood =
-                    FoundPoses{{}, file, "poses of the camera are not read: " + row.error().message};
-            continue;
-        }
-        if (row->size() > depth.count()) row->resize(depth.count());
-        FoundPoses found{{std::move(*row)}, file};
-        if (found.path.known() == 0) continue;
-        found.remark = "where the camera stood is known of " + std::to_string(found.path.known()) + " of " +
-                       std::to_string(depth.count()) + " frames, by " + name;
-        return found;
-    }
-    return not_understood;
 }
 
 std::optional<fs::path> colour_movement_in(const fs::path& folder) {

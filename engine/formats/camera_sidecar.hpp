@@ -23,6 +23,8 @@ inline constexpr double usual_fov = 60;  ///< degrees, where nothing tells
 inline constexpr std::string_view camera_guess_mark = "the camera sees ";
 /// Begins a remark that guesses what hues stand for (guessed_in).
 inline constexpr std::string_view hue_guess_mark = "red is ";
+/// Begins a remark that guesses which camera it is, or how its pictures were cut or turned (guessed_in).
+inline constexpr std::string_view camera_choice_mark = "the camera is ";
 
 /// Square pixels, the axis through the middle; degrees from the left edge to the right one.
 Camera camera_of_fov(double degrees, int width, int height);
@@ -39,6 +41,7 @@ struct CameraFile {
     double codes_per_metre = 0;   ///< of its depth; 0: not said
     bool has_distortion = false;  ///< by its lens, which nothing here undoes
     std::string name{};           ///< its members, its own name, its topic
+    std::string frame{};          ///< the number or the picture's stem that it stands under; empty: none
     std::size_t frames = 1;       ///< of which it is the median
     bool differs = false;         ///< these are not all the same
     bool is_of_files = false;     ///< of frames that have a file each
@@ -57,14 +60,27 @@ struct CameraText {
     double frames_per_second = 0;     ///< 0: not said
     std::size_t timed_rows = 0;       ///< of a table, by whose times that is
     double codes_per_metre = 0;       ///< of depth; 0: not said
+    double metres_per_value = 0;      ///< of depth that is no codes; 0: not said
+};
+
+/// A picture whose camera is sought among those of frames.
+struct FrameKey {
+    std::string stem{};        ///< empty: of no one picture
+    std::string number{};      ///< in the stem, which tells it from others; without zeros before it
+    std::size_t pictures = 0;  ///< how many there are: fewer cameras are not those of frames
 };
 
 /// One camera for these frames, each number the median; of one or more.
 CameraFile median_camera_file(std::span<const CameraFile> cameras);
 
 /// What a camera's own file says (read_camera_file). No camera in it is no error; an error says that it
-/// cannot be read, or that every principal point is far beside its picture.
-Result<CameraText> read_camera_text(const std::filesystem::path& file);
+/// cannot be read, or that every principal point is far beside its picture. Of cameras that each stand under
+/// a frame only that of the `wanted` one is there, if one is surely its own.
+Result<CameraText> read_camera_text(const std::filesystem::path& file, const FrameKey& wanted = {});
+
+/// Frames a second by a file of the times of as many frames (0: any number), or of the rate alone, as its
+/// name tells: timestamps.txt, times.txt, fps.txt; 0: it is none.
+double rate_in_file_of_times(const std::filesystem::path& file, std::size_t frames);
 
 /// Where pictures of depth are whose camera is sought.
 struct PicturesOfCamera {
@@ -84,13 +100,16 @@ struct PicturesOfCamera {
 
 /// What files beside pictures say of their camera.
 struct CameraBeside {
-    std::optional<CameraFile> camera;  ///< of pictures of this size, or of any
-    std::filesystem::path file{};      ///< that has it
-    std::string doubt{};               ///< how it was taken otherwise than the file says; empty: as it says
-    double frames_per_second = 0;      ///< 0: none of them says it
+    std::optional<CameraFile> camera;    ///< of pictures of this size, or of any
+    std::filesystem::path file{};        ///< that has it
+    std::string doubt{};                 ///< how it was taken otherwise than the file says; empty: as it says
+    std::vector<std::string> guesses{};  ///< remarks on what is not sure of it (camera_choice_mark)
+    double frames_per_second = 0;        ///< 0: none of them says it
     std::filesystem::path rate_file{};
     double codes_per_metre = 0;  ///< of depth; 0: none of them says it
     std::filesystem::path scale_file{};
+    double metres_per_value = 0;  ///< of depth that is no codes; 0: none of them says it
+    std::filesystem::path unit_file{};
     std::vector<std::string> not_understood{};  ///< names of files that call themselves a camera's
     /// Names of other files there with numbers in them, of which nothing was taken.
     std::vector<std::string> not_used{};
@@ -99,10 +118,13 @@ struct CameraBeside {
 };
 
 /// Looks in the folder, in depth's, in sparse/0 (COLMAP), in folders of cameras beside these (cameras/,
-/// poses/, intrinsic/ ...), and, where none of these has a camera, in the folder above, and farther up as
-/// long as the folders' names are those of parts of a recording. Of several cameras that of a file which
-/// calls itself a camera's, of depth, of pictures of this size, without a lens's distortion, the first by its
-/// name. Where each frame has a file of its own, the median of their cameras.
+/// poses/, whatever has intrinsic or calib in its name ...), and, where none of these has a camera, in the
+/// folder above, and farther up as long as the folders' names are those of parts of a recording. Of one
+/// picture its own file goes first, which has its stem or its telling number, or its own entry in a file of
+/// all frames. Of several cameras that of a file which calls itself a camera's, or has a word of the folder's
+/// name in its own, of depth, of pictures of this size or nearest to it, without a lens's distortion, the
+/// first by its name. Where each frame has a file of its own, the median of their cameras. What is left to
+/// choice is said.
 CameraBeside camera_beside(const PicturesOfCamera& pictures);
 
 /// What arrays say that lie beside depth in its own file (.npz).

@@ -238,21 +238,25 @@ public:
                  " has as many frames at that rate",
              "a scene file's rate says otherwise");
     }
+    /// That of a file beside depth, if one states it.
+    bool take_stated_rate() {
+        constexpr double slowest = 0.01;
+        if (beside_.frames_per_second < slowest) return false;
+        scene_.rate = stated_rate(beside_.frames_per_second);
+        const bool is_new = inputs_.empty() || inputs_.back() != beside_.rate_file;
+        if (is_new && beside_.rate_file != place_.own_file) inputs_.push_back(beside_.rate_file);
+        tell(short_number(scene_.rate.per_second()) + " frames a second, as " +
+                 printable(beside_.rate_file.filename().string()) + " says",
+             "a scene file's rate says otherwise");
+        return true;
+    }
     /// By the times of its frames, a rate that a file beside them states, or that of a video of colour with
     /// as many frames.
     Result<void> find_rate(const fs::path& folder, std::int64_t frames,
                            const std::optional<ColourVideo>& video) {
         TRY_ASSIGN(const auto files, depth_files(folder, *scene_.folder));
         const auto rate = rate_of(files);
-        constexpr double slowest = 0.01;
-        if (!rate && beside_.frames_per_second >= slowest) {
-            scene_.rate = stated_rate(beside_.frames_per_second);
-            if (inputs_.empty() || inputs_.back() != beside_.rate_file) inputs_.push_back(beside_.rate_file);
-            tell(short_number(scene_.rate.per_second()) + " frames a second, as " +
-                     printable(beside_.rate_file.filename().string()) + " says",
-                 "a scene file's rate says otherwise");
-            return {};
-        }
+        if (!rate && take_stated_rate()) return {};
         if (!rate && video && video->file->count() == frames) {
             take_rate(*video);
             return {};
@@ -315,11 +319,26 @@ private:
         return camera;
     }
 
+    /// A camera's file that a person named may say depth's scale as well.
+    void take_scale_of(const fs::path& file) {
+        const auto said = read_camera_text(file);
+        if (!said) return;
+        if (said->codes_per_metre > 0) {
+            beside_.codes_per_metre = said->codes_per_metre;
+            beside_.scale_file = file;
+        }
+        if (said->metres_per_value > 0) {
+            beside_.metres_per_value = said->metres_per_value;
+            beside_.unit_file = file;
+        }
+    }
+
     Result<void> find_camera(const fs::path& folder) {
         place_.folder = folder;
         place_.width = scene_.width;
         place_.height = scene_.height;
         beside_ = camera_beside(place_);
+        if (known_.intrinsics && !known_.file.empty()) take_scale_of(known_.file);
         if (evident_.preset && beside_.codes_per_metre > 0 && !preset_is_packed()) {
             evident_ = {};
             preset_ = nullptr;
@@ -358,6 +377,7 @@ private:
             if (!beside_.doubt.empty()) whose += ", " + beside_.doubt;
             if (file_.has_distortion) whose += "; its lens's distortion is not undone";
             tell(whose + not_understood(), {}, {{Setting::intrinsics}});
+            for (const std::string& guess : beside_.guesses) say(guess, Hints{{Setting::intrinsics}});
         } else if (preset_ && preset_->intrinsics.fx > 0) {
             take(preset_->intrinsics, "the camera of preset " + std::string(preset_->name));
         } else {
@@ -456,6 +476,15 @@ private:
                 inputs_.push_back(file);
             tell("a code is " + short_number(1000 / codes) + " mm, as " +
                      printable(file.filename().string()) + " says",
+                 {}, {{Setting::depth_unit}});
+            return {};
+        }
+        if (const double metres = beside_.metres_per_value; metres > 0 && values.is_float) {
+            set_metric(metres);
+            if (std::ranges::find(inputs_, beside_.unit_file) == inputs_.end())
+                inputs_.push_back(beside_.unit_file);
+            tell("a value of 1 is " + short_number(1000 * metres) + " mm, as " +
+                     printable(beside_.unit_file.filename().string()) + " says",
                  {}, {{Setting::depth_unit}});
             return {};
         }
@@ -905,6 +934,8 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         guess.scene().folder->colour = video->name;
         guess.say("colour is " + printable(video->name));
         if (video->file->count() == stack->count()) guess.take_rate(*video);
+    } else if (stack && stack->count() > 1) {
+        guess.take_stated_rate();
     }
     GuessedScene made = guess.made();
     if (metadata) made.inputs.push_back(*metadata);
@@ -930,7 +961,7 @@ Guessed guessed_in(const Remark& remark) {
     if (begins(preset_guess_mark) || begins(disparity_guess_mark)) return Guessed::storage;
     if (begins(code_guess_mark) || begins(value_guess_mark))
         return remark.otherwise.starts_with(other_units_mark) ? Guessed::unclear_unit : Guessed::unit;
-    if (begins(camera_guess_mark)) return Guessed::camera;
+    if (begins(camera_guess_mark) || begins(camera_choice_mark)) return Guessed::camera;
     if (begins(axis_guess_mark) || begins(range_guess_mark)) return Guessed::axis;
     return begins(colour_guess_mark) ? Guessed::colour_place : Guessed::little;
 }

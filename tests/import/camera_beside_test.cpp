@@ -270,5 +270,156 @@ TEST_F(CameraBesides, SayTheRateWhereNoTimesDo) {
     EXPECT_EQ(guess().scene.rate.num, 10) << "times of frames go first";
 }
 
+Scene scene_of(const std::filesystem::path& picture) {
+    const auto clip = open_clip(picture);
+    EXPECT_EQ(message(clip), "");
+    return clip ? (*clip)->scene() : Scene{};
+}
+
+bool is_said(const Scene& scene, const std::string& words) {
+    return std::ranges::any_of(
+        scene.remarks, [&](const Remark& remark) { return remark.what.find(words) != std::string::npos; });
+}
+
+TEST_F(CameraBesides, OfOnePictureAreItsOwn) {
+    constexpr const char* names[][2] = {{"scan_N_depth.png", "scan_N.json"},
+                                        {"vN_depth.png", "vN_meta.json"},
+                                        {"depth_0000N.png", "frame_0000N.json"},
+                                        {"000N_depth16.png", "000N.json"},
+                                        {"depth/0000N.png", "cameras/0000N.json"}};
+    const auto named = [](std::string name, char number) {
+        name[name.find('N')] = number;
+        return name;
+    };
+    for (const auto& [picture, sidecar] : names) {
+        const TemporaryFolder here;
+        for (const char n : {'1', '2', '3'}) {
+            for (const auto& file : {here / named(picture, n), here / named(sidecar, n)})
+                std::filesystem::create_directories(file.parent_path());
+            std::filesystem::copy_file(folder / "depth/0.png", here / named(picture, n));
+            write_bytes(here / named(sidecar, n),
+                        std::string(R"({"fy": 52, "cx": 33.5, "cy": 21.25, "fx": 5)") + n +
+                            R"(, "depth_scale": )" + n + "000}");
+        }
+        for (const char n : {'1', '2', '3'}) {
+            const Scene scene = scene_of(here / named(picture, n));
+            EXPECT_EQ(scene.camera.fx, 50 + n - '0') << picture;
+            EXPECT_EQ(scene.depth.scale, 0.001 / (n - '0')) << picture;
+        }
+    }
+}
+
+TEST_F(CameraBesides, OfOnePictureStandUnderItsNumber) {
+    const auto write = [&](const char* keyed) { write_bytes(folder / "scene_camera.json", keyed); };
+    write(R"({"0": {"cam_K": [50, 0, 33, 0, 50, 21, 0, 0, 1], "depth_scale": 0.1},
+              "1": {"cam_K": [80, 0, 33, 0, 80, 21, 0, 0, 1], "depth_scale": 0.5}})");
+    EXPECT_EQ(scene_of(folder / "depth/0.png").camera.fx, 50);
+    EXPECT_EQ(scene_of(folder / "depth/1.png").camera.fx, 80);
+    EXPECT_EQ(scene_of(folder / "depth/1.png").depth.scale, 0.0005);
+    // A rig's, which no frame has: not the mean of both.
+    EXPECT_EQ(guess().scene.camera.fx, 50);
+    EXPECT_TRUE(is_said(guess().scene, "the camera is the first of 2 that differ, scene_camera.json (0)"));
+    std::filesystem::copy_file(folder / "depth/0.png", folder / "depth/2.png");
+    EXPECT_TRUE(is_said(scene_of(folder / "depth/1.png"), "the first of 2 that differ"));
+    std::filesystem::remove(folder / "scene_camera.json");
+    write_bytes(folder / "cameras.json", R"([{"img_name": "0", "fx": 50, "fy": 50, "width": 64, "height": 48},
+        {"img_name": "1", "fx": 51, "fy": 50}, {"img_name": "2", "fx": 52, "fy": 50}])");
+    EXPECT_EQ(scene_of(folder / "depth/2.png").camera.fx, 52);
+    EXPECT_EQ(guess().scene.camera.fx, 51);
+}
+
+TEST_F(CameraBesides, ThatDifferAreChosenByAWordOrSaidToBeGuessed) {
+    write_bytes(folder / "left.json", R"({"fx": 50, "fy": 50, "cx": 31, "cy": 23})");
+    write_bytes(folder / "right.json", R"({"fx": 90, "fy": 90, "cx": 31, "cy": 23})");
+    const Scene scene = guess().scene;
+    EXPECT_EQ(scene.camera.fx, 50);
+    const auto remark = std::ranges::find(
+        scene.remarks, "the camera is the first of 2 that differ, left.json", &Remark::what);
+    ASSERT_NE(remark, scene.remarks.end());
+    EXPECT_EQ(guessed_in(*remark), Guessed::camera);
+    std::filesystem::rename(folder / "depth", folder / "depth_right");
+    EXPECT_EQ(guess().scene.camera.fx, 90);
+    EXPECT_FALSE(is_said(guess().scene, "that differ"));
+    for (const char* camera : {"cam0", "cam1"}) {
+        std::filesystem::create_directories(folder / "rig" / camera);
+        std::filesystem::copy(folder / "depth_right", folder / "rig" / camera / "depth",
+                              std::filesystem::copy_options::recursive);
+        write_bytes(folder / "rig" / (std::string(camera) + ".json"),
+                    std::string(R"({"fx": 5)") + camera[3] + R"(, "fy": 50, "cx": 31, "cy": 23})");
+    }
+    EXPECT_EQ(scene_of(folder / "rig/cam0").camera.fx, 50);
+    EXPECT_EQ(scene_of(folder / "rig/cam1").camera.fx, 51);
+}
+
+TEST_F(CameraBesides, OfSeveralSizesAreThoseOfThisSize) {
+    write_bytes(folder / "SN1.conf",
+                "[LEFT_CAM_2K]\nfx=1060\nfy=1060\ncx=1110\ncy=620\n[LEFT_CAM_FHD]\nfx=1060\nfy=1060\ncx=965\n"
+                "cy=540\n[LEFT_CAM_HD]\nfx=530\nfy=530\ncx=645\ncy=360\n[LEFT_CAM_VGA]\nfx=265\nfy=265\n"
+                "cx=340\ncy=188\n");
+    const std::pair<std::pair<int, int>, int> sizes[] = {
+        {{2208, 1242}, 2208}, {{1920, 1080}, 1920}, {{1280, 720}, 1280}, {{672, 376}, 672}, {{168, 94}, 672}};
+    for (const auto& [size, of] : sizes) {
+        const auto beside =
+            camera_beside({.folder = folder.path(), .width = size.first, .height = size.second});
+        ASSERT_TRUE(beside.camera);
+        EXPECT_EQ(beside.camera->intrinsics.width, of);
+        EXPECT_TRUE(beside.guesses.empty());
+    }
+}
+
+TEST_F(CameraBesides, OfAnotherShapeAreGuesses) {
+    const auto beside = [&](const char* text) {
+        write_bytes(folder / "camera.json", text);
+        return camera_beside({.folder = folder.path(), .width = 64, .height = 48});
+    };
+    const auto turned = beside(R"({"width": 48, "height": 64, "fx": 50, "fy": 52, "cx": 20, "cy": 33})");
+    ASSERT_EQ(turned.guesses.size(), 1U);
+    EXPECT_TRUE(turned.guesses[0].starts_with("the camera is that of camera.json turned by a quarter"));
+    EXPECT_EQ(turned.camera->intrinsics, (Intrinsics{52, 50, 33, 27, 64, 48}));
+    const auto swapped = beside(R"({"width": 48, "height": 64, "fx": 50, "fy": 52, "cx": 33, "cy": 20})");
+    ASSERT_EQ(swapped.guesses.size(), 1U);
+    EXPECT_EQ(swapped.camera->intrinsics, (Intrinsics{50, 52, 33, 20, 64, 48}));
+    const auto wide = beside(R"({"width": 1280, "height": 720, "fx": 900, "fy": 900, "cx": 640, "cy": 360})");
+    ASSERT_EQ(wide.guesses.size(), 1U);
+    EXPECT_TRUE(wide.guesses[0].ends_with("taken as cut to that and not stretched"));
+    EXPECT_TRUE(beside(R"({"width": 640, "height": 480, "fx": 500, "fy": 500})").guesses.empty());
+}
+
+TEST_F(CameraBesides, OfAnAzureKinectAreThoseOfItsMode) {
+    const std::string lens = "0, 0, 0, 0, 0, 0, 0, 0, 0, 0";
+    write_bytes(folder / "calibration.json",
+                R"({"CalibrationInformation": {"Cameras": [{"Purpose": "CALIBRATION_CameraPurposeDepth",
+                "Intrinsics": {"ModelParameters": [0.5, 0.5, 0.49, 0.48, )" +
+                    lens + R"(]}, "Rt": {"Rotation": [1,0,0,0,1,0,0,0,1], "Translation": [0,0,0]}}]}})");
+    const auto beside = camera_beside({.folder = folder.path(), .width = 320, .height = 288});
+    ASSERT_TRUE(beside.camera);
+    EXPECT_EQ(beside.camera->intrinsics,
+              (Intrinsics{0.49 * 512, 0.48 * 512, 256 - 96 - 0.5, 256 - 90 - 0.5}));
+    EXPECT_FALSE(camera_beside({.folder = folder.path(), .width = 64, .height = 48}).camera);
+}
+
+TEST_F(CameraBesides, ThatAreNoneAreNotTaken) {
+    const auto guessed_to_see = [](const Scene& scene) {
+        return is_said(scene, "the camera sees 60 degrees");
+    };
+    // Boxes around things.
+    for (const char* name : {"depth/0.txt", "depth/1.txt"}) write_bytes(folder / name, "100 200 300 250\n");
+    EXPECT_TRUE(guessed_to_see(guess().scene));
+    // Of a window; beside a single picture.
+    write_bytes(folder / "depth/settings.json", R"({"window": {"fov": 100}})");
+    EXPECT_TRUE(guessed_to_see(scene_of(folder / "depth/0.png")));
+    write_bytes(folder / "camera.json",
+                "version https://git-lfs.github.com/spec/v1\noid sha256:4d\nsize 120\n");
+    std::filesystem::remove(folder / "depth/settings.json");
+    EXPECT_TRUE(is_said(guess().scene, "camera.json, which is a Git LFS pointer"));
+    const SmallArray nan[] = {{"fx", {1}, {std::nan("")}}, {"fy", {1}, {std::nan("")}}, {"cx", {1}, {30}}};
+    EXPECT_TRUE(cameras_in_arrays(nan).cameras.empty());
+}
+
+TEST_F(CameraBesides, OfATableOfAnglesAreTheirMedian) {
+    write_bytes(folder / "angles.csv", "frame,fov\n0,50\n1,52\n2,51\n");
+    EXPECT_NEAR(guess().scene.camera.fx, camera_of_fov(51, seen_width, seen_height).fx, 1e-9);
+}
+
 }  // namespace
 }  // namespace touchable::test

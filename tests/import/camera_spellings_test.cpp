@@ -69,7 +69,29 @@ TEST(CameraSpellings, LeadToTheSameCamera) {
         {"k.json", R"({"0": {"cam_K": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1]},
                        "1": {"cam_K": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1]}})"},
         {"calib.txt", "50 52 33.5 21.25\n"},
-        {"K.txt", "50 0 33.5\n0 52 21.25\n0 0 1\n"}};
+        {"K.txt", "50 0 33.5\n0 52 21.25\n0 0 1\n"},
+        {"K.txt", "50 0 33.5 0 52 21.25 0 0 1\n0.063\n"},
+        {"pred_intrinsics.txt", "50 0 33.5 0 52 21.25 0 0 1\n50 0 33.5 0 52 21.25 0 0 1\n"},
+        {"00000000_cam.txt",
+         "extrinsic\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n\nintrinsic\n50 0 33.5\n0 52 21.25\n0 0 1\n\n0.5 "
+         "0.01\n"},
+        {"a_info.txt",
+         "m_depthWidth = 64\nm_depthHeight = 48\nm_calibrationColorIntrinsic = 90 0 60 0 0 90 40 0 0 0 1 0 0 "
+         "0 0 1\nm_calibrationDepthIntrinsic = 50 0 33.5 0 0 52 21.25 0 0 0 1 0 0 0 0 1\n"},
+        {"l.txt", "[ 64x48  p[33.5 21.25]  f[50 52]  Brown Conrady [0 0 0 0 0] ]\n"},
+        {"l.json", R"({"depth": "[ 64x48  p[33.5 21.25]  f[50 52]  None [0 0 0 0 0] ]"})"},
+        {"m.json", R"({"cameraData": [[1, {"intrinsicMatrix": [[50, 0, 33.5], [0, 52, 21.25], [0, 0, 1]],
+                                           "width": 64, "height": 48}]]})"},
+        {"n.json", R"({"K_depth": [[50, 0, 33.5], [0, 52, 21.25], [0, 0, 1]],
+                       "K_rgb": [[90, 0, 60], [0, 90, 40], [0, 0, 1]]})"},
+        {"o.json", R"({"cam_intr": [50, 52, 33.5, 21.25]})"},
+        {"p.json", R"({"focalLength": {"x": 50, "y": 52}, "principalPoint": {"x": 33.5, "y": 21.25}})"},
+        {"q.json", R"({"fx": "50.0", "fy": "52", "cx": "33.5", "cy": "21.25"})"},
+        {"r.jsonl", "{\"K\": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]}\n{\"K\": []}\n"},
+        {"s.xml",
+         R"(<document><sensor label="a"><calibration class="adjusted"><resolution width="64" height="48"/>
+                     <fx>50</fx><fy type="float">52</fy><cx>33.5</cx><cy>21.25</cy></calibration></sensor></document>)"},
+        {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"}};
     for (const auto& [name, text] : files) {
         const Camera camera = camera_by(name, text);
         EXPECT_EQ(camera.fx, 50) << name;
@@ -107,6 +129,18 @@ TEST(CameraSpellings, ScaleOfDepthIsRead) {
          R"({"0": {)" + matrix + R"(, "depth_scale": 0.1}, "1": {)" + matrix + R"(, "depth_scale": 0.1}})",
          0.0001},
         {"a.json", R"({"7": {)" + matrix + R"(, "depth_scale": 1.0}})", 0.001},
+        {"a.json", R"({"7": {)" + matrix + R"(, "depth_scale": 0.001}})", 0.001},
+        {"f.json", "{" + camera + R"(, "scale_factor": 5000})", 0.0002},
+        {"g.json", R"({"depth_scaling_factor": 5000})", 0.0002},
+        {"g.json", R"({"depth_multiplier": 5000})", 0.0002},
+        {"g.json", R"({"depth_unit_in_meters": 0.0002})", 0.0002},
+        {"g.json", R"({"depth_to_meters": 0.0002})", 0.0002},
+        {"g.json", R"({"meters_per_unit": 0.0002})", 0.0002},
+        {"g.json", R"({"depth_scale_mm": 0.2})", 0.0002},
+        {"g.json", R"({"depth_scale": "1/5000"})", 0.0002},
+        {"g.json", R"({"depth_unit": "cm"})", 0.01},
+        {"g.json", R"({"depth_units": "Millimetres"})", 0.001},
+        {"g.json", R"({"depth": {"unit": "0.1 mm"}})", 0.0001},
         {"transforms.json", "{" + camera + R"(, "integer_depth_scale": 0.0002, "frames": []})", 0.0002},
         {"b.json", "{" + camera + R"(, "depth_unit_scale_factor": 0.00025})", 0.00025},
         {"c.json", R"({"camera": {)" + camera + R"(, "scale": 6553.5}})", 1 / 6553.5},
@@ -120,6 +154,49 @@ TEST(CameraSpellings, ScaleOfDepthIsRead) {
         EXPECT_NEAR(scene.depth.scale, metres, 1e-9 * metres) << name;
         EXPECT_TRUE(says(scene, std::string(name) + " says")) << name;
     }
+}
+
+TEST(CameraSpellings, OfOtherThingsSayNoScale) {
+    for (const char* text : {R"({"unit": "cm"})", R"({"depth_unit": "m"})", R"({"depth_unit": "1/0 m"})",
+                             R"({"metersPerSceneUnit": 0.01})", R"({"depth_scale": "/"})"}) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        write_text(folder / "a.json", text);
+        EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001) << text;
+    }
+}
+
+TEST(CameraSpellings, UnitInWordsIsThatOfFloats) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "depth.npy", npy_bytes("48, 64", std::vector<float>(across * down, 150)));
+    write_text(folder / "camera.json", R"({"fov": 50, "metersPerSceneUnit": 0.01})");
+    const Scene scene = guessed(folder.path());
+    EXPECT_EQ(scene.depth.scale, 0.01);
+    EXPECT_TRUE(says(scene, "a value of 1 is 10 mm, as camera.json says"));
+}
+
+TEST(CameraSpellings, OfMetashapeIsFromTheMiddle) {
+    const Camera camera =
+        camera_by("cameras.xml",
+                  R"(<document><sensor id="0" type="frame"><calibration><resolution width="64" height="48"/>
+                          <f>50</f><cx>2</cx><cy>-2.75</cy></calibration></sensor></document>)");
+    EXPECT_EQ(camera.fx, 50);
+    EXPECT_EQ(camera.cx, 33.5);
+    EXPECT_EQ(camera.cy, 20.75);
+}
+
+TEST(CameraSpellings, FileThatIsNamedSaysTheScaleAsWell) {
+    const TemporaryFolder folder;
+    write_depth(folder.path());
+    write_text(folder / "else/a.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5})");
+    SourceDescription known;
+    known.file = folder / "else/a.json";
+    auto read = read_intrinsics(known.file);
+    ASSERT_EQ(message(read), "");
+    known.intrinsics = *read;
+    const auto scene = guess_folder(folder.path(), known);
+    ASSERT_EQ(message(scene), "");
+    EXPECT_NEAR(scene->scene.depth.scale, 1 / 6553.5, 1e-12);
 }
 
 TEST(CameraSpellings, OneFolderUpOrBesideIsFound) {
@@ -139,6 +216,43 @@ TEST(CameraSpellings, OneFolderUpOrBesideIsFound) {
     write_text(folder / "run/intrinsic.txt", "frame K[0,0] K[1,1] K[0,2] K[1,2]\n0 50 52 33.5 21.25\n");
     EXPECT_EQ(guessed(folder / "run/frames/depth/Camera_0").camera.fx, 50);
     EXPECT_EQ(guessed(folder / "run/frames/depth").camera.fx, 50);
+}
+
+TEST(CameraSpellings, FoldersOfCamerasAreFound) {
+    const std::string matrix = "50 0 33.5\n0 52 21.25\n0 0 1\n", bare = "64 48 50 52 33.5 21.25 0 0 0 0 0\n";
+    for (const auto& [where, text] : {std::pair<const char*, std::string>{"cams", matrix},
+                                      {"K", matrix},
+                                      {"rtabmap_calib", matrix},
+                                      {"matterport_camera_intrinsics", bare}}) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        for (const char* name : {"0001.txt", "0002.txt"}) write_text(folder / where / name, text);
+        EXPECT_EQ(guessed(folder.path()).camera.fx, 50) << where;
+    }
+}
+
+TEST(CameraSpellings, FoldersAboveHaveCamerasOfAnyName) {
+    const std::string camera =
+        R"({"camera": {"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5}})";
+    for (const char* name : {"cam_params.json", "camK.json", "meta.json", "dataset.yaml"}) {
+        const TemporaryFolder folder;
+        write_depth(folder.path(), "set/room0/results/depth0001.png", "set/room0/results/depth0002.png");
+        write_text(folder / "set" / name, camera);
+        for (const char* opened : {"set/room0", "set/room0/results"}) {
+            const Scene scene = guessed(folder / opened);
+            EXPECT_EQ(scene.camera.fx, 50) << name;
+            EXPECT_NEAR(scene.depth.scale, 1 / 6553.5, 1e-12) << name;
+        }
+    }
+    // What has no camera, or is of another folder there, says nothing.
+    const TemporaryFolder folder;
+    write_depth(folder / "a");
+    write_text(folder / "settings.json", R"({"fov": 30, "depth_scale": 5000})");
+    write_text(folder / "b.json", camera);
+    std::filesystem::create_directories(folder / "b");
+    const Scene scene = guessed(folder / "a");
+    EXPECT_TRUE(says(scene, "the camera sees 60 degrees"));
+    EXPECT_EQ(scene.depth.scale, 0.001);
 }
 
 TEST(CameraSpellings, CamerasThatDifferAreThoseOfFrames) {
@@ -195,6 +309,30 @@ TEST(CameraSpellings, OdometryGivesTheRate) {
     EXPECT_NEAR(scene.rate.per_second(), 60, 0.01);
     EXPECT_TRUE(says(scene, "as odometry.csv says"));
     EXPECT_TRUE(says(scene, "not used: imu.csv"));
+}
+
+TEST(CameraSpellings, ListsOfTimesGiveTheRate) {
+    const std::tuple<const char*, const char*, double> files[] = {
+        {"timestamps.txt", "10.00\n10.05\n", 20},
+        {"times.txt", "0 10.00\n1 10.05\n", 20},
+        {"depth_timestamps.json", "[10.0, 10.05]", 20},
+        {"fps.txt", "20\n", 20},
+        {"a.jsonl", "{\"fx\": 50, \"cx\": 33, \"cy\": 21, \"time\": 1}\n{\"fx\": 50, \"time\": 1.05}\n", 20},
+        // Of other frames.
+        {"timestamps.txt", "10.00\n10.05\n10.1\n", 30},
+        {"imu_times.txt", "10.00\n10.05\n", 30}};
+    for (const auto& [name, text, rate] : files) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        write_text(folder / name, text);
+        EXPECT_NEAR(guessed(folder.path()).rate.per_second(), rate, 0.01) << name << text;
+    }
+    const TemporaryFolder folder;
+    write_bytes(folder / "depth.npy", npy_bytes("2, 48, 64", std::vector<float>(2 * across * down, 1.5F)));
+    write_text(folder / "intrinsics.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");
+    const auto clip = open_clip(folder / "depth.npy");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().rate.per_second(), 12);
 }
 
 TEST(CameraSpellings, FilesThatAreNotUsedAreNamed) {
