@@ -86,7 +86,7 @@ const DepthSource rows[] = {
      "unit, planar"},
     {"isaac", "Isaac Sim, Omniverse Replicator",
      "distance_to_image_plane_0000.npy, rgb_0000.png, camera_params_0000.json", "touchable _out_camera",
-     "depth, camera, colour; distance_to_camera is along the ray (by its name)", "unit, rate, planar"},
+     "depth, unit, camera, colour; distance_to_camera is along the ray (by its name)", "rate, planar"},
 
     {"midas", "MiDaS, DPT", "PNG of 16 bits of run.py --grayscale: 1/depth",
      "touchable depth.png --preset relative-inverse", "order of depth", "camera, scale", "Networks"},
