@@ -10,6 +10,7 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/same_bits.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/camera_sidecar.hpp"
@@ -276,7 +277,10 @@ double unit_of_members(const Json& object, const std::string& name) {
     if (bare_name(name) == "depth")
         for (const char* member : {"unit", "units"})
             if (const double metres = metres_of_words(members.words(member)); metres > 0) return metres;
-    return members.number({"metersperunit", "meterspersceneunit"});
+    // From tenths of a millimetre to kilometres.
+    constexpr double least = 1e-4, most = 1e3;
+    const double metres = members.number({"metersperunit", "meterspersceneunit"});
+    return metres >= least && metres <= most ? metres : 0;
 }
 
 /// How many codes a metre has, by an object's own members; 0: it does not say. Three ways are in use: codes
@@ -537,7 +541,11 @@ std::optional<CameraFile> from_calib(std::string_view text) {
 std::vector<CameraFile> from_colmap(std::string_view text) {
     std::vector<CameraFile> cameras;
     std::istringstream lines{std::string(text)};
-    for (std::string line; std::getline(lines, line) && cameras.size() < most_cameras;) {
+    constexpr int most_lines = 10'000;  // cameras are few, and first
+    int count = 0;
+    for (std::string line;
+         count++ < most_lines && std::getline(lines, line) && cameras.size() < most_cameras;) {
+        if (stop_requested()) break;
         std::istringstream words(line);
         long id = 0;
         std::string model;
@@ -796,7 +804,7 @@ Result<CameraText> read_camera_text(const std::filesystem::path& file, const Fra
         camera.intrinsics.fy = std::abs(camera.intrinsics.fy);
         const bool is_far = !is_near_picture(camera.intrinsics);
         is_any_far |= is_far;
-        return is_far || !has_focal_lengths(camera.intrinsics);
+        return is_far || is_no_camera(camera);
     });
     if (said.cameras.empty() && is_any_far)
         return input_error(file.string() +

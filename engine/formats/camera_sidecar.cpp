@@ -157,7 +157,9 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
                 if (named.size() < most_named) named.push_back({file, true, is_own});
         } else if (!pictures.only_named && is_small_text(extension) && !is_of_others(name)) {
             // A picture of a folder: what is no other picture's may be of all.
-            const bool is_shared = !std::ranges::binary_search(picture_stems, stem);
+            const std::string before_dot = stem.substr(0, stem.rfind('.'));  // robot.info beside robot.mp4
+            const bool is_shared = !std::ranges::binary_search(picture_stems, stem) &&
+                                   !std::ranges::binary_search(picture_stems, before_dot);
             if (!is_own && (others.size() > most_others || (!pictures.is_whole_folder && !is_shared)))
                 continue;
             const auto longest = extension == ".jsonl" ? std::numeric_limits<std::uintmax_t>::max()
@@ -248,7 +250,11 @@ std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const Sought
     if (pictures.frames.size() < 2) return {};
     // Four or six numbers without names may be anything elsewhere.
     const bool is_of_cameras = is_folder_of_cameras(folder);
-    for (const std::vector<fs::path>& files : series_in(folder, pictures)) {
+    std::vector<std::vector<fs::path>> all = series_in(folder, pictures);
+    std::stable_partition(all.begin(), all.end(), [](const std::vector<fs::path>& files) {
+        return has_word(files.front().filename().string(), {"depth"});
+    });
+    for (const std::vector<fs::path>& files : all) {
         std::vector<CameraFile> cameras;
         for (const fs::path& file : files) {
             if (stop_requested()) return {};
@@ -359,7 +365,12 @@ void take_frames(const fs::path& folder, const Sought& pictures, CameraBeside& b
     take_scale(own->median.codes_per_metre, own->first, beside);
     const fs::path within = folder.lexically_relative(pictures.folder);
     beside.file = own->first;
-    if (own->median.differs && !within.empty() && *within.begin() != "..")
+    // A pattern of an extension, which stands for other files as well where there are more than frames.
+    std::vector<std::string> ignored;
+    const auto texts = texts_in(folder, ignored);
+    const auto alike = std::ranges::count(texts, own->first.extension(), &fs::path::extension);
+    const bool is_all = static_cast<std::size_t>(alike) == pictures.frames.size();
+    if (is_all && own->median.differs && !within.empty() && *within.begin() != "..")
         beside.frame_cameras = (within == "." ? fs::path(own->files) : within / own->files).string();
     beside.camera = std::move(own->median);
 }
@@ -672,7 +683,12 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
         look_in(at, above, false, beside);
         if (!goes_on) break;
     }
-    if (beside.camera && beside.camera->codes_per_metre > 0) {
+    // A scale in the pictures' own file, or in the one that is named as they are, is theirs.
+    const bool has_own_scale =
+        !beside.scale_file.empty() &&
+        (beside.scale_file == pictures.own_file ||
+         small_letters(beside.scale_file.stem().string()) == small_letters(pictures.stem));
+    if (beside.camera && beside.camera->codes_per_metre > 0 && !has_own_scale) {
         beside.codes_per_metre = beside.camera->codes_per_metre;
         beside.scale_file = beside.file;
     }

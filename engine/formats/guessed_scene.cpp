@@ -345,7 +345,8 @@ private:
         }
         if (beside_.camera) {
             file_ = *beside_.camera;
-            if (beside_.file != place_.own_file) inputs_.push_back(beside_.file);
+            const bool is_used = !known_.intrinsics && !known_.fov && !frames_;
+            if (is_used && beside_.file != place_.own_file) inputs_.push_back(beside_.file);
         }
         has_camera_of_depth_ = known_.intrinsics || known_.fov || frames_ || beside_.camera;
         if (known_.intrinsics) {
@@ -479,6 +480,13 @@ private:
                  {}, {{Setting::depth_unit}});
             return {};
         }
+        // Integers are no metres.
+        if (unit_in_name_ && values.bits > 8 && (values.is_float || unit_in_name_->metres < 1)) {
+            set_metric(unit_in_name_->metres);
+            tell(std::string("values are ") + unit_in_name_->words + ", as the name says", {},
+                 {{Setting::depth_unit}});
+            return {};
+        }
         if (const double metres = beside_.metres_per_value; metres > 0 && values.is_float) {
             set_metric(metres);
             if (std::ranges::find(inputs_, beside_.unit_file) == inputs_.end())
@@ -486,13 +494,6 @@ private:
             tell("a value of 1 is " + short_number(1000 * metres) + " mm, as " +
                      printable(beside_.unit_file.filename().string()) + " says",
                  {}, {{Setting::depth_unit}});
-            return {};
-        }
-        // Integers are no metres.
-        if (unit_in_name_ && values.bits > 8 && (values.is_float || unit_in_name_->metres < 1)) {
-            set_metric(unit_in_name_->metres);
-            tell(std::string("values are ") + unit_in_name_->words + ", as the name says", {},
-                 {{Setting::depth_unit}});
             return {};
         }
         guess_unit(values);

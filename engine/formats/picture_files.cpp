@@ -204,8 +204,12 @@ std::optional<std::size_t> ordering_number(const std::vector<NumbersInName>& nam
     const std::size_t order = time.value_or(*counter);
     std::vector<std::size_t> places(names.size());
     std::iota(places.begin(), places.end(), std::size_t{0});
-    std::ranges::stable_sort(
-        places, comes_before, [&](std::size_t k) -> auto& { return names[k].numbers[order]; });
+    // What is equal comes by its other numbers, whatever order the folder has.
+    std::ranges::sort(places, [&](std::size_t a, std::size_t b) {
+        const auto &one = names[a].numbers, &other = names[b].numbers;
+        if (one[order] != other[order]) return comes_before(one[order], other[order]);
+        return one < other;
+    });
     for (std::size_t number = 0; number < count; ++number) {
         const auto all = column(number);
         std::size_t changes = 1;
@@ -269,8 +273,9 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
         std::erase_if(names, std::not_fn(has_number));
     else
         take_ordering_numbers(names);
-    std::ranges::sort(
-        names, comes_before, [](const auto& each) -> auto& { return each.first; });
+    std::ranges::sort(names, [](const auto& one, const auto& other) {
+        return one.first != other.first ? comes_before(one.first, other.first) : one.second < other.second;
+    });
     if (std::ranges::all_of(names, [](const auto& each) { return parsed_number(each.first).has_value(); }))
         std::ranges::stable_sort(names, {}, [](const auto& each) { return parsed_number(each.first); });
     PictureFiles found;
@@ -489,7 +494,8 @@ bool is_named_camera_array(const fs::path& file) {
     if (extension != ".npy" && extension != ".npz") return false;
     constexpr const char* names[] = {"k", "cam", "cams", "camera", "cameras"};
     return std::ranges::count(names, stem) > 0 ||
-           has_word(stem, {"intrinsic", "extrinsic", "pose", "calib", "camk", "cam_k", "c2w", "w2c"});
+           (!has_word(stem, {"depth"}) &&
+            has_word(stem, {"intrinsic", "extrinsic", "pose", "calib", "camk", "cam_k", "c2w", "w2c"}));
 }
 
 using Wanted = bool (*)(const fs::path&);

@@ -482,24 +482,16 @@ public:
         // are.
         for (std::uint64_t taken = 0; at != 0;) {
             if (stop_requested()) return interrupted_error();
-            auto page = page_at(at, taken);
-            if (!page && stop_requested()) return interrupted_error();
+            TRY_ASSIGN(auto page, page_at(at, taken));
             if (taken > bytes_.size()) return damage();
-            // Other programs read the pages before a wrong end of the list.
-            is_cut_ = !page;
-            if (is_cut_ && found.empty()) return page.error();
-            if (is_cut_) break;
             if (found.size() == most_pages)
                 return input_error(where_ + ": has more than " + std::to_string(most_pages) + " pages");
-            found.push_back(std::move(*page));
+            found.push_back(std::move(page));
             at = next_;
         }
         if (found.empty()) return damage();
         return found;
     }
-
-    /// What is behind these pages leads nowhere.
-    bool is_cut() const { return is_cut_; }
 
 private:
     /// Adds its bytes to `taken`.
@@ -551,7 +543,7 @@ private:
                                                      TIFFTAG_SAMPLESPERPIXEL, TIFFTAG_SAMPLEFORMAT};
     ByteSource& bytes_;
     const std::string& where_;
-    bool is_big_endian_ = false, is_wide_ = false, is_cut_ = false;
+    bool is_big_endian_ = false, is_wide_ = false;
     std::uint64_t next_ = 0;
 };
 
@@ -650,10 +642,10 @@ bool has_any(const std::string& name, std::initializer_list<std::string_view> wo
 bool names_no_depth(const NamedArray& array) {
     const std::string name = short_name(array);
     const bool has_normal = name.find("normal") != std::string::npos && !has_any(name, {"normali"});
-    if (has_normal || has_any(name, {"intrinsic", "extrinsic", "pose"})) return true;
+    if (has_normal) return true;
     return !has_depth_in_name(array) &&
-           has_any(name, {"rgb", "color", "colour", "image", "camera", "c2w", "w2c", "point", "xyz", "label",
-                          "segm", "semantic", "instance", "_ids"});
+           has_any(name, {"intrinsic", "extrinsic", "pose", "rgb", "color", "colour", "image", "camera",
+                          "c2w", "w2c", "point", "xyz", "label", "segm", "semantic", "instance", "_ids"});
 }
 
 /// Those of one picture each, of one size and type, whose names differ by a number alone, in the order of
@@ -916,8 +908,6 @@ Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
     else if (left_out > 0)
         told = std::to_string(left_out) + (left_out == 1 ? " page is" : " pages are") +
                " of another size or kind than the first, and left out";
-    if (directories.is_cut())
-        told += std::string(told.empty() ? "" : "; ") + "its list of pages is damaged behind these";
     auto stack =
         std::make_shared<TiffStack>(std::move(bytes), std::move(where), std::move(pages), std::move(told));
     TRY(stack->open());

@@ -299,7 +299,8 @@ void find_beside(const std::vector<NamedArray>& arrays, const NamedArray& depth,
     }
     // A confidence of this name is depth's own, so one of other pictures is refused when it is read.
     for (const NamedArray& array : arrays)
-        if (array.name == "conf" || array.name == "confidence") confidences = {&array};
+        if (&array != &depth && array.format && (array.name == "conf" || array.name == "confidence"))
+            confidences = {&array};
     if (confidences.size() > 1)
         std::erase_if(confidences, [](const NamedArray* array) { return !has_depth_in_name(*array); });
     if (confidences.size() == 1) found.confidence = confidences.front()->name;

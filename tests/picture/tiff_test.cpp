@@ -249,7 +249,7 @@ TEST(TiffPages, AllAreFloatsIfOneIs) {
     EXPECT_EQ(second->values.at(0), 70'000);
 }
 
-TEST(TiffPages, ListInACircleIsRefusedAndAWrongEndIsSaid) {
+TEST(TiffPages, DamagedListIsRefused) {
     const TemporaryFolder folder;
     const auto refusal = [&](std::uint32_t behind_last) {
         write_bytes(folder / "pages.tif", tiff_pages({even_page(1), even_page(2)}, false, behind_last));
@@ -257,11 +257,7 @@ TEST(TiffPages, ListInACircleIsRefusedAndAWrongEndIsSaid) {
     };
     EXPECT_NE(refusal(8).find("pages.tif: is damaged: its list of pages is cut"), std::string::npos)
         << "a circle";
-    EXPECT_EQ(refusal(100'000), "");
-    const auto stack = open_tiff_stack(SourceFile(folder / "pages.tif"));
-    ASSERT_EQ(message(stack), "");
-    EXPECT_EQ((*stack)->count(), 2);
-    EXPECT_EQ((*stack)->left_out(), "its list of pages is damaged behind these");
+    EXPECT_NE(refusal(100'000).find("is damaged: its list of pages is cut"), std::string::npos);
 }
 
 }  // namespace
