@@ -49,9 +49,10 @@ bool is_of_others(const std::string& name) {
            has_word(name, {"readme", "license", "extrinsic"});
 }
 
+constexpr std::size_t most_looked_at = 1'000'000;  // of a folder that are looked at
+
 /// What lies in a folder, by name.
 std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>& picture_stems) {
-    constexpr std::size_t most = 20'000;
     std::vector<fs::path> texts;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -61,7 +62,7 @@ std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>&
         const bool is_picture =
             is_any_of(extension, {".png", ".exr", ".tif", ".tiff", ".pgm", ".pfm", ".npy", ".npz", ".jpg",
                                   ".jpeg", ".heic", ".mkv", ".mp4", ".mov", ".avi"});
-        if (texts.size() + picture_stems.size() >= most) break;
+        if (texts.size() + picture_stems.size() >= most_looked_at || stop_requested()) break;
         if (is_picture)
             picture_stems.push_back(small_letters(entry.path().stem().string()));
         else
@@ -114,9 +115,8 @@ struct Sought : PicturesOfCamera {
     bool needs_camera = false;         // of files that are not named as a camera's
 };
 
-/// Whether two stems begin with the same words, numbers among them, and the second has no other number behind
-/// these: v2_depth and v2_K.
-bool has_stem_of(const std::string& picture, const std::string& stem) {
+/// How many letters two stems begin with that are the same words.
+std::size_t same_words(const std::string& picture, const std::string& stem) {
     std::size_t same = 0;
     const auto is_end = [&](std::size_t at) {
         const auto ends = [at](const std::string& name) {
@@ -128,7 +128,28 @@ bool has_stem_of(const std::string& picture, const std::string& stem) {
         if (is_end(k)) same = k;
         if (k == picture.size() || k == stem.size() || picture[k] != stem[k]) break;
     }
+    return same;
+}
+
+/// Whether two stems begin with the same words, numbers among them, and the second has no other number behind
+/// these: v2_depth and v2_K.
+bool has_stem_of(const std::string& picture, const std::string& stem) {
+    const std::size_t same = same_words(picture, stem);
     return has_digit(stem.substr(0, same)) && !has_digit(stem.substr(same));
+}
+
+/// Whether a file is by its name of another picture than this one: chair_camera, of chair_depth and not of
+/// table_depth.
+bool is_of_another(const std::string& picture, const std::string& stem,
+                   const std::vector<std::string>& others) {
+    const auto last_word = [](const std::string& name) {
+        return name.substr(std::min(name.find_last_of("_-. "), name.size()));
+    };
+    const std::size_t same = same_words(picture, stem);
+    const std::string last = last_word(picture);
+    return !last.empty() && std::ranges::any_of(others, [&](const std::string& other) {
+        return other.ends_with(last) && same_words(other, stem) > same;
+    });
 }
 
 /// Files of a folder that may be a camera's, the picture's own first, then named ones. Of pictures' own files
@@ -151,6 +172,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
             continue;
         const bool has_members = is_any_of(extension, {".json", ".jsonl", ".yaml", ".yml", ".xml"});
         const bool is_own = !stem.empty() && (stem == own_stem || has_stem_of(own_stem, stem));
+        if (!is_own && !pictures.is_whole_folder && is_of_another(own_stem, stem, picture_stems)) continue;
         if (is_named_camera(name, stem)) {
             if (has_members || is_any_of(extension, {"", ".txt", ".ini", ".toml", ".cfg", ".conf", ".cal",
                                                      ".bin", ".mat", ".csv", ".pincam"}))
@@ -165,7 +187,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
             const auto longest = extension == ".jsonl" ? std::numeric_limits<std::uintmax_t>::max()
                                  : has_members         ? longest_other
                                                        : longest_text;
-            if (fs::file_size(file, failure) <= longest && !failure)
+            if (fs::file_size(file, failure) <= longest && !failure && named.size() < most_named)
                 (is_own ? named : others).push_back({file, false, is_own, !has_members});
         }
     }
@@ -301,8 +323,10 @@ double off_middle(double at, int side) {
     return std::abs((at + 0.5) / side - 0.5);
 }
 
-/// How well a camera goes with depth's pictures, what counts most first.
-using CameraMark = std::array<double, 8>;
+/// How well a camera goes with depth's pictures, what counts most first. Two that differ only behind the
+/// first `sure_marks` are a choice.
+using CameraMark = std::array<double, 9>;
+constexpr std::size_t sure_marks = 7;
 CameraMark mark_of(const CameraCandidate& candidate, const CameraFile& camera, const Sought& pictures) {
     const std::string name =
         small_letters(camera.name) + ' ' + small_letters(candidate.file.filename().string());
@@ -329,9 +353,15 @@ CameraMark mark_of(const CameraCandidate& candidate, const CameraFile& camera, c
             nearness = -std::max(across, 1 / across);
         }
     }
-    return {double(candidate.is_own), double(candidate.is_named),    double(shares_word),
-            double(is_of_depth),      static_cast<double>(fit),      nearness,
-            double(!is_of_colour),    double(!camera.has_distortion)};
+    return {double(candidate.is_own),
+            double(is_of_depth),
+            double(fit == of_this_size),
+            double(shares_word),
+            double(candidate.is_named),
+            static_cast<double>(fit),
+            nearness,
+            double(!is_of_colour),
+            double(!camera.has_distortion)};
 }
 
 /// Whether a text has a number in it: in its first 64 KiB.
@@ -408,16 +438,19 @@ double focal_length(const CameraFile& camera, const Sought& pictures) {
     return scaled_camera(trusted_intrinsics(camera.intrinsics, width, height, ignored), width, height).fx;
 }
 
-/// Cameras that go equally well with the pictures.
-struct EqualCameras {
-    CameraMark mark{};
+/// The cameras that may be the pictures' as surely as the best of them.
+struct LikelyCameras {
+    CameraMark mark{};  // of the best
     std::size_t count = 0;
     double least = 0, most = 0;  // focal lengths
-    /// Whether another one is the first of better ones.
+    /// Whether another one is better than those before it.
     bool take(const CameraMark& of_other, double focal) {
-        if (count > 0 && of_other < mark) return false;
         const bool is_better = count == 0 || of_other > mark;
-        if (is_better) *this = {of_other, 0, focal, focal};
+        const bool is_as_sure =
+            count > 0 && std::equal(mark.begin(), mark.begin() + sure_marks, of_other.begin());
+        if (!is_better && !is_as_sure) return false;
+        if (!is_as_sure) *this = {of_other, 0, focal, focal};
+        if (is_better) mark = of_other;
         ++count;
         least = std::min(least, focal);
         most = std::max(most, focal);
@@ -427,7 +460,8 @@ struct EqualCameras {
 
 /// Adds to `beside` what files of one folder say. `tells`: also names those that are not understood.
 void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraBeside& beside) {
-    EqualCameras best;
+    LikelyCameras best;
+    bool is_any_angle = false;  // in a file of any name, as a window's is
     if (!beside.camera) take_frames(folder, pictures, beside);
     const bool is_known = beside.camera.has_value();
     if (is_known && !tells) return;
@@ -464,13 +498,19 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
             if (is_one) camera.name = pictures.key.stem.empty() ? "" : camera.frame;
             beside.camera = std::move(camera);
             beside.file = candidate.file;
+            const Intrinsics& taken = beside.camera->intrinsics;
+            is_any_angle = !candidate.is_named && !candidate.is_own && taken.fx == 0 &&
+                           (taken.fov_x == 0 || taken.fov_y == 0);
         }
     }
+    std::string which = printable(beside.file.filename().string());
+    if (is_any_angle)
+        beside.guesses.push_back(std::string(camera_choice_mark) + "an angle in " + which +
+                                 ", which may be that of another view");
     constexpr double most_alike = 1.03;
     if (best.most <= most_alike * best.least) return;
-    std::string which = printable(beside.file.filename().string());
     if (!beside.camera->name.empty()) which += " (" + printable(beside.camera->name, 60) + ')';
-    beside.guesses.push_back(std::string(camera_choice_mark) + "the first of " + std::to_string(best.count) +
+    beside.guesses.push_back(std::string(camera_choice_mark) + "one of " + std::to_string(best.count) +
                              " that differ, " + which);
 }
 
@@ -538,13 +578,13 @@ void know_names(const fs::path& of_depth, Sought& pictures) {
     std::vector<std::string> stems;
     for (const fs::path& frame : pictures.frames) stems.push_back(frame.stem().string());
     if (stems.empty() && !pictures.stem.empty()) {
-        constexpr std::size_t most = 20'000;
         std::error_code ignored;
         std::set<std::string> extensions, alike;
         std::size_t looked = 0;
         std::vector<fs::path> files;
         for (const auto& entry : fs::directory_iterator(pictures.folder, ignored))
-            if (looked++ < most && shape_of(entry.path().stem().string()) == shape_of(pictures.stem))
+            if (looked++ < most_looked_at &&
+                shape_of(entry.path().stem().string()) == shape_of(pictures.stem))
                 files.push_back(entry.path());
         for (const fs::path& file : files)
             if (file.stem().string() == pictures.stem &&
@@ -574,7 +614,7 @@ bool has_pictures(const fs::path& folder) {
 
 /// Folders in `base` that have cameras by their names.
 void add_camera_folders(const fs::path& base, std::vector<fs::path>& folders) {
-    constexpr std::size_t most = 20'000, most_taken = 16;
+    constexpr std::size_t most_taken = 16;
     constexpr const char* known[] = {
         "cameras",           "camera", "intrinsics", "intrinsic", "calib", "calibration",
         "corrected_cameras", "cam",    "cams",       "k",         "poses", "pose"};
@@ -582,7 +622,7 @@ void add_camera_folders(const fs::path& base, std::vector<fs::path>& folders) {
     std::error_code ignored;
     std::size_t looked = 0;
     for (const auto& entry : fs::directory_iterator(base, ignored)) {
-        if (++looked > most || found.size() > most_taken) break;
+        if (++looked > most_looked_at || found.size() > most_taken) break;
         const std::string name = small_letters(entry.path().filename().string());
         const bool is_known = std::ranges::find(known, name) != std::end(known);
         if (!is_known && !is_folder_of_cameras(entry.path())) continue;

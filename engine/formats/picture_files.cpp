@@ -560,31 +560,41 @@ void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGr
         const fs::path within = fs::path(pattern).parent_path();
         forms[(within / numbers_in(group.first.filename().string()).form).string()].push_back(pattern);
     }
-    for (const auto& [form, patterns] : forms) {
-        if (patterns.size() < 2 || stop_requested()) continue;
+    std::erase_if(forms, [&](const auto& form) {
         std::size_t largest = 0;
-        for (const std::string& pattern : patterns) largest = std::max(largest, groups[pattern].count);
-        if (patterns.size() < largest) continue;
-        const fs::path within = fs::path(patterns.front()).parent_path();
-        std::vector<std::string> files;
-        std::vector<NumbersInName> names;
+        for (const std::string& pattern : form.second) largest = std::max(largest, groups[pattern].count);
+        return form.second.size() < std::max<std::size_t>(largest, 2);
+    });
+    // Of each form, by one look at a folder, in which there may be many forms.
+    std::map<std::string, std::vector<std::string>> files_of;
+    std::map<std::string, std::vector<NumbersInName>> names_of;
+    std::set<fs::path> read;
+    std::size_t entries = 0;
+    for (const auto& [form, patterns] : forms) {
+        const fs::path within = fs::path(form).parent_path();
+        if (!read.insert(within).second) continue;
         std::error_code ignored;
         for (const auto& entry : fs::directory_iterator(folder / within / "", ignored)) {
+            if (++entries > most_entries || stop_requested()) return;
             const std::string name = entry.path().filename().string();
             NumbersInName numbers = numbers_in(name);
+            const std::string of = (within / numbers.form).string();
             const bool is_pattern = name.find_first_of("%*") != std::string::npos;
-            if (is_pattern || (within / numbers.form).string() != form || !is_file(entry.path())) continue;
-            files.push_back(name);
-            names.push_back(std::move(numbers));
-            if (files.size() > most_files) return;
+            if (is_pattern || !forms.contains(of) || !is_file(entry.path())) continue;
+            files_of[of].push_back(name);
+            names_of[of].push_back(std::move(numbers));
         }
+    }
+    for (const auto& [form, files] : files_of) {
+        const std::vector<NumbersInName>& names = names_of[form];
         if (names.size() < 2 || !ordering_number(names)) continue;
+        const fs::path within = fs::path(form).parent_path();
         const std::string pattern = (within / pattern_of_all(names, files.front())).string();
         if (groups.contains(pattern)) continue;
         PictureGroup joined;
         joined.count = files.size();
         joined.first = folder / within / *std::ranges::min_element(files);
-        for (const std::string& each : patterns) groups.erase(each);
+        for (const std::string& each : forms[form]) groups.erase(each);
         groups[pattern] = std::move(joined);
     }
 }

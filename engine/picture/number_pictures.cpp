@@ -416,9 +416,11 @@ Result<TiffLayout> checked_layout(TIFF* tiff, std::uint64_t packed, const std::s
     TRY(check_picture_size(layout.width, layout.height, where));
     if (const std::string refusal = refusal_of(layout); !refusal.empty())
         return input_error(where + ": " + refusal);
-    const auto needed =
-        std::uint64_t{layout.width} * layout.height * static_cast<std::uint64_t>(layout.pixel_bytes());
-    TRY(check_expansion(needed, packed, where));
+    // Of a page that is one strip its bytes and its picture are in memory at once, the picture mostly as
+    // floats.
+    const auto needed = static_cast<std::uint64_t>(layout.pixel_bytes()) +
+                        (layout.bytes() > 2 || layout.format != SAMPLEFORMAT_UINT ? 4 : layout.bytes());
+    TRY(check_expansion(std::uint64_t{layout.width} * layout.height * needed, packed, where));
     return layout;
 }
 

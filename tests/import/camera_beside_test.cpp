@@ -318,9 +318,9 @@ TEST_F(CameraBesides, OfOnePictureStandUnderItsNumber) {
     EXPECT_EQ(scene_of(folder / "depth/1.png").depth.scale, 0.0005);
     // A rig's, which no frame has: not the mean of both.
     EXPECT_EQ(guess().scene.camera.fx, 50);
-    EXPECT_TRUE(is_said(guess().scene, "the camera is the first of 2 that differ, scene_camera.json (0)"));
+    EXPECT_TRUE(is_said(guess().scene, "the camera is one of 2 that differ, scene_camera.json (0)"));
     std::filesystem::copy_file(folder / "depth/0.png", folder / "depth/2.png");
-    EXPECT_TRUE(is_said(scene_of(folder / "depth/1.png"), "the first of 2 that differ"));
+    EXPECT_TRUE(is_said(scene_of(folder / "depth/1.png"), "one of 2 that differ"));
     std::filesystem::remove(folder / "scene_camera.json");
     write_bytes(folder / "cameras.json", R"([{"img_name": "0", "fx": 50, "fy": 50, "width": 64, "height": 48},
         {"img_name": "1", "fx": 51, "fy": 50}, {"img_name": "2", "fx": 52, "fy": 50}])");
@@ -333,8 +333,8 @@ TEST_F(CameraBesides, ThatDifferAreChosenByAWordOrSaidToBeGuessed) {
     write_bytes(folder / "right.json", R"({"fx": 90, "fy": 90, "cx": 31, "cy": 23})");
     const Scene scene = guess().scene;
     EXPECT_EQ(scene.camera.fx, 50);
-    const auto remark = std::ranges::find(
-        scene.remarks, "the camera is the first of 2 that differ, left.json", &Remark::what);
+    const auto remark =
+        std::ranges::find(scene.remarks, "the camera is one of 2 that differ, left.json", &Remark::what);
     ASSERT_NE(remark, scene.remarks.end());
     EXPECT_EQ(guessed_in(*remark), Guessed::camera);
     std::filesystem::rename(folder / "depth", folder / "depth_right");
@@ -349,6 +349,36 @@ TEST_F(CameraBesides, ThatDifferAreChosenByAWordOrSaidToBeGuessed) {
     }
     EXPECT_EQ(scene_of(folder / "rig/cam0").camera.fx, 50);
     EXPECT_EQ(scene_of(folder / "rig/cam1").camera.fx, 51);
+}
+
+TEST_F(CameraBesides, OfDepthAndItsSizeIsSurerThanAName) {
+    write_bytes(folder / "camera.json", R"({"fx": 90, "fy": 90, "cx": 31, "cy": 23})");
+    write_bytes(folder / "depth_of_robot.json",
+                R"({"width": 64, "height": 48, "fx": 50, "fy": 50, "cx": 31, "cy": 23})");
+    EXPECT_EQ(guess().scene.camera.fx, 50);
+    EXPECT_FALSE(is_said(guess().scene, "that differ"));
+}
+
+TEST_F(CameraBesides, OfColourIsLeftOutAsAGuess) {
+    write_bytes(folder / "ir.json", R"({"fx": 90, "fy": 90, "cx": 31, "cy": 23})");
+    write_bytes(folder / "rgb.json", R"({"fx": 50, "fy": 50, "cx": 31, "cy": 23})");
+    EXPECT_EQ(guess().scene.camera.fx, 90);
+    EXPECT_TRUE(is_said(guess().scene, "the camera is one of 2 that differ, ir.json"));
+}
+
+TEST_F(CameraBesides, OfAnAngleInAnyFileAreGuesses) {
+    write_bytes(folder / "settings.json", R"({"window": {"fov": 90}})");
+    EXPECT_TRUE(is_said(guess().scene, "the camera is an angle in settings.json"));
+}
+
+TEST_F(CameraBesides, OfAnotherPictureByItsNameIsLeftOut) {
+    for (const char* picture : {"chair_depth.png", "table_depth.png"})
+        std::filesystem::copy_file(folder / "depth/0.png", folder / picture);
+    write_bytes(folder / "chair_camera.json",
+                R"({"fx": 50, "fy": 50, "cx": 31, "cy": 23, "depth_scale": 2000})");
+    EXPECT_EQ(scene_of(folder / "chair_depth.png").camera.fx, 50);
+    EXPECT_NE(scene_of(folder / "table_depth.png").camera.fx, 50);
+    EXPECT_NE(scene_of(folder / "table_depth.png").depth.scale, 0.0005);
 }
 
 TEST_F(CameraBesides, OfSeveralSizesAreThoseOfThisSize) {
