@@ -1,17 +1,24 @@
 // A camera that is plugged in, over a fake of the kernel's side. No test depends on a deadline, and none has
 // met a camera.
-#include "engine/camera/v4l2_camera.hpp"
-#include "engine/camera/v4l2_stream.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <string>
 #include <thread>
 
 #include "engine/base/threads.hpp"
+#include "engine/camera/camera.hpp"
+#include "engine/camera/v4l2_camera.hpp"
+#include "engine/camera/v4l2_stream.hpp"
 #include "engine/clip/readers.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
@@ -474,6 +481,299 @@ TEST_F(Camera, MemoryStaysAsItIs) {
     const auto before = mallinfo2().uordblks;
     for (int k = 0; k < 500; ++k) next(*camera);
     EXPECT_LE(mallinfo2().uordblks, before + 4096);
+}
+
+// The colour camera beside one of depth.
+
+constexpr int cw = 16, ch = 8;
+const std::string depth_node = "/dev/video0", colour_node = "/dev/video2";
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Red tells the number of the picture, green and blue the place.
+Bytes rgb_of(std::uint32_t number, bool bgr) {
+    Bytes bytes;
+    for (int y = 0; y < ch; ++y)
+        for (int x = 0; x < cw; ++x) {
+            const std::uint8_t rgb[] = {static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(10 * x),
+                                        static_cast<std::uint8_t>(20 * y)};
+            for (int k = 0; k < 3; ++k) bytes.push_back(rgb[bgr ? 2 - k : k]);
+        }
+    return bytes;
+}
+
+/// Grey of 16 + 219/255 of this, as cameras write it, without colour.
+constexpr int grey = 100;
+constexpr auto luma = static_cast<std::uint8_t>(16 + (grey * 219 + 127) / 255);
+
+class CameraColour : public ::testing::Test {
+protected:
+    CameraColour() { add_depth_node(*video, depth_node, cw, ch); }
+    void TearDown() override {
+        EXPECT_EQ(video->misuse(), std::vector<std::string>());
+        EXPECT_EQ(video->left_over(), std::vector<std::string>());
+    }
+    FakeNode& add(std::uint32_t code, std::function<Bytes(std::uint32_t)> paint) {
+        FakeNode& made = video->add(colour_node);
+        made.formats = {{code, {{64, 48}, {cw, ch}}}};
+        made.paint = std::move(paint);
+        return made;
+    }
+    Result<std::unique_ptr<ClipReader>> open() const {
+        V4l2Choice choice{depth_node};
+        choice.colour = colour_node;
+        choice.system = video;
+        return open_v4l2_camera(choice, SourceDescription{{}, 60, 0.001, {}, {}, {}});
+    }
+    const std::shared_ptr<FakeVideo> video = std::make_shared<FakeVideo>();
+};
+
+TEST_F(CameraColour, ComesInEveryFormat) {
+    const auto uniform = [](Bytes pair, std::size_t bytes) {
+        Bytes all;
+        while (all.size() < bytes) all.insert(all.end(), pair.begin(), pair.end());
+        return [all](std::uint32_t) { return all; };
+    };
+    const TemporaryFolder folder;
+    Bytes nv12(cw * ch, luma);
+    nv12.resize(cw * ch * 3 / 2, 128);
+    struct Case {
+        std::uint32_t code;
+        std::function<Bytes(std::uint32_t)> paint;
+        bool is_exact;
+    };
+    for (const Case& each : {Case{V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); }, true},
+                             Case{V4L2_PIX_FMT_BGR24, [](std::uint32_t n) { return rgb_of(n, true); }, true},
+                             Case{V4L2_PIX_FMT_YUYV, uniform({luma, 128}, cw * ch * 2), false},
+                             Case{V4L2_PIX_FMT_UYVY, uniform({128, luma}, cw * ch * 2), false},
+                             Case{V4L2_PIX_FMT_NV12, [&](std::uint32_t) { return nv12; }, false}}) {
+        add(each.code, each.paint).row_padding = 5;
+        const auto camera = open();
+        ASSERT_EQ(message(camera), "");
+        EXPECT_EQ((*camera)->tracks().size(), 2u);
+        const auto frame = (*camera)->next();
+        ASSERT_EQ(message(frame), "");
+        const PlaneView& colour = (*frame)->colour;
+        ASSERT_EQ(colour.width, cw) << "the size of the depth, where it is offered";
+        ASSERT_EQ(colour.channels, 3);
+        for (int y = 0; y < ch; ++y)
+            for (int x = 0; x < cw; ++x) {
+                if (each.is_exact) {
+                    EXPECT_EQ(colour.sample(x, y, 1), 10 * x);
+                    EXPECT_EQ(colour.sample(x, y, 2), 20 * y);
+                    continue;
+                }
+                for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour.sample(x, y, c), grey, 1);
+            }
+    }
+}
+
+/// Depth is taken each 40 ms of a virtual clock, and with each a colour picture, so long after it. What is
+/// nearest to a depth picture is the colour of a few before it then, of the four that are kept.
+TEST_F(CameraColour, IsThatOfTheNearestTime) {
+    constexpr std::int64_t ms = 1'000'000, frame = 40 * ms;
+    // In the machine's past, of which ten seconds are believed: the virtual clock runs for one.
+    const std::int64_t begun = steady_now_ns() - 5000 * ms;
+    struct Case {
+        std::int64_t late;
+        int before;
+    };
+    for (const Case& each : {Case{0, 0}, Case{-50 * ms, 0}, Case{15 * ms, 0}, Case{25 * ms, 1},
+                             Case{70 * ms, 2}, Case{110 * ms, 3}, Case{300 * ms, 3}}) {
+        std::int64_t depth_at = begun;
+        int newest = -1;  // colour picture
+        FakeNode& depth = add_depth_node(*video, depth_node, cw, ch);
+        depth.stamp = [&](std::uint32_t n) { return depth_at = begun + n * frame; };
+        FakeNode& colour = add(V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); });
+        colour.stamp = [&](std::uint32_t n) {
+            newest = static_cast<int>(n);
+            return depth_at + each.late;
+        };
+        const auto camera = open();
+        ASSERT_EQ(message(camera), "");
+        for (int k = 0; k < 8; ++k) {
+            const auto taken = (*camera)->next();
+            ASSERT_EQ(message(taken), "");
+            if (k < 3) continue;  // until four are there
+            EXPECT_EQ((*taken)->colour.sample(0, 0, 0), newest - each.before) << each.late / ms << " ms late";
+        }
+    }
+}
+
+TEST_F(CameraColour, IsClosedWhereNobodyLooks) {
+    add(V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); });
+    const auto camera = open();
+    ASSERT_EQ(message(camera), "");
+    (*camera)->leave_out_colour();
+    EXPECT_EQ(video->left_over().size(), 6u) << "depth's node, its stream and four buffers";
+    const auto frame = (*camera)->next();
+    ASSERT_EQ(message(frame), "");
+    EXPECT_TRUE((*frame)->colour.empty());
+}
+
+TEST_F(CameraColour, ThatIsUnpluggedLeavesDepthAlone) {
+    add(V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); });
+    const auto camera = open();
+    ASSERT_EQ(message(camera), "");
+    ASSERT_EQ(message((*camera)->begin(std::chrono::steady_clock::now() - std::chrono::milliseconds(1))), "");
+    ASSERT_EQ(message((*camera)->next()), "");
+    video->unplug(colour_node);
+    for (int k = 0; k < 3; ++k) {
+        const auto frame = (*camera)->next();
+        ASSERT_EQ(message(frame), "");
+        EXPECT_FALSE((*frame)->depth.empty());
+    }
+    ASSERT_EQ((*camera)->remarks().size(), 1u);
+    EXPECT_EQ((*camera)->remarks()[0], "the camera of colour, /dev/video2, was unplugged");
+}
+
+TEST_F(CameraColour, IsRefusedWhereThereIsNone) {
+    add(V4L2_PIX_FMT_Y16, nullptr);
+    EXPECT_EQ(message(open()), colour_node +
+                                   ": gives no colour that can be shown (Y16); colour= takes a "
+                                   "node of RGB3, BGR3, YUYV, UYVY, NV12 or MJPG");
+    add(V4L2_PIX_FMT_RGB24, nullptr).refusals[VIDIOC_S_FMT] = EBUSY;
+    EXPECT_NE(message(open()).find(colour_node + ": another program has the camera"), std::string::npos);
+}
+
+// What `touchable cameras` tells a person.
+
+std::string how_to_touch(const std::string& camera, const std::string& with_colour) {
+    return "    touch " + camera + " or " + with_colour + '\n';
+}
+
+TEST(CameraList, SaysWhatToDoWhereThereIsNone) {
+    FakeVideo video;
+    const std::string words = cameras_in_words(video, how_to_touch);
+    EXPECT_EQ(words,
+              "No camera is there (no /dev/video*): plug one in. Where one is plugged in, its driver is "
+              "missing: sudo modprobe uvcvideo is that of USB cameras.\n");
+}
+
+TEST(CameraList, SaysWhatEachOffersAndHowItIsTouched) {
+    FakeVideo video;
+    FakeNode& depth = video.add("/dev/video0");
+    depth.card = "Intel(R) RealSense(TM)";
+    depth.formats = {{V4L2_PIX_FMT_Z16, {{640, 480, {{1, 30}, {1, 60}}}, {848, 480}}}};
+    FakeNode& metadata = video.add("/dev/video1");
+    metadata.capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
+    FakeNode& colour = video.add("/dev/video2");
+    colour.formats = {{V4L2_PIX_FMT_YUYV, {{640, 480}}}, {V4L2_PIX_FMT_MJPEG, {}}};
+    video.add("/dev/video3").refusals[0] = EACCES;
+    EXPECT_EQ(
+        cameras_in_words(video, how_to_touch),
+        "/dev/video0  Intel(R) RealSense(TM) (fake, usb-1)\n"
+        "    Z16     640x480 at 60, 30 frames/s; 848x480 at 30 frames/s\n"
+        "    touch v4l2:/dev/video0 or v4l2:/dev/video0,colour=/dev/video2\n"
+        "/dev/video1  A camera (fake, usb-1)\n"
+        "    gives no pictures: a node of metadata or of another kind\n"
+        "/dev/video2  A camera (fake, usb-1)\n"
+        "    YUYV    640x480 at 30 frames/s\n"
+        "    MJPG    its driver does not say which sizes\n"
+        "    colour alone: there is nothing to touch\n"
+        "/dev/video3: may not be opened by this user; right would be sudo usermod -aG video $USER, then "
+        "log in again\n");
+    EXPECT_EQ(video.misuse(), std::vector<std::string>());
+    EXPECT_EQ(video.left_over(), std::vector<std::string>()) << "it only looks";
+}
+
+TEST(CameraList, SaysWhatARealSenseLacks) {
+    FakeVideo video;
+    FakeNode& colour = video.add("/dev/video0");
+    colour.card = "Intel(R) RealSense(TM)";
+    colour.formats = {{V4L2_PIX_FMT_YUYV, {{640, 480}}}};
+    const std::string words = cameras_in_words(video, how_to_touch);
+    EXPECT_NE(words.find("has no node of depth (Z16)"), std::string::npos) << words;
+    EXPECT_NE(words.find("None of them gives depth"), std::string::npos) << words;
+}
+
+// A camera that stays open from run to run.
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+TEST(SharedCamera, IsHandedOverFromRunToRun) {
+    const auto video = std::make_shared<FakeVideo>();
+    add_depth_node(*video, "/dev/video0", 16, 8).period_ns = 2'000'000;
+    V4l2Choice choice{"/dev/video0"};
+    choice.system = video;
+    const SourceDescription known{{}, 60, 0.001, {}, {}, {}};
+    {
+        const auto shared = std::make_shared<SharedCamera>();
+        auto before = shared->open(choice, known);
+        ASSERT_EQ(message(before), "");
+        for (int n = 0; n < 2; ++n) EXPECT_EQ((*(*before)->next())->number, n);
+        std::int64_t number = 0;  // of the newest frame of the run that is made ready
+        for (int change = 0; change < 3; ++change) {
+            ASSERT_EQ(message((*before)->begin(steady_clock::now() - milliseconds(1))), "");
+            Result<std::optional<RawFrame>> last = std::optional<RawFrame>();
+            std::stop_source over;
+            std::thread reader([&] {
+                const StopScope until(over.get_token());
+                do last = (*before)->next();
+                while (last);
+            });
+            // While that runs, another is made ready with frames of it.
+            auto next = shared->open(choice, known);
+            EXPECT_EQ(message(next), "");
+            const auto first = (*next)->next();
+            EXPECT_EQ(message(first), "");
+            EXPECT_EQ((*first)->number, 0);
+            auto second = (*next)->next();
+            // The same once more, where the reader takes none in 100 ms.
+            for (number = 1; number < 600 && (*second)->storage == (*first)->storage; ++number)
+                second = (*next)->next();
+            EXPECT_EQ((*second)->number, number);
+            EXPECT_LT((*first)->time_ns, (*second)->time_ns);
+            EXPECT_NE((*first)->storage, (*second)->storage);
+            over.request_stop();
+            reader.join();
+            EXPECT_EQ(last.error().kind, ErrorKind::interrupted);
+            before = std::move(next);
+        }
+        ASSERT_EQ(message((*before)->begin(steady_clock::now() - milliseconds(1))), "");
+        const auto frame = (*before)->next();
+        ASSERT_EQ(message(frame), "");
+        EXPECT_EQ((*frame)->number, number + 1) << "what was taken between two runs is no gap";
+        EXPECT_GT((*frame)->time_ns, ns_before_a_run);
+        EXPECT_EQ(video->left_over().size(), 6u) << "one stream: the node, that it streams, four buffers";
+    }
+    EXPECT_EQ(video->left_over(), std::vector<std::string>());
+    EXPECT_EQ(video->misuse(), std::vector<std::string>());
+}
+
+// The kernel's own cameras, where it has some that need no hardware (vivid, v4l2loopback).
+
+TEST(RealNode, StreamsAsTheKernelSays) {
+    const auto video = system_video();
+    for (const std::string& node : video->nodes()) {
+        const auto facts = look_at_node(*video, node);
+        if (!facts || facts->driver != "vivid" || facts->formats.empty()) continue;
+        for (const NodeFormat& format : facts->formats) {
+            if (!is_depth_format(format.code) && !is_colour_format(format.code)) continue;
+            auto stream = V4l2Stream::open(video, *facts, format, {640, 360});
+            ASSERT_TRUE(stream) << stream.error().message;
+            for (int pictures = 0; pictures < 3;) {
+                pollfd waited{(*stream)->descriptor(), POLLIN, 0};
+                ASSERT_GT(video->poll({&waited, 1}, 5000), 0);
+                const auto picture = (*stream)->take(V4l2Stream::Which::oldest);
+                ASSERT_TRUE(picture) << picture.error().message;
+                pictures += picture->has_value();
+            }
+        }
+        return;
+    }
+    GTEST_SKIP() << "the kernel has no vivid (sudo modprobe vivid)";
+}
+
+/// As who may see it does: here this very program.
+TEST(RealNode, SaysWhoHasADeviceOpen) {
+    const int descriptor = ::open("/dev/null", O_RDONLY);
+    ASSERT_GE(descriptor, 0);
+    const std::string self = "(process " + std::to_string(::getpid()) + ")";
+    EXPECT_NE(users_of_node("/dev/null").find(self), std::string::npos) << users_of_node("/dev/null");
+    ::close(descriptor);
+    EXPECT_EQ(users_of_node("/no/such/node"), "");
 }
 
 }  // namespace

@@ -1,10 +1,16 @@
 // The programs of examples/, as somebody who follows docs/library.md runs them.
+
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include "capi/touchable.hpp"
 #include "tests/capi/hill.hpp"
@@ -81,6 +87,131 @@ TEST(Examples, OwnImporterMakesAClipOfRawDepth) {
     EXPECT_EQ(run_example("own_importer " + (folder / "hill.raw").string() + " 64x48 60 30 " + clip).code, 3)
         << "replaced what was there";
     EXPECT_EQ(run_example("own_importer").code, 2);
+}
+
+// touchable.h describes every public name: what it is, in which unit, and which statuses it gives. (Doxygen,
+// where it is there, refuses a name without a description; what a description has to say is looked at here.)
+
+std::string header() {
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/capi/touchable.h");
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A declaration, and the comment that describes it.
+struct Described {
+    std::string name, declaration, comment;
+};
+
+std::vector<Described> functions_of(const std::string& text) {
+    std::vector<Described> functions;
+    static const std::regex function(R"(TOUCH_API [^;]*?(touch_\w+)\([^;]*\);)");
+    for (auto at = std::sregex_iterator(text.begin(), text.end(), function); at != std::sregex_iterator();
+         ++at) {
+        const auto begin = static_cast<std::size_t>(at->position());
+        const bool has_comment = text.compare(begin - 3, 3, "*/\n") == 0;
+        const auto open = text.rfind("/**", begin);
+        functions.push_back({(*at)[1], at->str(), has_comment ? text.substr(open, begin - open) : ""});
+    }
+    return functions;
+}
+
+std::vector<Described> members_of(const std::string& text) {
+    std::vector<Described> members;
+    static const std::regex member(R"(\n    [\w ]+[ *](\w+)(?:\[\d+\])?; */\*\*<([^*]*(?:\*[^/][^*]*)*)\*/)");
+    for (auto at = std::sregex_iterator(text.begin(), text.end(), member); at != std::sregex_iterator(); ++at)
+        members.push_back({(*at)[1], at->str(), (*at)[2]});
+    return members;
+}
+
+bool says(const std::string& text, const std::string& pattern) {
+    return std::regex_search(text, std::regex(pattern));
+}
+
+TEST(Reference, EveryFunctionIsDescribedWithItsStatuses) {
+    const auto functions = functions_of(header());
+    EXPECT_GT(functions.size(), 40u);
+    for (const Described& function : functions) {
+        EXPECT_FALSE(function.comment.empty()) << function.name << " has no comment of its own";
+        if (says(function.declaration, "touch_error \\*")) {
+            EXPECT_TRUE(says(function.comment, "TOUCH_(USAGE|INPUT|BUSY|FULL|END|INTERRUPTED)"))
+                << function.name << ": its comment names no status";
+        }
+    }
+}
+
+/// Numbers that stand for a length, a time, a force: in the name, or in the comment.
+TEST(Reference, EveryNumberHasItsUnit) {
+    const std::string unit =
+        "_px|_m$|_ns|_per_|_units|_code|_degrees|_bytes|_ticks|_n$|pixels|metres|scene "
+        "units|newtons|coefficient|"
+        "milliseconds|frames|right|up|camera|likewise|number|how many";
+    const auto members = members_of(header());
+    EXPECT_GT(members.size(), 90u);
+    for (const Described& member : members)
+        if (says(member.declaration, "\\b(double|int64_t)\\b")) {
+            EXPECT_TRUE(says(member.name, unit) || says(member.comment, unit)) << member.declaration;
+        }
+}
+
+TEST(Reference, WhatIsRealTimeSaysSo) {
+    for (const Described& function : functions_of(header()))
+        if (says(function.name, "solver_(tick|run|come_back|force_hash)|newest_ns|describe|touch_version")) {
+            EXPECT_TRUE(says(function.comment, "Real-time") || says(function.name, "clip_describe"))
+                << function.name;
+        }
+}
+
+// The C++ wrapper is the C API: same forces, objects that end themselves, errors that are thrown.
+
+std::uint64_t hash_of(touch::Solver& solver) {
+    for (std::int64_t tick = 0; tick < 300; ++tick) {
+        const touch_vec3 goal = goal_at(tick);
+        touch_contact contact;
+        EXPECT_EQ(solver.tick(touch::tick_at(tick), &goal, &contact), TOUCH_OK);
+    }
+    return solver.force_hash();
+}
+
+TEST(Wrapper, GivesTheSameForces) {
+    const Hill hill;
+    touch::Scene scene(Hill::camera());
+    touch::Surface surface(scene);
+    EXPECT_TRUE(surface.push(hill.frame()));
+    touch::Solver solver(surface);
+    TouchedHill touched;
+    for (std::int64_t tick = 0; tick < 300; ++tick) {
+        const touch_tick at = tick_at(tick);
+        const touch_vec3 goal = goal_at(tick);
+        touch_contact contact;
+        ASSERT_EQ(touch_solver_tick(touched.solver, &at, &goal, &contact, sizeof contact), TOUCH_OK);
+    }
+    std::uint64_t expected = 0;
+    touch_solver_force_hash(touched.solver, &expected);
+    EXPECT_EQ(hash_of(solver), expected);
+}
+
+TEST(Wrapper, EndsWhatItMadeAndThrowsWhatIsRefused) {
+    static_assert(!std::is_copy_constructible_v<touch::Surface>);
+    touch_surface left{};
+    {
+        const touch::Scene scene(Hill::camera());
+        EXPECT_EQ(touch::Scene(scene.text()).text(), scene.text());
+        touch::Surface surface(scene);
+        touch::Surface moved(std::move(surface));
+        left = moved.get();
+        EXPECT_THROW(moved.hand_scale(), touch::Error) << "no frame yet";
+        EXPECT_TRUE(moved.push(Hill().frame()));
+        EXPECT_GT(moved.hand_scale(), 0);
+        EXPECT_THROW(moved.push(Hill().frame()), touch::Error) << "not later";
+    }
+    EXPECT_EQ(touch_surface_destroy(left), TOUCH_STALE);
+    try {
+        const touch::Scene scene(std::string_view("{}"));
+        FAIL() << "no scene at all";
+    } catch (const touch::Error& error) {
+        EXPECT_EQ(error.status(), TOUCH_INPUT);
+        EXPECT_GT(std::string(error.what()).size(), 10U);
+    }
 }
 
 }  // namespace

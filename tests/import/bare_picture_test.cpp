@@ -1,16 +1,34 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <linux/magic.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <sys/vfs.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <fstream>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <stop_token>
+#include <thread>
 
+#include "engine/base/threads.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/import/kept_clips.hpp"
+#include "tests/opened_files.hpp"
 #include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/npy_bytes.hpp"
+#include "tests/real_data.hpp"
+#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {
@@ -317,6 +335,311 @@ TEST(BarePicture, WhatMakesNoSenseIsRefused) {
     Samples nothing(400, 0);
     ASSERT_EQ(message(write_png(folder / "empty.png", {nothing.data(), 40, 20, 10, 2, 1})), "");
     EXPECT_TRUE(is_refused(open_clip(folder / "empty.png"), "has no depth"));
+}
+
+using Paths = std::set<std::filesystem::path>;
+
+Paths inputs_of(const Result<std::unique_ptr<ClipReader>>& reader) {
+    EXPECT_EQ(message(reader), "");
+    if (!reader) return {};
+    return {(*reader)->inputs().begin(), (*reader)->inputs().end()};
+}
+
+TEST(Inputs, AClipAndTheSceneFileThatDescribesIt) {
+    const TemporaryFolder folder;
+    const auto clip = folder / "clip.mkv", described = folder / "scene.json";
+    ASSERT_EQ(message(write_clip(clip, small_scene(40, 30), 2, {})), "");
+    write_bytes(described, scene_to_json(small_scene(40, 30)));
+    EXPECT_EQ(inputs_of(open_clip(clip)), Paths{clip});
+    EXPECT_EQ(inputs_of(open_clip(clip, described)), (Paths{clip, described}));
+}
+
+TEST(Inputs, EveryPictureOfAFolderHoweverItIsOpened) {
+    const TemporaryFolder folder;
+    Scene scene = small_scene(8, 6);
+    scene.folder = FolderSource{.depth = "d%d.png", .colour = "c%d.png", .haptic = "", .height = ""};
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    Paths all{folder / "scene.json"};
+    Samples memory;
+    for (int n = 0; n < 3; ++n)
+        for (const auto& [name, channels] : {std::pair{"d", 1}, {"c", 3}}) {
+            const auto file = folder / (name + std::to_string(n) + ".png");
+            const PlaneView plane = test_plane(memory, 8, 6, 1, channels, 255, 1, true);
+            ASSERT_EQ(message(write_png(file, plane)), "");
+            all.insert(file);
+        }
+    EXPECT_EQ(inputs_of(open_clip(folder.path())), all);
+    EXPECT_EQ(inputs_of(open_clip(folder / "scene.json")), all);
+    EXPECT_EQ(inputs_of(open_clip(folder.path(), folder / "scene.json")), all);
+}
+
+TEST(Inputs, WhatLiesBesideAVideoOfDepthkit) {
+    const TemporaryFolder folder;
+    Image picture{8, 12, 1, 3, std::vector<std::uint8_t>(8 * 12 * 3, 90)};
+    write_quicktime(folder / "Take 1.mov", {picture, picture}, {24, 1});
+    write_bytes(folder / "Take 1.Metadata.asset",
+                "format: perpixel\ntextureWidth: 8\ntextureHeight: 12\nperspectives:\n- depthImageSize: {x: "
+                "8, y: 6}\n"
+                "  depthPrincipalPoint: {x: 4, y: 3}\n  depthFocalLength: {x: 7, y: 7}\n  farClip: 1.5\n"
+                "  nearClip: 0.5\n  crop: {x: 0, y: 0, z: 1, w: 1}\n");
+    EXPECT_EQ(inputs_of(open_clip(folder / "Take 1.mov")),
+              (Paths{folder / "Take 1.mov", folder / "Take 1.Metadata.asset"}));
+}
+
+TEST(Inputs, WhatLiesBesideADepthkitVideo) {
+    const std::filesystem::path data = real_data("depthkit_typing");
+    TOUCHABLE_NEEDS_DATA(data);
+    EXPECT_EQ(inputs_of(open_clip(data / "Test.mov")),
+              (Paths{data / "Test.mov", data / "Test.Metadata.asset"}));
+}
+
+// Opening that is given up ends at once, though a disk does not answer.
+
+/// As long as it lives, reads that may wait are answered so many times, and then wait for its end.
+class SilentDisk {
+public:
+    explicit SilentDisk(int answers) {
+        const std::lock_guard lock(mutex);
+        left = answers;
+    }
+    ~SilentDisk() {
+        const std::lock_guard lock(mutex);
+        left.reset();
+        changed.notify_all();
+    }
+    SilentDisk(const SilentDisk&) = delete;
+    SilentDisk& operator=(const SilentDisk&) = delete;
+
+    /// Until a read waits; false where `over` came first.
+    bool await_silence(std::stop_token over) {
+        std::unique_lock lock(mutex);
+        return changed.wait(lock, std::move(over), [] { return left && *left < 0; });
+    }
+
+    static bool is_there() {
+        const std::lock_guard lock(mutex);
+        return left.has_value();
+    }
+    static void read() {
+        std::unique_lock lock(mutex);
+        if (!left || --*left >= 0) return;
+        changed.notify_all();
+        changed.wait(lock, [] { return !left; });
+    }
+
+private:
+    static inline std::mutex mutex;
+    static inline std::condition_variable_any changed;
+    static inline std::optional<int> left;
+};
+
+}  // namespace
+}  // namespace touchable::test
+
+// In place of the C library's for this program: nothing is in memory already.
+extern "C" ssize_t preadv2(int file, const iovec* to, int count, off_t at, int flags) {
+    using touchable::test::SilentDisk;
+    if (SilentDisk::is_there()) {
+        if (flags == RWF_NOWAIT) {
+            errno = EAGAIN;
+            return -1;
+        }
+        SilentDisk::read();
+    }
+    return syscall(SYS_preadv2, file, to, count, at, 0, flags);
+}
+extern "C" int fstatfs(int file, struct statfs* about) noexcept {
+    const auto status = static_cast<int>(syscall(SYS_fstatfs, file, about));
+    if (about->f_type == TMPFS_MAGIC) about->f_type = EXT4_SUPER_MAGIC;
+    return status;
+}
+
+namespace touchable::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Ending {
+    bool was_silent = false;
+    std::chrono::duration<double> took{};  // from when it was given up
+};
+
+/// Opens a clip on a disk that falls silent after so many answers; then somebody gives it up.
+Ending open_on(const std::filesystem::path& clip, int answers) {
+    SilentDisk disk(answers);
+    std::stop_source given_up, over;
+    Clock::time_point asked;
+    bool was_silent = false;
+    std::thread person([&] {
+        was_silent = disk.await_silence(over.get_token());
+        asked = Clock::now();
+        given_up.request_stop();
+    });
+    const auto reader = work_until(given_up.get_token(), [&] { return open_clip(clip); });
+    const auto ended = Clock::now();
+    over.request_stop();
+    person.join();
+    if (was_silent) {
+        EXPECT_FALSE(reader) << "opened, though it was given up";
+        EXPECT_TRUE(reader || reader.error().kind == ErrorKind::interrupted) << message(reader);
+    } else {
+        EXPECT_EQ(message(reader), "");
+    }
+    return {was_silent, ended - asked};
+}
+
+/// Wherever the disk falls silent.
+void expect_given_up_at_once(const std::filesystem::path& clip) {
+    std::chrono::duration<double> quickest{1e9};
+    int silent = 0;
+    for (int answers = 0;; ++answers) {
+        SCOPED_TRACE(answers);
+        const Ending ending = open_on(clip, answers);
+        if (!ending.was_silent) break;
+        ++silent;
+        quickest = std::min(quickest, ending.took);
+        ASSERT_FALSE(::testing::Test::HasFailure());
+    }
+    EXPECT_GT(silent, 0);
+    EXPECT_LT(quickest.count(), 0.05);
+}
+
+TEST(GivenUp, FilesOfEveryKind) {
+    const TemporaryFolder folder;
+    for (const std::string& kept : kept_clips) {
+        SCOPED_TRACE(kept);
+        expect_given_up_at_once(copied_clip(kept, folder.path()));
+        if (::testing::Test::HasFailure()) return;
+    }
+}
+
+TEST(GivenUp, AFolder) {
+    const TemporaryFolder folder;
+    for (int n = 0; n < 5; ++n) {
+        const auto number = std::to_string(n);
+        Image depth{8, 6, 2, 1, std::vector<std::uint8_t>(96, static_cast<std::uint8_t>(3 + n))};
+        Image colour{8, 6, 1, 3, std::vector<std::uint8_t>(144, static_cast<std::uint8_t>(n))};
+        colour.samples.front() = 200;
+        ASSERT_EQ(message(write_png(folder / ("depth_" + number + ".png"), depth.view())), "");
+        ASSERT_EQ(message(write_png(folder / ("image_" + number + ".png"), colour.view())), "");
+    }
+    expect_given_up_at_once(folder.path());
+}
+
+TEST(GivenUp, WorkWithinWork) {
+    std::stop_source around, within;
+    EXPECT_FALSE(stop_requested());
+    {
+        const StopScope outer(around.get_token());
+        {
+            const StopScope inner(within.get_token());
+            EXPECT_FALSE(stop_requested());
+            around.request_stop();
+            EXPECT_TRUE(stop_requested()) << "who gives up all gives up each part";
+            const StopScope* const of_this_thread = StopScope::current();
+            std::thread([&] {
+                EXPECT_FALSE(stop_requested()) << "of this thread alone";
+                {
+                    const StopScope part(of_this_thread);
+                    EXPECT_TRUE(stop_requested()) << "but for what it does a part of";
+                }
+                EXPECT_FALSE(stop_requested());
+            }).join();
+        }
+        EXPECT_TRUE(stop_requested());
+    }
+    EXPECT_FALSE(stop_requested());
+    {
+        within.request_stop();
+        const StopScope inner(within.get_token());
+        EXPECT_TRUE(stop_requested());
+    }
+}
+
+// A file of a clip is opened once, whoever finds out what it is and whoever plays it.
+
+class OpenedOnce : public ::testing::Test {
+protected:
+    void write_pictures(const std::string& name, int count, int bytes, int channels) const {
+        for (int n = 0; n < count; ++n) {
+            Image image{16, 12, bytes, channels, {}};
+            for (int k = 0; k < 16 * 12 * bytes * channels; ++k)
+                image.samples.push_back(static_cast<std::uint8_t>(bytes == 2 && k % 2 == 1 ? 3 : 7 * n + k));
+            ASSERT_EQ(message(write_png(folder / (name + std::to_string(100 + n) + ".png"), image.view())),
+                      "");
+        }
+    }
+    void write_floats(const std::string& name, int count) const {
+        for (int n = 0; n < count; ++n) {
+            std::string bytes = "Pf\n16 12\n-1.0\n";
+            for (int k = 0; k < 16 * 12; ++k) {
+                const float metres = 1.0F + 0.01F * static_cast<float>(k + n);
+                bytes.append(reinterpret_cast<const char*>(&metres), sizeof metres);
+            }
+            write_bytes(folder / (name + std::to_string(100 + n) + ".pfm"), bytes);
+        }
+    }
+    std::map<std::string, int> counts_of(const std::filesystem::path& clip) const {
+        OpenedFiles opened(folder.path());
+        auto reader = open_clip(clip);
+        EXPECT_EQ(message(reader), "") << clip;
+        if (!reader) return {};
+        EXPECT_EQ(message(read_all(**reader)), "") << clip;
+        return opened.counts();
+    }
+    /// Of so many frames some are looked at for the far plane.
+    void expect_folder_read_once(int frames, const std::vector<std::string>& planes) const {
+        const auto counts = counts_of(folder.path());
+        EXPECT_EQ(counts.size(), planes.size() * static_cast<std::size_t>(frames));
+        for (const std::string& plane : planes) {
+            int again = 0;
+            for (int n = 0; n < frames; ++n) {
+                const auto found = std::find_if(counts.begin(), counts.end(), [&](const auto& each) {
+                    return each.first.starts_with(plane + std::to_string(100 + n));
+                });
+                ASSERT_NE(found, counts.end());
+                EXPECT_LE(found->second, n < 16 ? 1 : 2) << found->first;
+                again += found->second - 1;
+            }
+            EXPECT_LE(again, 16) << plane;
+        }
+    }
+    TemporaryFolder folder;
+};
+
+TEST_F(OpenedOnce, PicturesOfAFolderThatIsGuessed) {
+    write_pictures("depth_", 40, 2, 1);
+    write_pictures("image_", 40, 1, 3);
+    expect_folder_read_once(40, {"depth_", "image_"});
+}
+
+TEST_F(OpenedOnce, PicturesWhoseRangeIsLookedFor) {
+    write_floats("depth_", 40);
+    expect_folder_read_once(40, {"depth_"});
+}
+
+TEST_F(OpenedOnce, FilesOfEveryKind) {
+    for (const std::string& kept : kept_clips) {
+        SCOPED_TRACE(kept);
+        for (const auto& [name, count] : counts_of(copied_clip(kept, folder.path())))
+            EXPECT_EQ(count, 1) << name;
+    }
+}
+
+TEST_F(OpenedOnce, WhatIsReadAgainFromItsBeginning) {
+    for (const std::string& kept : kept_clips) {
+        if (kept.ends_with(".png") || kept.ends_with(".tif")) continue;  // pictures are not kept open
+        SCOPED_TRACE(kept);
+        const auto clip = copied_clip(kept, folder.path());
+        OpenedFiles opened(folder.path());
+        auto reader = open_clip(clip);
+        ASSERT_EQ(message(reader), "");
+        for (int round = 0; round < 2; ++round) {
+            ASSERT_EQ(message(read_all(**reader)), "");
+            ASSERT_EQ(message((*reader)->rewind()), "");
+        }
+        for (const auto& [name, count] : opened.counts()) EXPECT_EQ(count, 1) << name;
+    }
 }
 
 }  // namespace

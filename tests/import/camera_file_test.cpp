@@ -1,9 +1,14 @@
-#include "engine/formats/source_description.hpp"
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "engine/formats/camera_sidecar.hpp"
+#include "engine/formats/formats_read.hpp"
+#include "engine/formats/sidecar_text.hpp"
+#include "engine/formats/source_description.hpp"
+#include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/npy_bytes.hpp"
 
 namespace touchable::test {
 namespace {
@@ -91,6 +96,379 @@ TEST(CameraFiles, ThatOfDepthIsTakenBeforeOthers) {
     write_bytes(folder / "intrinsics_depth.txt", "500 0 320.5\n0 501 240.25\n0 0 1\n");
     write_bytes(folder / "groundtruth.txt", "1 0 1\n0 1 1\n0 0 1\n");
     EXPECT_EQ(camera_beside({.folder = folder.path()}).file, folder / "intrinsics_depth.txt");
+}
+
+// Cameras, scales and rates under the names that programs give them, in files that lie beside pictures, above
+// them, and within their own.
+
+constexpr int across = 64, down = 48;
+
+/// Two frames of codes from 8000 to 8255 in `folder`/depth.
+void write_depth(const std::filesystem::path& folder, const char* first = "depth/0001.png",
+                 const char* second = "depth/0002.png") {
+    Image image{across, down, 2, 1, {}};
+    for (int k = 0; k < across * down; ++k) {
+        const int code = 8000 + k % 251;
+        image.samples.push_back(static_cast<std::uint8_t>(code & 255));
+        image.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+    }
+    for (const char* name : {first, second}) {
+        std::filesystem::create_directories((folder / name).parent_path());
+        ASSERT_EQ(message(write_png(folder / name, image.view())), "");
+    }
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+    std::filesystem::create_directories(file.parent_path());
+    write_bytes(file, text);
+}
+
+Scene guessed(const std::filesystem::path& folder) {
+    auto scene = guess_folder(folder, {});
+    EXPECT_EQ(message(scene), "");
+    return scene ? scene->scene : Scene{};
+}
+
+bool says(const Scene& scene, const std::string& words) {
+    return std::ranges::any_of(
+        scene.remarks, [&](const Remark& remark) { return remark.what.find(words) != std::string::npos; });
+}
+
+Camera camera_by(const std::string& name, const std::string& text) {
+    const TemporaryFolder folder;
+    write_depth(folder.path());
+    write_text(folder / name, text);
+    return guessed(folder.path()).camera;
+}
+
+TEST(CameraSpellings, LeadToTheSameCamera) {
+    const std::pair<const char*, const char*> files[] = {
+        {"a.yaml", "%YAML:1.0\n---\nf_u: 50.0\nf_v: 52.0\npp_x: 33.5\npp_y: 21.25\n"},
+        {"b.json", R"({"focal_length": [50, 52], "principal_point": [33.5, 21.25]})"},
+        {"c.json", R"({"intrinsics": [[50, 0, 33.5], [0, 52, 21.25], [0, 0, 1]]})"},
+        {"d.json", R"({"camera_intrinsics": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1]})"},
+        {"e.txt", "fx_depth = 50\nfy_depth = 52\nmx_depth = 33.5\nmy_depth = 21.25\n"},
+        {"f.conf", "[LEFT]\nfx=50\nfy=52\ncx=33.5\ncy=21.25\n"},
+        {"g.txt", "frame cameraID K[0,0] K[1,1] K[0,2] K[1,2]\n0 0 50 52 33.5 21.25\n1 0 50 52 33.5 21.25\n"},
+        {"h.csv", "frame,fx,fy,cx,cy\n0,50,52,33.5,21.25\n"},
+        {"i.csv", "50.0, 0.0, 33.5\n0.0, 52.0, 21.25\n0.0, 0.0, 1.0\n"},
+        {"j.txt", "P0: 50 0 33.5 0 0 52 21.25 0 0 0 1 0\n"},
+        {"k.json", R"({"0": {"cam_K": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1]},
+                       "1": {"cam_K": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1]}})"},
+        {"calib.txt", "50 52 33.5 21.25\n"},
+        {"K.txt", "50 0 33.5\n0 52 21.25\n0 0 1\n"},
+        {"K.txt", "50 0 33.5 0 52 21.25 0 0 1\n0.063\n"},
+        {"pred_intrinsics.txt", "50 0 33.5 0 52 21.25 0 0 1\n50 0 33.5 0 52 21.25 0 0 1\n"},
+        {"00000000_cam.txt",
+         "extrinsic\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n\nintrinsic\n50 0 33.5\n0 52 21.25\n0 0 1\n\n0.5 "
+         "0.01\n"},
+        {"a_info.txt",
+         "m_depthWidth = 64\nm_depthHeight = 48\nm_calibrationColorIntrinsic = 90 0 60 0 0 90 40 0 0 0 1 0 0 "
+         "0 0 1\nm_calibrationDepthIntrinsic = 50 0 33.5 0 0 52 21.25 0 0 0 1 0 0 0 0 1\n"},
+        {"l.txt", "[ 64x48  p[33.5 21.25]  f[50 52]  Brown Conrady [0 0 0 0 0] ]\n"},
+        {"l.json", R"({"depth": "[ 64x48  p[33.5 21.25]  f[50 52]  None [0 0 0 0 0] ]"})"},
+        {"m.json", R"({"cameraData": [[1, {"intrinsicMatrix": [[50, 0, 33.5], [0, 52, 21.25], [0, 0, 1]],
+                                           "width": 64, "height": 48}]]})"},
+        {"n.json", R"({"K_depth": [[50, 0, 33.5], [0, 52, 21.25], [0, 0, 1]],
+                       "K_rgb": [[90, 0, 60], [0, 90, 40], [0, 0, 1]]})"},
+        {"o.json", R"({"cam_intr": [50, 52, 33.5, 21.25]})"},
+        {"p.json", R"({"focalLength": {"x": 50, "y": 52}, "principalPoint": {"x": 33.5, "y": 21.25}})"},
+        {"q.json", R"({"fx": "50.0", "fy": "52", "cx": "33.5", "cy": "21.25"})"},
+        {"r.jsonl", "{\"K\": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]}\n{\"K\": []}\n"},
+        {"s.xml",
+         R"(<document><sensor label="a"><calibration class="adjusted"><resolution width="64" height="48"/>
+                     <fx>50</fx><fy type="float">52</fy><cx>33.5</cx><cy>21.25</cy></calibration></sensor></document>)"},
+        {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"}};
+    for (const auto& [name, text] : files) {
+        const Camera camera = camera_by(name, text);
+        EXPECT_EQ(camera.fx, 50) << name;
+        EXPECT_EQ(camera.fy, 52) << name;
+        EXPECT_EQ(camera.cx, 33.5) << name;
+        EXPECT_EQ(camera.cy, 21.25) << name;
+    }
+}
+
+TEST(CameraSpellings, FieldOfViewGivesFocalLength) {
+    const double focal = camera_of_fov(50, across, down).fx;
+    const std::pair<const char*, const char*> files[] = {
+        {"fov.json", R"({"fov_x": 50.0, "fov_y": 38.55})"},
+        {"a.json", R"({"fov": 50})"},
+        {"b.json", R"({"camera_angle_x": 0.8726646259971648})"},
+        {"c.json", R"({"sensor_width": 36, "lens": 38.601124})"},
+        {"d.json", R"({"cameraFocalLength": 24, "cameraAperture": [22.382765, 16]})"}};
+    for (const auto& [name, text] : files) {
+        const Camera camera = camera_by(name, text);
+        EXPECT_NEAR(camera.fx, focal, 0.001 * focal) << name;
+        EXPECT_NEAR(camera.fy, focal, 0.001 * focal) << name;
+        EXPECT_EQ(camera.cx, 0.5 * (across - 1)) << name;
+    }
+    EXPECT_NE(camera_by("a.json", R"({"fov": 0.0001})").fx, focal);
+    const Camera tall = scaled_camera({.fov_y = 50}, across, down);
+    EXPECT_NEAR(tall.fy, camera_of_fov(50, down, across).fx, 1e-9);
+    EXPECT_EQ(tall.fx, tall.fy);
+}
+
+TEST(CameraSpellings, ScaleOfDepthIsRead) {
+    const std::string camera = R"("fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25)";
+    const std::string matrix = R"("cam_K": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1])";
+    const std::tuple<const char*, std::string, double> files[] = {
+        {"scene_camera.json",
+         R"({"0": {)" + matrix + R"(, "depth_scale": 0.1}, "1": {)" + matrix + R"(, "depth_scale": 0.1}})",
+         0.0001},
+        {"a.json", R"({"7": {)" + matrix + R"(, "depth_scale": 1.0}})", 0.001},
+        {"a.json", R"({"7": {)" + matrix + R"(, "depth_scale": 0.001}})", 0.001},
+        {"f.json", "{" + camera + R"(, "scale_factor": 5000})", 0.0002},
+        {"g.json", R"({"depth_scaling_factor": 5000})", 0.0002},
+        {"g.json", R"({"depth_multiplier": 5000})", 0.0002},
+        {"g.json", R"({"depth_unit_in_meters": 0.0002})", 0.0002},
+        {"g.json", R"({"depth_to_meters": 0.0002})", 0.0002},
+        {"g.json", R"({"meters_per_unit": 0.0002})", 0.0002},
+        {"g.json", R"({"depth_scale_mm": 0.2})", 0.0002},
+        {"g.json", R"({"depth_scale": "1/5000"})", 0.0002},
+        {"g.json", R"({"depth_unit": "cm"})", 0.01},
+        {"g.json", R"({"depth_units": "Millimetres"})", 0.001},
+        {"g.json", R"({"depth": {"unit": "0.1 mm"}})", 0.0001},
+        {"transforms.json", "{" + camera + R"(, "integer_depth_scale": 0.0002, "frames": []})", 0.0002},
+        {"b.json", "{" + camera + R"(, "depth_unit_scale_factor": 0.00025})", 0.00025},
+        {"c.json", R"({"camera": {)" + camera + R"(, "scale": 6553.5}})", 1 / 6553.5},
+        {"d.txt", "m_depthShift = 4000\n", 0.00025},
+        {"e.yaml", "cam:\n  png_depth_scale: 5000\n", 0.0002}};
+    for (const auto& [name, text, metres] : files) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        write_text(folder / name, text);
+        const Scene scene = guessed(folder.path());
+        EXPECT_NEAR(scene.depth.scale, metres, 1e-9 * metres) << name;
+        EXPECT_TRUE(says(scene, std::string(name) + " says")) << name;
+    }
+}
+
+TEST(CameraSpellings, OfOtherThingsSayNoScale) {
+    for (const char* text : {R"({"unit": "cm"})", R"({"depth_unit": "m"})", R"({"depth_unit": "1/0 m"})",
+                             R"({"metersPerSceneUnit": 0.01})", R"({"depth_scale": "/"})"}) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        write_text(folder / "a.json", text);
+        EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001) << text;
+    }
+}
+
+TEST(CameraSpellings, UnitInWordsIsThatOfFloats) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "depth.npy", npy_bytes("48, 64", std::vector<float>(across * down, 150)));
+    write_text(folder / "camera.json", R"({"fov": 50, "metersPerSceneUnit": 0.01})");
+    const Scene scene = guessed(folder.path());
+    EXPECT_EQ(scene.depth.scale, 0.01);
+    EXPECT_TRUE(says(scene, "a value of 1 is 10 mm, as camera.json says"));
+}
+
+TEST(CameraSpellings, OfMetashapeIsFromTheMiddle) {
+    const Camera camera =
+        camera_by("cameras.xml",
+                  R"(<document><sensor id="0" type="frame"><calibration><resolution width="64" height="48"/>
+                          <f>50</f><cx>2</cx><cy>-2.75</cy></calibration></sensor></document>)");
+    EXPECT_EQ(camera.fx, 50);
+    EXPECT_EQ(camera.cx, 33.5);
+    EXPECT_EQ(camera.cy, 20.75);
+}
+
+TEST(CameraSpellings, FileThatIsNamedSaysTheScaleAsWell) {
+    const TemporaryFolder folder;
+    write_depth(folder.path());
+    write_text(folder / "else/a.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5})");
+    SourceDescription known;
+    known.file = folder / "else/a.json";
+    auto read = read_intrinsics(known.file);
+    ASSERT_EQ(message(read), "");
+    known.intrinsics = *read;
+    const auto scene = guess_folder(folder.path(), known);
+    ASSERT_EQ(message(scene), "");
+    EXPECT_NEAR(scene->scene.depth.scale, 1 / 6553.5, 1e-12);
+}
+
+TEST(CameraSpellings, OneFolderUpOrBesideIsFound) {
+    const std::string camera = R"({"fx": 100, "fy": 104, "cx": 67.5, "cy": 43, "width": 128, "height": 96})";
+    for (const char* where : {"cameras/0001.json", "poses/frame_0001.json", "intrinsic/a.json"}) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        write_text(folder / where, camera);
+        write_text((folder / where).parent_path() / "frame_2.json", camera);
+        for (const auto& opened : {folder.path(), folder / "depth"}) {
+            EXPECT_EQ(guessed(opened).camera.fx, 50) << where << ' ' << opened;
+            EXPECT_EQ(guessed(opened).camera.cx, 33.5) << where;
+        }
+    }
+    const TemporaryFolder folder;
+    write_depth(folder / "run/frames/depth/Camera_0", "0001.png", "0002.png");
+    write_text(folder / "run/intrinsic.txt", "frame K[0,0] K[1,1] K[0,2] K[1,2]\n0 50 52 33.5 21.25\n");
+    EXPECT_EQ(guessed(folder / "run/frames/depth/Camera_0").camera.fx, 50);
+    EXPECT_EQ(guessed(folder / "run/frames/depth").camera.fx, 50);
+}
+
+TEST(CameraSpellings, FoldersOfCamerasAreFound) {
+    const std::string matrix = "50 0 33.5\n0 52 21.25\n0 0 1\n", bare = "64 48 50 52 33.5 21.25 0 0 0 0 0\n";
+    for (const auto& [where, text] : {std::pair<const char*, std::string>{"cams", matrix},
+                                      {"K", matrix},
+                                      {"rtabmap_calib", matrix},
+                                      {"matterport_camera_intrinsics", bare}}) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        for (const char* name : {"0001.txt", "0002.txt"}) write_text(folder / where / name, text);
+        EXPECT_EQ(guessed(folder.path()).camera.fx, 50) << where;
+    }
+}
+
+TEST(CameraSpellings, FoldersAboveHaveCamerasOfAnyName) {
+    const std::string camera =
+        R"({"camera": {"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5}})";
+    for (const char* name : {"cam_params.json", "camK.json", "meta.json", "dataset.yaml"}) {
+        const TemporaryFolder folder;
+        write_depth(folder.path(), "set/room0/results/depth0001.png", "set/room0/results/depth0002.png");
+        write_text(folder / "set" / name, camera);
+        for (const char* opened : {"set/room0", "set/room0/results"}) {
+            const Scene scene = guessed(folder / opened);
+            EXPECT_EQ(scene.camera.fx, 50) << name;
+            EXPECT_NEAR(scene.depth.scale, 1 / 6553.5, 1e-12) << name;
+        }
+    }
+    // What has no camera, or is of another folder there, says nothing.
+    const TemporaryFolder folder;
+    write_depth(folder / "a");
+    write_text(folder / "settings.json", R"({"fov": 30, "depth_scale": 5000})");
+    write_text(folder / "b.json", camera);
+    std::filesystem::create_directories(folder / "b");
+    const Scene scene = guessed(folder / "a");
+    EXPECT_TRUE(says(scene, "the camera sees 60 degrees"));
+    EXPECT_EQ(scene.depth.scale, 0.001);
+}
+
+TEST(CameraSpellings, CamerasThatDifferAreThoseOfFrames) {
+    const TemporaryFolder folder;
+    write_depth(folder.path());
+    write_text(folder / "cameras/0001.json", R"({"fx": 50, "fy": 50, "cx": 31.5, "cy": 23.5})");
+    write_text(folder / "cameras/0002.json", R"({"fx": 54, "fy": 54, "cx": 31.5, "cy": 23.5})");
+    const auto clip = open_clip(folder.path());
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(says((*clip)->scene(), "the camera is that of cameras/*.json"));
+    EXPECT_TRUE(says((*clip)->scene(), "median of those of 2 frames"));
+}
+
+TEST(CameraSpellings, MatrixOfLargerPicturesIsScaled) {
+    const Camera camera =
+        camera_by("camera_matrix.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
+    EXPECT_NEAR(camera.fx, 50.05, 1e-9);
+    EXPECT_NEAR(camera.cx, (317 - 319.5) / 10 + 31.5, 1e-9);
+}
+
+TEST(CameraSpellings, NamedFileIsScaledOrRefused) {
+    const TemporaryFolder folder;
+    write_depth(folder.path());
+    write_text(folder / "else/m.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
+    write_text(folder / "else/n.csv", "500.5, 0.0, 317\n0.0, 500.5, 20\n0.0, 0.0, 1.0\n");
+    SourceDescription known;
+    const auto guess_by = [&](const char* name) {
+        known.file = folder / "else" / name;
+        auto read = read_intrinsics(known.file);
+        EXPECT_EQ(message(read), "");
+        if (read) known.intrinsics = *read;
+        return guess_folder(folder.path(), known);
+    };
+    const auto scaled = guess_by("m.csv");
+    ASSERT_EQ(message(scaled), "");
+    EXPECT_NEAR(scaled->scene.camera.fx, 50.05, 1e-9);
+    EXPECT_TRUE(says(scaled->scene, "times as large"));
+    EXPECT_TRUE(is_refused(guess_by("n.csv"), "is of other pictures"));
+    write_text(folder / "else/fov.json", R"({"fov_x": 50})");
+    const auto seen = guess_by("fov.json");
+    ASSERT_EQ(message(seen), "");
+    EXPECT_NEAR(seen->scene.camera.fx, camera_of_fov(50, across, down).fx, 1e-9);
+}
+
+TEST(CameraSpellings, OdometryGivesTheRate) {
+    const TemporaryFolder folder;
+    write_depth(folder.path());
+    write_text(
+        folder / "odometry.csv",
+        "timestamp, frame, x, y, z, qx, qy, qz, qw\n7300.500000, 000000, 0.0, 0, 0, 0, 0, 0, 1\n"
+        "7300.516667, 000001, 0.001, 0, 0, 0, 0, 0, 1\n7300.533333, 000002, 0.001, 0, 0, 0, 0, 0, 1\n");
+    write_text(folder / "imu.csv", "timestamp, a_x, a_y\n7300.5, 0, 9.8\n7300.51, 0, 9.8\n");
+    const Scene scene = guessed(folder.path());
+    EXPECT_NEAR(scene.rate.per_second(), 60, 0.01);
+    EXPECT_TRUE(says(scene, "as odometry.csv says"));
+    EXPECT_TRUE(says(scene, "not used: imu.csv"));
+}
+
+TEST(CameraSpellings, ListsOfTimesGiveTheRate) {
+    const std::tuple<const char*, const char*, double> files[] = {
+        {"timestamps.txt", "10.00\n10.05\n", 20},
+        {"times.txt", "0 10.00\n1 10.05\n", 20},
+        {"depth_timestamps.json", "[10.0, 10.05]", 20},
+        {"fps.txt", "20\n", 20},
+        {"a.jsonl", "{\"fx\": 50, \"cx\": 33, \"cy\": 21, \"time\": 1}\n{\"fx\": 50, \"time\": 1.05}\n", 20},
+        // Of other frames.
+        {"timestamps.txt", "10.00\n10.05\n10.1\n", 30},
+        {"imu_times.txt", "10.00\n10.05\n", 30}};
+    for (const auto& [name, text, rate] : files) {
+        const TemporaryFolder folder;
+        write_depth(folder.path());
+        write_text(folder / name, text);
+        EXPECT_NEAR(guessed(folder.path()).rate.per_second(), rate, 0.01) << name << text;
+    }
+    const TemporaryFolder folder;
+    write_bytes(folder / "depth.npy", npy_bytes("2, 48, 64", std::vector<float>(2 * across * down, 1.5F)));
+    write_text(folder / "intrinsics.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");
+    const auto clip = open_clip(folder / "depth.npy");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().rate.per_second(), 12);
+}
+
+TEST(CameraSpellings, FilesThatAreNotUsedAreNamed) {
+    const TemporaryFolder folder;
+    write_depth(folder.path());
+    write_text(folder / "mesh_info.json", R"({"alignment": [1, 0, 0, 0]})");
+    write_text(folder / "words.txt", "no numbers\n");
+    write_text(folder / "._notes.json", "{\"fx\": 3}");
+    write_text(folder / "calib_lens.json", R"({"radius": 3})");
+    const Scene scene = guessed(folder.path());
+    EXPECT_TRUE(says(scene, "beside the pictures, and not used: mesh_info.json"));
+    EXPECT_TRUE(says(scene, "not understood as a camera's file: calib_lens.json"));
+    EXPECT_FALSE(says(scene, "words.txt"));
+    EXPECT_FALSE(says(scene, "._notes"));
+}
+
+TEST(CameraSpellings, ArraysBesideDepthAreItsCamera) {
+    const TemporaryFolder folder;
+    const std::vector<float> depth(2 * across * down, 1.5F);
+    const std::vector<float> one{50, 0, 33.5, 0, 52, 21.25, 0, 0, 1};
+    std::vector<float> two = one;
+    two.insert(two.end(), one.begin(), one.end());
+    const std::string depth_bytes = npy_bytes("2, 48, 64", depth);
+    for (const auto& [name, bytes] :
+         {std::pair<const char*, std::string>{"intrinsics", npy_bytes("2, 3, 3", two)},
+          {"K", npy_bytes("3, 3", one)},
+          {"intrinsic", npy_bytes("4,", {50, 52, 33.5, 21.25})}}) {
+        write_npz(folder / "a.npz",
+                  {{"depth", depth_bytes}, {name, bytes}, {"extrinsics", npy_bytes("3,", {1, 2, 3})}});
+        const auto clip = open_clip(folder / "a.npz");
+        ASSERT_EQ(message(clip), "");
+        const Scene& scene = (*clip)->scene();
+        EXPECT_EQ(scene.camera.fx, 50) << name;
+        EXPECT_EQ(scene.camera.fy, 52) << name;
+        EXPECT_EQ(scene.camera.cx, 33.5) << name;
+        EXPECT_TRUE(says(scene, std::string("that of a.npz (") + name + ")"));
+        EXPECT_TRUE(says(scene, "not used: extrinsics in a.npz"));
+        EXPECT_EQ(guessed(folder.path()).camera.fx, 50) << name;
+    }
+}
+
+TEST(NumberTables, AreReadByTheirHeadLine) {
+    const NumberTable table = table_in("# time, f_x, K[0,2]\n1.5, 2, 3\n\nwords\n4, 5, 6\n");
+    EXPECT_EQ(table.names, (std::vector<std::string>{"time", "fx", "k02"}));
+    EXPECT_EQ(table.rows, (std::vector<std::vector<double>>{{1.5, 2, 3}, {4, 5, 6}}));
+    EXPECT_EQ(table.column({"t", "time"}), 0);
+    EXPECT_EQ(table.column({"t"}), -1);
+    for (const char* none : {"", "1 2\n3 4\n", "a b\n", "a b\nc d\n", "a b\n1\n", "{\"a\": 1}\n1 2\n"})
+        EXPECT_TRUE(table_in(none).rows.empty()) << none;
 }
 
 }  // namespace

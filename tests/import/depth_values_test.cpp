@@ -1,16 +1,20 @@
-#include "engine/formats/depth_values.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stop_token>
 
 #include "engine/base/threads.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/formats/depth_values.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/formats/value_evidence.hpp"
 #include "engine/scene/frames.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/encoded_picture.hpp"
 
 namespace touchable::test {
 namespace {
@@ -367,6 +371,441 @@ TEST(EstimatedValues, EndsWhenStopped) {
     EXPECT_TRUE(estimate_values(words(3, {1, 2, 3})).any);
     given_up.request_stop();
     EXPECT_FALSE(estimate_values(words(3, {1, 2, 3})).any);
+}
+
+// Integers that show how they were stored, and what stands for no depth. FFmpeg and NumPy write the files.
+
+constexpr int shown_wide = 64, shown_high = 48;
+
+/// Millimetres of a floor and a wall behind it, with holes.
+int room_millimetres(int x, int y, int farthest) {
+    if ((x * 7 + y * 3) % 29 == 0) return 0;
+    return y < 20 ? farthest - 3 * x : farthest - 3 * x - 40 * (y - 20);
+}
+
+/// PNG of 16 bits by FFmpeg.
+void write_words(const std::filesystem::path& file, const std::function<unsigned(int x, int y)>& word) {
+    const std::string bytes =
+        encoded("png", AV_PIX_FMT_GRAY16BE, shown_wide, shown_high, [&](AVFrame& frame) {
+            for (int y = 0; y < shown_high; ++y)
+                for (int x = 0; x < shown_wide; ++x) {
+                    std::uint8_t* const to = frame.data[0] + std::ptrdiff_t{y} * frame.linesize[0] + 2 * x;
+                    to[0] = static_cast<std::uint8_t>(word(x, y) >> 8);
+                    to[1] = static_cast<std::uint8_t>(word(x, y));
+                }
+        });
+    write_bytes(file, bytes);
+}
+
+/// Each pixel against an unprojection written out here: 60 degrees wide; 0 is a hole. Returns the notes.
+std::string expect_unprojected(const std::filesystem::path& file,
+                               const std::function<double(int x, int y)>& metres) {
+    auto reader = open_clip(file);
+    EXPECT_EQ(message(reader), "");
+    if (!reader) return "";
+    const auto frame = (*reader)->next();
+    EXPECT_EQ(message(frame), "");
+    const Scene& scene = (*reader)->scene();
+    std::string notes;
+    for (const std::string& note : clip_notes(**reader)) notes += note + '\n';
+    const double f = shown_wide / 2.0 / std::tan(M_PI / 6);
+    for (int y = 0; y < shown_high; ++y)
+        for (int x = 0; x < shown_wide; ++x) {
+            const std::uint16_t code = stored_code((**frame).depth, scene.depth, x, y);
+            const double z = metres(x, y);
+            EXPECT_EQ(scene.depth.is_valid(code), z > 0) << x << ", " << y << '\n' << notes;
+            if (scene.depth.is_valid(code) != (z > 0)) return notes;
+            if (z == 0) continue;
+            const glm::dvec3 point = unproject(scene.camera, x, y, scene.depth.depth(code));
+            EXPECT_NEAR(point.x, (x - 31.5) / f * z, 1e-6 * z) << notes;
+            EXPECT_NEAR(point.y, -(y - 23.5) / f * z, 1e-6 * z);
+            EXPECT_NEAR(point.z, -z, 1e-6 * z);
+            if (std::abs(point.z + z) > 1e-6 * z) return notes;
+        }
+    return notes;
+}
+
+TEST(ValueEvidence, MillimetresTimesFiveTenAndAHundredAreMillimetres) {
+    const TemporaryFolder folder;
+    for (const auto& [factor, farthest] : {std::pair{5, 2400}, {10, 3700}, {10, 1600}, {100, 620}}) {
+        SCOPED_TRACE(factor);
+        const int far = farthest == 620 ? 640 : farthest;
+        const auto millimetres = [far = far](int x, int y) {
+            return far == 640 ? (x + y) % 31 == 0 ? 0 : far - x - 2 * y : room_millimetres(x, y, far);
+        };
+        write_words(folder / "my.png", [&, factor = factor](int x, int y) {
+            return static_cast<unsigned>(factor * millimetres(x, y));
+        });
+        const std::string notes =
+            expect_unprojected(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
+        EXPECT_NE(notes.find("all values are multiples of " + std::to_string(factor)), std::string::npos)
+            << notes;
+    }
+}
+
+/// Centimetres as millimetres would be nearer than cameras see; and 20 is nobody's unit.
+TEST(ValueEvidence, OtherMultiplesAreSaidAndTheUnitIsWhatItWas) {
+    const TemporaryFolder folder;
+    for (const int factor : {10, 20}) {
+        const auto millimetres = [&](int x, int y) { return (x + y) % 31 == 0 ? 0 : factor * (140 - x - y); };
+        write_words(folder / "my.png",
+                    [&](int x, int y) { return static_cast<unsigned>(millimetres(x, y)); });
+        const std::string notes =
+            expect_unprojected(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
+        EXPECT_NE(notes.find("multiples of " + std::to_string(factor) + ", which tells nothing"),
+                  std::string::npos)
+            << notes;
+    }
+}
+
+TEST(ValueEvidence, BytesThatSomebodyStretchedHaveNoScale) {
+    const TemporaryFolder folder;
+    for (const unsigned factor : {256U, 257U}) {
+        write_words(folder / "my.png",
+                    [&](int x, int y) { return factor * static_cast<unsigned>(20 + (x + 3 * y) % 200); });
+        auto reader = open_clip(folder / "my.png");
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(is_noted(**reader, "8 bits stored as 16"));
+        EXPECT_TRUE(is_noted(**reader, "depth has no scale"));
+    }
+}
+
+/// SUN RGB-D: bitor(bitshift(depth, 3), bitshift(depth, -13)), as its readers undo it.
+TEST(ValueEvidence, RotatedBitsAreThoseOfSun) {
+    const TemporaryFolder folder;
+    for (const int farthest : {3500, 9600}) {
+        write_words(folder / "my.png", [&](int x, int y) {
+            const auto depth = static_cast<unsigned>(room_millimetres(x, y, farthest));
+            return (depth << 3 | depth >> 13) & 0xffffU;
+        });
+        const std::string notes = expect_unprojected(
+            folder / "my.png", [&](int x, int y) { return 0.001 * room_millimetres(x, y, farthest); });
+        EXPECT_NE(notes.find("preset sun"), std::string::npos) << notes;
+    }
+}
+
+/// Depth along the camera's axis at each pixel, whatever the camera is; 0 is a hole. Returns the notes.
+std::string expect_depths(const std::filesystem::path& path,
+                          const std::function<double(int x, int y)>& metres, double tolerance,
+                          const SourceDescription& known = {}) {
+    auto reader = open_clip(path, std::nullopt, known);
+    EXPECT_EQ(message(reader), "");
+    if (!reader) return "";
+    const auto frame = (*reader)->next();
+    EXPECT_EQ(message(frame), "");
+    if (!frame) return "";
+    const Scene& scene = (*reader)->scene();
+    std::string notes;
+    for (const std::string& note : clip_notes(**reader)) notes += note + '\n';
+    for (int y = 0; y < shown_high; ++y)
+        for (int x = 0; x < shown_wide; ++x) {
+            const std::uint16_t code = stored_code((**frame).depth, scene.depth, x, y);
+            const double z = metres(x, y);
+            const double got =
+                scene.depth.is_valid(code) ? scene.depth.depth(code) * scene.metres_per_unit : 0;
+            EXPECT_NEAR(got, z, tolerance * z) << x << ", " << y << '\n' << notes;
+            if (std::abs(got - z) > tolerance * z) return notes;
+        }
+    return notes;
+}
+
+/// A wall, a box before it that stands on a floor, and holes beside the box.
+double room(int x, int y) {
+    const bool is_box = x > 20 && x < 44 && y > 12 && y < 40;
+    if (!is_box && x >= 44 && x < 47 && y > 12 && y < 40) return 0;
+    const double wall = 2.2 + 0.004 * x, floor = 2.2 - 0.03 * (y - 20);
+    return is_box ? 1.3 + 0.002 * x : y > 20 ? std::min(wall, floor) : wall;
+}
+
+unsigned millimetres_of(double metres) {
+    return static_cast<unsigned>(std::lround(1000 * metres));
+}
+
+/// libfreenect's 11 bits; the curve is the one by which people convert them.
+TEST(ValueEvidence, RawDisparitiesOfAKinectAreKnown) {
+    const TemporaryFolder folder;
+    const auto raw = [](double z) {
+        return z == 0 ? 2047U : static_cast<unsigned>(std::lround((std::atan(z / 0.1236) - 1.1863) * 2842.5));
+    };
+    write_words(folder / "a.png", [&](int x, int y) { return raw(room(x, y)); });
+    const std::string notes = expect_depths(folder / "a.png", room, 0.02);
+    EXPECT_NE(notes.find("preset kinect-raw"), std::string::npos) << notes;
+}
+
+/// Millimetres that are as small, with a pile at what a Kinect has for none, but not without what it sees.
+TEST(ValueEvidence, SmallMillimetresAreNoDisparities) {
+    const TemporaryFolder folder;
+    write_words(folder / "a.png", [&](int x, int y) { return millimetres_of(room(x, y) / 2.5); });
+    const std::string notes = expect_depths(
+        folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y) / 2.5) / 1e3; }, 1e-6);
+    EXPECT_NE(notes.find("a code is 1 mm"), std::string::npos) << notes;
+    write_words(folder / "b.png",
+                [&](int x, int y) { return x < 8 ? 2047U : 1000U + static_cast<unsigned>(10 * x + 7 * y); });
+    expect_depths(
+        folder / "b.png", [](int x, int y) { return x < 8 ? 2.047 : (1000 + 10 * x + 7 * y) / 1e3; }, 1e-6);
+}
+
+TEST(ValueEvidence, PersonsInTheLowBitsAreNoLengths) {
+    const TemporaryFolder folder;
+    for (const unsigned person : {1U, 2U, 5U}) {
+        const auto word = [&](int x, int y) {
+            // A person's edge is never quite that of the person.
+            const bool is_person = x > 18 && x < 42 && y > 12 && y < 46;
+            const unsigned z = millimetres_of(room(x, y));
+            return z == 0 ? 0 : z << 3 | (is_person ? person : 0);
+        };
+        write_words(folder / "a.png", word);
+        const std::string notes = expect_depths(
+            folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+        EXPECT_NE(notes.find("preset kinect-sdk1"), std::string::npos) << notes;
+    }
+    std::filesystem::create_directory(folder / "clip");
+    std::filesystem::rename(folder / "a.png", folder / "clip/a.png");
+    const auto guessed = guess_folder(folder / "clip", {});
+    ASSERT_EQ(message(guessed), "");
+    write_bytes(folder / "clip/scene.json", scene_to_json(*guessed));
+    expect_depths(
+        folder / "clip", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+}
+
+/// What lies beyond 8.191 m is not a person, whatever stands before it.
+TEST(ValueEvidence, DepthThatGoesOnBeyondEightMetresIsNoPerson) {
+    const TemporaryFolder folder;
+    const auto millimetres = [](int x, int y) {
+        return x > 20 && x < 40 && y < 30 ? 2000U + static_cast<unsigned>(x)
+                                          : static_cast<unsigned>(9300 - 60 * y + x);
+    };
+    write_words(folder / "a.png",
+                [&](int x, int y) { return (millimetres(x, y) << 3 | millimetres(x, y) >> 13) & 0xffffU; });
+    const std::string notes = expect_depths(
+        folder / "a.png", [&](int x, int y) { return millimetres(x, y) / 1e3; }, 1e-6);
+    EXPECT_NE(notes.find("preset sun"), std::string::npos) << notes;
+}
+
+TEST(ValueEvidence, ConfidenceInTheHighBitsIsNoLength) {
+    const TemporaryFolder folder;
+    write_words(folder / "a.png", [](int x, int y) {
+        return millimetres_of(room(x, y)) | static_cast<unsigned>((x / 3 + y / 5) % 8) << 13;
+    });
+    const std::string notes = expect_depths(
+        folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+    EXPECT_NE(notes.find("preset depth16"), std::string::npos) << notes;
+}
+
+/// 24 bits over three channels.
+void write_packed(const std::filesystem::path& file, double scale) {
+    Image image{shown_wide, shown_high, 1, 3, {}};
+    for (int y = 0; y < shown_high; ++y)
+        for (int x = 0; x < shown_wide; ++x) {
+            const double z = room(x, y) == 0 ? 1000 : scale * room(x, y);
+            const auto code = static_cast<unsigned>(std::lround(z / 1000 * 0xffffff));
+            for (const unsigned shift : {0U, 8U, 16U})
+                image.samples.push_back(static_cast<std::uint8_t>(code >> shift & 0xffU));
+        }
+    ASSERT_EQ(message(write_png(file, image.view())), "");
+}
+
+TEST(ValueEvidence, ThreeChannelsMayBeOneNumber) {
+    const TemporaryFolder folder;
+    const auto metres = [](int x, int y) { return 8 * room(x, y); };
+    std::filesystem::create_directories(folder / "clip/a");
+    std::filesystem::create_directories(folder / "clip/b");
+    for (const char* number : {"1", "2"}) {
+        write_packed(folder / ("clip/a/" + std::string(number) + ".png"), 8);
+        Image colour{shown_wide, shown_high, 1, 3, {}};
+        for (int k = 0; k < 3 * shown_wide * shown_high; ++k)
+            colour.samples.push_back(static_cast<std::uint8_t>(k * 5 / 7 + k % 3));
+        ASSERT_EQ(message(write_png(folder / ("clip/b/" + std::string(number) + ".png"), colour.view())), "");
+        EXPECT_FALSE(looks_packed(colour));
+    }
+    for (const char* name : {"clip/a/1.png", "clip"}) {
+        const std::string notes = expect_depths(folder / name, metres, 1e-4);
+        EXPECT_NE(notes.find("preset carla"), std::string::npos) << notes;
+    }
+    const auto guessed = guess_folder(folder / "clip", {});
+    ASSERT_EQ(message(guessed), "");
+    write_bytes(folder / "clip/scene.json", scene_to_json(*guessed));
+    expect_depths(folder / "clip", metres, 1e-4);
+    // Nothing shows within one step of the highest byte; a person says it.
+    write_packed(folder / "near.png", 1);
+    EXPECT_TRUE(is_refused(open_clip(folder / "near.png"), "is in colour"));
+    SourceDescription known;
+    known.preset = "carla";
+    expect_depths(folder / "near.png", room, 1e-4, known);
+}
+
+TEST(ValueEvidence, ColourMapsAreNoNumbers) {
+    for (int map = 0; map < 3; ++map) {
+        Image image{256, 64, 1, 3, {}};
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 256; ++x) {
+                const int up = (x + y) & 255, wave = std::abs(((x * 3 + y) & 511) - 255);
+                for (const int c : map == 0 ? std::array{up, wave, 255 - up}
+                                   : map == 1
+                                       ? std::array{wave, 255 - wave, up}
+                                       : std::array{(x * 7 + y * 13) & 255, (x * 31) & 255, (y * 17) & 255})
+                    image.samples.push_back(static_cast<std::uint8_t>(c));
+            }
+        EXPECT_FALSE(looks_packed(image)) << map;
+    }
+}
+
+TEST(ValueEvidence, DisparitiesAreKnownByTheirName) {
+    const TemporaryFolder folder;
+    const auto disparity = [](int x, int y) { return y < 4 ? 0U : static_cast<unsigned>(40 + x + 2 * y); };
+    for (const char* name : {"disp1.png", "left_disparity.png", "display.png"})
+        write_words(folder / name, disparity);
+    for (const char* name : {"disp1.png", "left_disparity.png"}) {
+        auto reader = open_clip(folder / name);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(is_noted(**reader, "depth is disparities, as the name says, and no calib.txt"));
+        EXPECT_EQ((*reader)->scene().depth.kind, DepthCodingKind::inverse);
+        EXPECT_TRUE((*reader)->scene().depth.near_is_high);
+        const auto frame = (*reader)->next();
+        ASSERT_EQ(message(frame), "");
+        const DepthCoding& depth = (*reader)->scene().depth;
+        EXPECT_FALSE(depth.is_valid(stored_code((**frame).depth, depth, 5, 2)));
+        EXPECT_TRUE(depth.is_valid(stored_code((**frame).depth, depth, 5, 9)));
+    }
+    auto other = open_clip(folder / "display.png");
+    ASSERT_EQ(message(other), "");
+    EXPECT_FALSE(is_noted(**other, "disparities"));
+    write_bytes(folder / "calib.txt",
+                "cam0=[80 0 31.5; 0 80 23.5; 0 0 1]\ncam1=[80 0 31.5; 0 80 23.5; 0 0 1]\ndoffs=0\n"
+                "baseline=200\nwidth=64\nheight=48\n");
+    const std::string notes = expect_depths(
+        folder / "disp1.png",
+        [&](int x, int y) { return disparity(x, y) == 0 ? 0 : 80 * 0.2 / disparity(x, y); }, 1e-3);
+    EXPECT_NE(notes.find("baseline and focal length are those of calib.txt"), std::string::npos) << notes;
+}
+
+/// Values that mean something else by themselves, and lengths by what a file or a name says.
+TEST(ValueEvidence, WhatAFileOrANameSaysGoesFirst) {
+    const TemporaryFolder folder;
+    const auto scale_of = [&](const std::string& name, const std::string& part) {
+        auto reader = open_clip(folder / name);
+        EXPECT_EQ(message(reader), "") << name;
+        if (!reader) return 0.0;
+        EXPECT_TRUE(is_noted(**reader, part)) << name;
+        return (*reader)->scene().depth.scale * (*reader)->scene().metres_per_unit;
+    };
+    const auto multiples_of_8 = [](int x, int y) {
+        return 8 * static_cast<unsigned>(room_millimetres(x, y, 1500));
+    };
+    write_words(folder / "plain.png", multiples_of_8);
+    (void)scale_of("plain.png", "depth is as preset sun has it");
+    write_words(folder / "stated.png", multiples_of_8);
+    write_bytes(folder / "stated.json", R"({"fx": 70, "fy": 70, "cx": 32, "cy": 24, "depth_scale": 0.0002})");
+    EXPECT_DOUBLE_EQ(scale_of("stated.png", "a code is 0.2 mm, as stated.json says"), 0.0002);
+    // A folder of disparities may have depth in it, and a folder's word counts where the file has none.
+    const auto millimetres = [](int x, int y) { return static_cast<unsigned>(room_millimetres(x, y, 1500)); };
+    for (const char* name : {"disp/depth_1.png", "range/kinect.png", "range/1.png", "depth_cm.png"}) {
+        std::filesystem::create_directories((folder.path() / name).parent_path());
+        write_words(folder / name, millimetres);
+    }
+    EXPECT_DOUBLE_EQ(scale_of("disp/depth_1.png", "a code is 1 mm"), 0.001);
+    EXPECT_DOUBLE_EQ(scale_of("range/kinect.png", "if it goes along each pixel's ray"), 0.001);
+    EXPECT_DOUBLE_EQ(scale_of("range/1.png", "each pixel's ray, as the name says"), 0.001);
+    EXPECT_DOUBLE_EQ(scale_of("depth_cm.png", "values are centimetres, as the name says"), 0.01);
+    // 8 bits are no lengths, whatever a camera's file says of its 16.
+    Image bytes{shown_wide, shown_high, 1, 1, {}};
+    for (int k = 0; k < shown_wide * shown_high; ++k)
+        bytes.samples.push_back(static_cast<std::uint8_t>(20 + k % 200));
+    ASSERT_TRUE(write_png(folder / "eight.png", bytes.view()));
+    write_bytes(folder / "eight.json", R"({"fx": 70, "fy": 70, "cx": 32, "cy": 24, "depth_scale": 0.001})");
+    (void)scale_of("eight.png", "depth has no scale");
+}
+
+/// One code far above all others: a sensor's "nothing there". Where others come near it, it is a wall.
+TEST(ValueEvidence, LargestCodeAloneIsNoDepth) {
+    const TemporaryFolder folder;
+    const auto is_none = [&](unsigned largest, int farthest) {
+        write_words(folder / "a.png", [&](int x, int y) {
+            return x < 4 ? largest : static_cast<unsigned>(room_millimetres(x, y, farthest));
+        });
+        auto reader = open_clip(folder / "a.png");
+        EXPECT_EQ(message(reader), "");
+        return reader && is_noted(**reader, std::to_string(largest) + " is no depth, as many pixels have it");
+    };
+    for (const unsigned largest : {4095U, 8191U, 10'000U, 32'767U})
+        EXPECT_TRUE(is_none(largest, 2000)) << largest;
+    EXPECT_FALSE(is_none(4095, 3900));
+    EXPECT_FALSE(is_none(5000, 2000)) << "no number by which devices say none";
+}
+
+/// Values that more than one unit fits: each is named with what the scene is in it.
+TEST(ValueEvidence, UnitsThatFitAsWellAreNamed) {
+    const TemporaryFolder folder;
+    const auto noted = [&](const std::function<unsigned(int x, int y)>& word, const std::string& part) {
+        write_words(folder / "a.png", word);
+        auto reader = open_clip(folder / "a.png");
+        EXPECT_EQ(message(reader), "");
+        return reader && is_noted(**reader, part);
+    };
+    const auto of_256 = [](int x, int y) { return static_cast<unsigned>(std::lround(256 * room(x, y))); };
+    EXPECT_TRUE(noted(of_256, "m if 256 codes are a metre"));
+    const auto with_sky = [](int x, int y) {
+        return y < 10 ? 65535U : 2000U + static_cast<unsigned>(3 * x + y);
+    };
+    EXPECT_TRUE(noted(with_sky, "if they are centimetres and 65535 is the sky"));
+    // A small sky does not make of lengths what uses the whole range.
+    const auto with_little = [](int x, int y) {
+        return y < 1 ? 65535U : 1000U + static_cast<unsigned>(13 * x + y);
+    };
+    EXPECT_TRUE(noted(with_little, "if they are centimetres and 65535 is the sky"));
+    EXPECT_TRUE(noted(with_sky, "if they are centimetres and 65535 is the sky"));
+    SourceDescription known;
+    known.preset = "vkitti";
+    expect_depths(
+        folder / "a.png", [&](int x, int y) { return y < 10 ? 0 : 0.01 * with_sky(x, y); }, 1e-6, known);
+    const auto of_tum = [](int x, int y) { return static_cast<unsigned>(std::lround(5003 * room(x, y))); };
+    EXPECT_TRUE(noted(of_tum, "if 5000 codes are a metre"));
+    EXPECT_TRUE(noted(of_tum, "if they are tenths of a millimetre"));
+    const auto plain = [](int x, int y) { return millimetres_of(room(x, y)); };
+    EXPECT_FALSE(noted(plain, "codes are a metre"));
+    EXPECT_FALSE(noted(plain, "if they are"));
+}
+
+TEST(ValueEvidence, OrdinaryMillimetresHaveNone) {
+    SplitMix64 random(5);
+    for (int round = 0; round < 50; ++round) {
+        StoredImage picture;
+        picture.image = {100, 100, 2, 1, {}};
+        const double from = 200 + 4000 * random.unit(), range = 100 + 8000 * random.unit();
+        // Levels, as of disparities, or all.
+        const bool is_levels = round % 2 == 0;
+        for (int k = 0; k < 10'000; ++k) {
+            const double z = from + range * random.unit(), levels = 2e5 / (from + range);
+            const auto word = static_cast<std::uint16_t>(is_levels ? 2e5 / std::floor(2e5 / z + levels) : z);
+            picture.image.samples.push_back(static_cast<std::uint8_t>(word));
+            picture.image.samples.push_back(static_cast<std::uint8_t>(word >> 8));
+        }
+        EXPECT_EQ(common_divisor(picture), 1) << round;
+        EXPECT_EQ(evident_preset(picture).preset, nullptr) << round;
+    }
+}
+
+TEST(ValueEvidence, MinusOneIsNoDepthInArrays) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "write.py",
+                "import numpy as np\nf = '" + folder.path().string() +
+                    "/'\ny, x = np.mgrid[0:48, 0:64]\n"
+                    "mm = 900 + 7 * x + 5 * y\nnone = (x + y) % 9 == 0\n"
+                    "np.save(f + 'metres', np.where(none, -1, mm / 1000).astype('f4'))\n"
+                    "np.save(f + 'whole', np.where(none, -1, mm).astype('i2'))\n"
+                    "np.savez(f + 'packed', depth=np.where(none, -1, mm / 1000), rgb=np.zeros(3))\n"
+                    "np.save(f + 'batch', np.where(none, -1, mm / 1000).astype('f4')[None, None])\n"
+                    "np.save(f + 'last', np.where(none, 0, mm).astype('u2')[None, ..., None])\n");
+    if (std::system(("/usr/bin/python3 '" + (folder / "write.py").string() + "' 2>/dev/null").c_str()) != 0)
+        GTEST_SKIP() << "needs Python with NumPy (Debian: python3-matplotlib)";
+    for (const char* name : {"metres.npy", "whole.npy", "packed.npz", "batch.npy", "last.npy"}) {
+        SCOPED_TRACE(name);
+        const std::string notes = expect_unprojected(
+            folder / name, [](int x, int y) { return (x + y) % 9 == 0 ? 0 : 0.001 * (900 + 7 * x + 5 * y); });
+        EXPECT_EQ(notes.find("0 and what is below it are no depth") != std::string::npos,
+                  std::string(name) != "last.npy")
+            << notes;
+    }
 }
 
 }  // namespace

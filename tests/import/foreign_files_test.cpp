@@ -1,11 +1,26 @@
 // Files of other programs that are not opened: each gets one line with what it is and what to do.
-#include "engine/formats/foreign_files.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <zip.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <stop_token>
+
+#include "engine/base/threads.hpp"
+#include "engine/formats/foreign_files.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "engine/formats/organised_cloud.hpp"
+#include "engine/formats/zip_folder.hpp"
 #include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/hdf5_file.hpp"
 
 namespace touchable::test {
 namespace {
@@ -134,6 +149,702 @@ TEST_F(ForeignFiles, PointersOfAFolderAreNotPassedOver) {
     const auto cut = open_clip(folder / "b");
     const std::string said = cut ? message(read_all(**cut)) : message(cut);
     EXPECT_NE(said.find("1.png: is a Git LFS pointer"), std::string::npos) << said;
+}
+
+// Organised clouds of points (PCD, PLY): depth, colour and the camera from a point for each pixel.
+
+constexpr int cloud_width = 16, cloud_height = 12;
+constexpr double fx = 20.5, fy = 21, cx = 7.25, cy = 5.75;
+using Point = std::array<double, 3>;
+using Points = std::vector<Point>;
+
+double cloud_depth(int i, int j) {
+    return i == 3 && j == 2 ? std::nan("") : 1 + 0.01 * i + 0.02 * j * j;
+}
+/// Red, green, blue of a pixel.
+std::uint32_t cloud_colour(int i, int j) {
+    return static_cast<std::uint32_t>(i + 1) << 16 | static_cast<std::uint32_t>(j) << 8 | 200U;
+}
+
+/// Row by row. OpenGL's frame has y up and z backwards.
+Points points(bool of_opengl = false) {
+    const double sign = of_opengl ? -1 : 1;
+    Points all;
+    for (int j = 0; j < cloud_height; ++j)
+        for (int i = 0; i < cloud_width; ++i) {
+            const double z = cloud_depth(i, j);
+            all.push_back({(i - cx) / fx * z, sign * (j - cy) / fy * z, sign * z});
+        }
+    return all;
+}
+
+/// A number's bytes, the lowest first, or the highest.
+template <class Number>
+std::string bytes_of(Number number, bool big_endian = false) {
+    std::string bytes(reinterpret_cast<const char*>(&number), sizeof number);
+    if (big_endian) std::ranges::reverse(bytes);
+    return bytes;
+}
+
+std::string pcd_header(const std::string& data, const std::string& fields = "x y z rgb") {
+    return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS " + fields +
+           "\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 16\nHEIGHT 12\nVIEWPOINT 0 0 0 1 0 0 0\n"
+           "POINTS 192\nDATA " +
+           data + '\n';
+}
+
+std::uint32_t colour_of(std::size_t k) {
+    return cloud_colour(static_cast<int>(k) % cloud_width, static_cast<int>(k) / cloud_width);
+}
+
+std::string pcd_text(const Points& all) {
+    std::string text = pcd_header("ascii");
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        for (const double number : all[k]) text += std::to_string(number) + ' ';
+        text += std::to_string(colour_of(k)) + '\n';
+    }
+    return text;
+}
+
+std::string pcd_binary(const Points& all) {
+    std::string bytes = pcd_header("binary");
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        for (const double number : all[k]) bytes += bytes_of(static_cast<float>(number));
+        bytes += bytes_of(colour_of(k));
+    }
+    return bytes;
+}
+
+/// Fields one behind the other, packed by LZF: literals, and where a byte is the one before, references.
+std::string pcd_packed(const Points& all) {
+    std::string planes;
+    for (const std::size_t axis : {0U, 1U, 2U})
+        for (const Point& point : all) planes += bytes_of(static_cast<float>(point[axis]));
+    for (std::size_t k = 0; k < all.size(); ++k) planes += bytes_of(colour_of(k));
+    planes.resize(planes.size() - 4);
+    std::string packed;
+    for (std::size_t at = 0; at < planes.size(); at += 32) {
+        const std::string some = planes.substr(at, 32);
+        packed += static_cast<char>(some.size() - 1) + some;
+    }
+    packed += std::string("\x20\x03", 2);  // 3 bytes again, of 4 before
+    packed += std::string("\0\0", 2);      // and one, 0
+    return pcd_header("binary_compressed") + bytes_of(static_cast<std::uint32_t>(packed.size())) +
+           bytes_of(static_cast<std::uint32_t>(planes.size() + 4)) + packed;
+}
+
+std::string ply_header(const std::string& format, const std::string& size, std::size_t count,
+                       const std::string& type, const std::string& more = "") {
+    std::string text = "ply\nformat " + format + " 1.0\n" + size + "element vertex " + std::to_string(count);
+    for (const char* axis : {"x", "y", "z"}) text += "\nproperty " + type + ' ' + axis;
+    for (const char* colour : {"red", "green", "blue"}) text += std::string("\nproperty uchar ") + colour;
+    return text + '\n' + more + "end_header\n";
+}
+
+const std::string num_cols = "obj_info num_cols 16\nobj_info num_rows 12\n",
+                  comments = "comment width 16\ncomment height 12\n";
+
+std::string ply_colour(std::size_t k) {
+    const std::uint32_t rgb = colour_of(k);
+    return {static_cast<char>(rgb >> 16), static_cast<char>(rgb >> 8), static_cast<char>(rgb)};
+}
+
+template <class Number>
+std::string ply_binary(const Points& all, bool big_endian, const std::string& size) {
+    std::string bytes = ply_header(big_endian ? "binary_big_endian" : "binary_little_endian", size,
+                                   all.size(), sizeof(Number) == 8 ? "double" : "float32");
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        for (const double number : all[k]) bytes += bytes_of(static_cast<Number>(number), big_endian);
+        bytes += ply_colour(k);
+    }
+    return bytes;
+}
+
+std::string ply_text(const Points& all) {
+    std::string text = ply_header("ascii", num_cols, all.size(), "float");
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        for (const double number : all[k]) text += std::to_string(number) + ' ';
+        for (const char colour : ply_colour(k))
+            text += std::to_string(static_cast<unsigned char>(colour)) + ' ';
+        text += '\n';
+    }
+    return text;
+}
+
+/// Only pixels with depth have a point, and a list says which.
+std::string ply_range_grid(const Points& all) {
+    std::string seen, grid;
+    std::int32_t count = 0;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        if (std::isnan(all[k][2])) {
+            grid += '\0';
+            continue;
+        }
+        for (const double number : all[k]) seen += bytes_of(static_cast<float>(number));
+        seen += ply_colour(k);
+        grid += '\1' + bytes_of(count++);
+    }
+    return ply_header("binary_little_endian", num_cols, static_cast<std::size_t>(count), "float",
+                      "element range_grid 192\nproperty list uchar int vertex_indices\n") +
+           seen + grid;
+}
+
+/// The last row first.
+Points from_below(const Points& all) {
+    Points turned;
+    for (int j = cloud_height; j-- > 0;)
+        turned.insert(turned.end(), all.begin() + j * cloud_width, all.begin() + (j + 1) * cloud_width);
+    return turned;
+}
+
+void expect_camera(const Scene& scene) {
+    EXPECT_NEAR(scene.camera.fx, fx, 0.01);
+    EXPECT_NEAR(scene.camera.fy, fy, 0.01);
+    EXPECT_NEAR(scene.camera.cx, cx, 0.01);
+    EXPECT_NEAR(scene.camera.cy, cy, 0.01);
+}
+
+void expect_depth(const Scene& scene, const RawFrame& frame) {
+    for (int j = 0; j < cloud_height; ++j)
+        for (int i = 0; i < cloud_width; ++i) {
+            const auto code = frame.depth.sample(i, j);
+            ASSERT_EQ(scene.depth.is_valid(code), !std::isnan(cloud_depth(i, j)));
+            if (std::isnan(cloud_depth(i, j))) continue;
+            ASSERT_NEAR(scene.depth.depth(code) * scene.metres_per_unit, cloud_depth(i, j), 1e-3);
+        }
+}
+
+TEST(OrganisedCloud, GivesDepthColourAndCamera) {
+    const TemporaryFolder folder;
+    const std::pair<const char*, std::string> all[] = {
+        {"text.pcd", pcd_text(points())},
+        {"binary.pcd", pcd_binary(points())},
+        {"packed.pcd", pcd_packed(points())},
+        {"opengl.pcd", pcd_binary(points(true))},
+        {"text.ply", ply_text(points())},
+        {"little.ply", ply_binary<float>(points(), false, comments)},
+        {"big.ply", ply_binary<double>(points(), true, num_cols)},
+        {"grid.ply", ply_range_grid(points(true))},
+    };
+    for (const auto& [name, bytes] : all) {
+        SCOPED_TRACE(name);
+        write_bytes(folder / name, bytes);
+        auto reader = open_clip(folder / name);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(is_noted(**reader, std::string("the camera is that of ") + name));
+        const auto frames = read_all(**reader);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), 1U);
+        expect_camera((*reader)->scene());
+        expect_depth((*reader)->scene(), frames->front());
+        const PlaneView& colour = frames->front().colour;
+        ASSERT_FALSE(colour.empty());
+        for (const auto& [i, j] : {std::pair{0, 0}, {15, 0}, {5, 7}, {14, 11}})
+            for (int channel = 0; channel < 3; ++channel)
+                EXPECT_EQ(colour.sample(i, j, channel), cloud_colour(i, j) >> (16 - 8 * channel) & 255U);
+    }
+}
+
+TEST(OrganisedCloud, RowsFromBelowAreTurned) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "cloud.ply", ply_binary<float>(from_below(points(true)), false, num_cols));
+    auto reader = open_clip(folder / "cloud.ply");
+    ASSERT_EQ(message(reader), "");
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    expect_camera((*reader)->scene());
+    expect_depth((*reader)->scene(), frames->front());
+}
+
+TEST(OrganisedCloud, TakesCameraThatIsSaid) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "cloud.pcd", pcd_binary(points()));
+    SourceDescription known;
+    known.intrinsics = Intrinsics{.fx = 30, .fy = 31};
+    const auto reader = open_clip(folder / "cloud.pcd", {}, known);
+    ASSERT_EQ(message(reader), "");
+    EXPECT_DOUBLE_EQ((*reader)->scene().camera.fx, 30);
+    EXPECT_FALSE(is_noted(**reader, "the camera is that of cloud.pcd"));
+}
+
+/// The first one has no point.
+TEST(OrganisedCloud, SeveralAreFrames) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "cloud_0.pcd", pcd_binary(Points(cloud_width * cloud_height, Point{0, 0, 0})));
+    for (const char* name : {"cloud_1.pcd", "cloud_2.pcd"}) write_bytes(folder / name, pcd_binary(points()));
+    // A mesh is none, nor does it keep the others from being opened.
+    write_bytes(folder / "depth_mesh.ply",
+                "ply\nformat ascii 1.0\nelement vertex 3\nelement face 1\nend_header\n");
+    auto reader = open_clip(folder.path());
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE(is_noted(**reader, "depth is cloud_*.pcd, colour is in the same files"));
+    EXPECT_TRUE(is_noted(**reader, "the camera is that of cloud_0.pcd"));
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    expect_camera((*reader)->scene());
+    expect_depth((*reader)->scene(), (*frames)[2]);
+}
+
+/// A cloud that was made of them, of the same number of frames, is not read in their place.
+TEST(OrganisedCloud, PicturesComeFirst) {
+    const TemporaryFolder folder;
+    for (const char* name : {"0", "1"}) {
+        Samples memory(2 * 16 * 12, 3);
+        ASSERT_EQ(message(write_png(folder / (std::string(name) + ".png"),
+                                    PlaneView{memory.data(), 32, 16, 12, 2, 1})),
+                  "");
+        write_bytes(folder / (std::string("a") + name + ".pcd"), pcd_binary(points()));
+    }
+    const auto reader = open_clip(folder.path());
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE(is_noted(**reader, "depth is *.png"));
+}
+
+TEST(OrganisedCloud, IsDescribedBesideIt) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "cloud.pcd", pcd_binary(points()));
+    const auto guessed = guess_clip(folder / "cloud.pcd", {});
+    ASSERT_EQ(message(guessed), "");
+    EXPECT_NEAR(guessed->scene.camera.fx, fx, 0.01);
+    EXPECT_EQ(guessed->scene.folder->depth, "cloud.pcd");
+}
+
+TEST(OrganisedCloud, DamagedIsRefused) {
+    const auto refusal = [](const std::string& bytes) { return message(decode_organised_cloud(bytes, "c")); };
+    const std::string binary = pcd_binary(points()), packed = pcd_packed(points()), text = pcd_text(points()),
+                      ply = ply_binary<float>(points(), false, num_cols), grid = ply_range_grid(points()),
+                      ply_words = ply_text(points());
+    const auto with = [](std::string bytes, const std::string& old, const std::string& other) {
+        return bytes.replace(bytes.find(old), old.size(), other);
+    };
+    for (const std::string& whole : {binary, packed, text, ply, grid, ply_words}) {
+        EXPECT_EQ(refusal(whole), "");
+        EXPECT_TRUE(
+            has_words(refusal(whole.substr(0, whole.size() - 25)), "has fewer points than its header"))
+            << refusal(whole.substr(0, whole.size() - 25));
+    }
+    const std::pair<std::string, const char*> damaged[] = {
+        {pcd_header("binary", "x y w rgb"), "has no fields x, y and z"},
+        {with(binary, "TYPE F", "TYPE Q"), "has no fields x, y and z"},
+        {with(binary, "SIZE 4", "SIZE 3"), "has no fields x, y and z"},
+        {pcd_header("ascii2"), "are \"ascii2\""},
+        {"# .PCD v0.7\nWIDTH 2", "its header is not that of a PCD file"},
+        {with(binary, "POINTS 192", "POINTS 191"), "has 191 points: must be 192"},
+        {with(binary, "WIDTH 16", "WIDTH 99999999"), "is 99999999x12 pixels"},
+        {with(with(binary, "WIDTH 16", "WIDTH 16384"), "POINTS 192", "#"), "has fewer points"},
+        {with(with(packed, "WIDTH 16", "WIDTH 9216"), "POINTS 192", "#"), "are said to unpack to 3072 bytes"},
+        {with(text, "DATA ascii\n", "DATA ascii\ntwo "), "point 0 has \"two\": must be a number"},
+        {with(ply, "element vertex 192", "element vertex 191"), "its header is not that of a PLY"},
+        {with(ply, "format binary_little_endian", "format text"), "its format is \"text\""},
+        {with(ply, "property float32 z", "property float32 w"), "have no x, y and z"},
+        {with(grid, "element range_grid 192", "element range_grid 193"), "its header is not that of a PLY"},
+        {grid.substr(0, grid.size() - 4) + std::string(4, '\x7f'), "pixel 191 has point 2139062143 of 191"},
+    };
+    for (const auto& [bytes, why] : damaged) EXPECT_TRUE(has_words(refusal(bytes), why)) << refusal(bytes);
+    std::string bad = packed;
+    bad[bad.size() - 3] = '\x7f';  // what is so far back is not there, or not what follows
+    bad[bad.size() - 4] = '\x3f';
+    EXPECT_TRUE(has_words(refusal(bad), "cannot be unpacked")) << refusal(bad);
+    // A gigabyte is stated of a few bytes.
+    std::string bomb = pcd_header("binary_compressed");
+    bomb = with(with(with(bomb, "WIDTH 16", "WIDTH 8192"), "HEIGHT 12", "HEIGHT 8192"), "POINTS 192", "#");
+    bomb += bytes_of(std::uint32_t{64}) + bytes_of(std::uint32_t{1} << 30) + std::string(64, '\0');
+    EXPECT_TRUE(has_words(refusal(bomb), "is damaged, or too large")) << refusal(bomb);
+}
+
+/// Even steps of an angle, as of a lidar; and rays that are parallel.
+TEST(OrganisedCloud, OtherCamerasAreRefused) {
+    Points ring = points(), parallel = points();
+    for (std::size_t k = 0; k < ring.size(); ++k) {
+        const auto column = static_cast<double>(k % cloud_width), row = static_cast<double>(k / cloud_width);
+        const double angle = column * 2 * 3.14159265 / cloud_width;
+        ring[k] = {std::sin(angle), row, std::cos(angle) + 0.01};
+        parallel[k] = {column, row, 1 + static_cast<double>(k * k % 17)};
+    }
+    for (const Points& all : {ring, parallel}) {
+        const std::string said = message(decode_organised_cloud(pcd_binary(all), "c"));
+        EXPECT_TRUE(has_words(said, "not the pixels of one pinhole camera")) << said;
+        EXPECT_TRUE(has_words(said, "project_to_depth_image")) << said;
+    }
+}
+
+TEST(OrganisedCloud, TellsItselfByItsHeader) {
+    EXPECT_TRUE(begins_organised_cloud(pcd_header("binary")));
+    EXPECT_TRUE(begins_organised_cloud(ply_header("ascii", comments, 192, "float")));
+    EXPECT_FALSE(begins_organised_cloud("# .PCD v0.7\nFIELDS x y z\nWIDTH 9\nHEIGHT 1\nDATA ascii\n"));
+    EXPECT_FALSE(begins_organised_cloud("VERSION of something\n"));
+    EXPECT_FALSE(begins_organised_cloud(ply_header("ascii", "", 192, "float")));
+    EXPECT_FALSE(begins_organised_cloud(ply_header("ascii", comments, 192, "float", "element face 2\n")));
+}
+
+// ZIP archives of pictures, opened as the folders that they unpack to.
+
+struct Packed {
+    std::string name, bytes;
+    mode_t mode = S_IFREG | 0644;
+    bool is_encrypted = false, is_stored = false;
+};
+
+void write_zip(const std::filesystem::path& file, const std::vector<Packed>& members) {
+    zip_t* const archive = zip_open(file.c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
+    ASSERT_NE(archive, nullptr);
+    for (const Packed& each : members) {
+        zip_source_t* const source = zip_source_buffer(archive, each.bytes.data(), each.bytes.size(), 0);
+        const auto index = zip_file_add(archive, each.name.c_str(), source, ZIP_FL_ENC_UTF_8);
+        ASSERT_GE(index, 0) << zip_strerror(archive);
+        const auto number = static_cast<zip_uint64_t>(index);
+        zip_set_file_compression(archive, number, each.is_stored ? ZIP_CM_STORE : ZIP_CM_DEFLATE, 1);
+        zip_file_set_external_attributes(archive, number, 0, ZIP_OPSYS_UNIX, each.mode << 16);
+        if (each.is_encrypted) zip_file_set_encryption(archive, number, ZIP_EM_TRAD_PKWARE, "secret");
+    }
+    ASSERT_EQ(zip_close(archive), 0) << zip_strerror(archive);
+}
+
+class ZipFolders : public ::testing::Test {
+protected:
+    ZipFolders() {
+        const char* const before = std::getenv("TMPDIR");
+        if (before) before_ = before;
+        setenv("TMPDIR", temporary.path().c_str(), 1);
+        const TemporaryFolder pictures;
+        Samples memory(2 * 16 * 12, 3);
+        for (std::size_t k = 0; k < memory.size(); k += 7) memory[k] = 4;
+        EXPECT_EQ(message(write_png(pictures / "d.png", PlaneView{memory.data(), 32, 16, 12, 2, 1})), "");
+        Samples rgb(3 * 16 * 12, 90);
+        rgb[0] = 10;
+        EXPECT_EQ(message(write_png(pictures / "c.png", PlaneView{rgb.data(), 48, 16, 12, 1, 3})), "");
+        depth = read_bytes(pictures / "d.png");
+        colour = read_bytes(pictures / "c.png");
+    }
+    ~ZipFolders() override {
+        // Nothing is left behind, whatever came of it.
+        EXPECT_EQ(temporary.file_count(), 0U);
+        if (before_)
+            setenv("TMPDIR", before_->c_str(), 1);
+        else
+            unsetenv("TMPDIR");
+    }
+    /// What is said of an archive of these, beside a picture of depth. It names no temporary file.
+    std::string refusal(std::vector<Packed> members, const std::string& name = "a.zip") const {
+        members.push_back({"set/depth/0.png", depth});
+        write_zip(folder / name, members);
+        return refusal_of(name);
+    }
+    std::string refusal_of(const std::string& name) const {
+        const std::string said = message(open_clip(folder / name));
+        EXPECT_EQ(said.find(temporary.path().string() + '/'), std::string::npos) << said;
+        EXPECT_TRUE(said.empty() || said.starts_with((folder / name).string())) << said;
+        EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+        EXPECT_EQ(temporary.file_count(), 0U) << said;
+        return said;
+    }
+    TemporaryFolder temporary, folder;
+    std::string depth, colour;
+
+private:
+    std::optional<std::string> before_;
+};
+
+/// All places of `old` in a file.
+void replace_bytes(const std::filesystem::path& file, const std::string& old, const std::string& other) {
+    ASSERT_EQ(old.size(), other.size());
+    std::string bytes = read_bytes(file);
+    int count = 0;
+    for (auto at = bytes.find(old); at != std::string::npos; at = bytes.find(old, at + 1), ++count)
+        bytes.replace(at, old.size(), other);
+    ASSERT_GT(count, 0);
+    write_bytes(file, bytes);
+}
+
+TEST_F(ZipFolders, OpenAsTheirFolder) {
+    write_zip(folder / "scan.zip", {{"set/", "", S_IFDIR | 0755},
+                                    {"set/info.json", "{}"},
+                                    {"set/thumbnail.jpg", "no picture"},
+                                    {"set/frames/depth/0.png", depth},
+                                    {"./set/frames/depth/1.png", depth, S_IFREG | 0644, false, true},
+                                    {"set/frames/rgb/0.png", colour},
+                                    {"set/frames/rgb/1.png", colour},
+                                    {"__MACOSX/set/frames/depth/._0.png", "of macOS"},
+                                    {"set/frames/depth/.hidden.png", "hidden"}});
+    for (int again = 0; again < 2; ++again) {
+        auto reader = open_clip(folder / "scan.zip");
+        ASSERT_EQ(message(reader), "");
+        EXPECT_EQ(temporary.file_count(), 1U);
+        struct stat about {};
+        const auto unpacked = std::filesystem::directory_iterator(temporary.path())->path();
+        ASSERT_EQ(stat(unpacked.c_str(), &about), 0);
+        EXPECT_EQ(about.st_mode & 0777, 0700U);
+        EXPECT_TRUE(is_noted(**reader, "depth is depth/*.png, colour is rgb/*.png"));
+        EXPECT_EQ((*reader)->scene().name, "frames");
+        EXPECT_EQ((*reader)->inputs(), std::vector{folder / "scan.zip"});
+        for (int pass = 0; pass < 2; ++pass) {
+            const auto frames = read_all(**reader);
+            ASSERT_EQ(message(frames), "");
+            ASSERT_EQ(frames->size(), 2U);
+            EXPECT_EQ(frames->front().colour.sample(0, 0, 0), 10);
+            ASSERT_EQ(message((*reader)->rewind()), "");
+        }
+        reader = input_error("closed");
+        EXPECT_EQ(temporary.file_count(), 0U);
+    }
+    // A folder in it, by name.
+    const auto inner = open_clip(folder / "scan.zip" / "set" / "frames");
+    ASSERT_EQ(message(inner), "");
+    EXPECT_EQ((*inner)->frame_count(), 2);
+    EXPECT_EQ((*inner)->inputs(), std::vector{folder / "scan.zip"});
+}
+
+TEST_F(ZipFolders, OpenByTheirSceneFileOrAnother) {
+    const std::string scene = R"({"touchable_scene": 1, "width": 16, "height": 12,
+        "camera": {"fx": 77, "fy": 77, "cx": 8, "cy": 6}, "metres_per_unit": 1,
+        "depth": {"coding": "metric", "scale": 0.001, "near": 0.5, "far": 8, "invalid": [0]},
+        "folder": {"depth": "d/*.png"}})";
+    write_zip(folder / "bare.zip", {{"x/d/0.png", depth}, {"x/d/1.png", depth}});
+    write_zip(folder / "own.zip", {{"x/d/0.png", depth}, {"x/scene.json", scene}, {"depth/x/0.png", depth}});
+    write_bytes(folder / "my.json", scene);
+    // The folder that all members are in is x/d, but a person's scene file is of the archive's only folder.
+    const auto named = open_clip(folder / "bare.zip" / "x", folder / "my.json");
+    ASSERT_EQ(message(named), "");
+    EXPECT_EQ((*named)->scene().camera.fx, 77);
+    EXPECT_EQ((*named)->inputs(), (std::vector{folder / "bare.zip", folder / "my.json"}));
+    const auto own = open_clip(folder / "own.zip");
+    ASSERT_EQ(message(own), "");
+    EXPECT_EQ((*own)->scene().camera.fx, 77);
+    EXPECT_EQ((*own)->inputs(), std::vector{folder / "own.zip"});
+    const auto guessed = guess_clip(folder / "bare.zip", {});
+    EXPECT_NE(message(guessed).find("is a ZIP file, whose first member is"), std::string::npos)
+        << message(guessed);
+}
+
+TEST_F(ZipFolders, SeveralFoldersAreNamed) {
+    write_zip(folder / "a.zip", {{"one/a/depth/0.png", depth}, {"two/a/depth/0.png", depth}});
+    const std::string said = refusal_of("a.zip");
+    EXPECT_NE(said.find("touchable play " + (folder / "a.zip/one").string() + " (one of 2"),
+              std::string::npos)
+        << said;
+    EXPECT_EQ(message(open_clip(folder / "a.zip/one")), "");
+    const std::string none = message(open_clip(folder / "a.zip/three"));
+    EXPECT_NE(none.find("a.zip: has no folder \"three\""), std::string::npos) << none;
+}
+
+TEST_F(ZipFolders, NamesThatLeadOutAreRefused) {
+    const std::string outside = (folder / "outside.png").string();
+    for (const std::string& name :
+         {std::string("../escaped.png"), std::string("set/../../escaped.png"), outside,
+          std::string("set\\depth\\1.png"), std::string("set/de\tpth.png")}) {
+        const std::string said = refusal({{name, colour}});
+        EXPECT_NE(said.find("a.zip: its member \""), std::string::npos) << name << ": " << said;
+    }
+    EXPECT_FALSE(std::filesystem::exists(outside));
+    EXPECT_FALSE(std::filesystem::exists(temporary.path().parent_path() / "escaped.png"));
+    // The archive's own name leads nowhere either.
+    EXPECT_EQ(refusal({}, "...zip"), "");
+}
+
+TEST_F(ZipFolders, LinksAndDevicesAreNotMade) {
+    write_zip(folder / "a.zip", {{"set/depth/0.png", depth},
+                                 {"set/depth/1.png", "/etc/passwd", S_IFLNK | 0777},
+                                 {"set/rgb", "/etc", S_IFLNK | 0777},
+                                 {"set/rgb/2.png", colour},
+                                 {"set/depth/3.png", "", S_IFIFO | 0644}});
+    auto reader = open_clip(folder / "a.zip");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 1);
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(temporary.path()))
+        EXPECT_TRUE(entry.symlink_status().type() == std::filesystem::file_type::directory ||
+                    entry.symlink_status().type() == std::filesystem::file_type::regular)
+            << entry.path();
+}
+
+TEST_F(ZipFolders, EncryptedIsRefused) {
+    const std::string said = refusal({{"set/depth/1.png", depth, S_IFREG | 0644, true}});
+    EXPECT_NE(said.find("a.zip/set/depth/1.png: is encrypted"), std::string::npos) << said;
+    // What is no part of a clip may be.
+    EXPECT_EQ(refusal({{"__MACOSX/x.png", depth, S_IFREG | 0644, true}}), "");
+}
+
+TEST_F(ZipFolders, DamagedMembersAreNamed) {
+    const std::string text = "a text that is stored as it is";
+    refusal({{"set/notes.txt", text, S_IFREG | 0644, false, true}});
+    replace_bytes(folder / "a.zip", text, "a text that is damaged as it i");
+    const std::string said = refusal_of("a.zip");
+    EXPECT_NE(said.find("a.zip/set/notes.txt: is damaged"), std::string::npos) << said;
+    // One name twice.
+    refusal({{"set/1.txt", "a"}, {"set/2.txt", "b"}});
+    replace_bytes(folder / "a.zip", "set/2.txt", "set/1.txt");
+    const std::string twice = refusal_of("a.zip");
+    EXPECT_NE(twice.find("a.zip/set/1.txt: is there twice"), std::string::npos) << twice;
+    // A file where a folder must be.
+    const std::string both = refusal({{"set/depth", "a text"}, {"set/x.txt", "b"}});
+    EXPECT_NE(both.find("a.zip/set/depth/0.png: cannot be unpacked"), std::string::npos) << both;
+    // A picture that is none is told of by the archive's name, also as a later frame.
+    const std::string later = refusal({{"set/depth/1.png", "no picture"}});
+    EXPECT_EQ(later, "");
+    auto reader = open_clip(folder / "a.zip");
+    ASSERT_EQ(message(reader), "");
+    const std::string frames = message(read_all(**reader));
+    EXPECT_TRUE(frames.starts_with((folder / "a.zip/set/depth/1.png").string() + ": is no picture"))
+        << frames;
+    reader = input_error("closed");
+    // Cut anywhere.
+    const std::string whole = read_bytes(folder / "a.zip");
+    for (std::size_t length = 0; length < whole.size(); length += 13) {
+        write_bytes(folder / "cut.zip", whole.substr(0, length));
+        EXPECT_NE(refusal_of("cut.zip"), "");
+    }
+}
+
+/// Stated sizes, little endian: of the central directory, 20 bytes behind a member's mark there.
+void state_sizes(const std::filesystem::path& file, std::uint32_t packed, std::uint32_t unpacked) {
+    std::string bytes = read_bytes(file);
+    const std::string mark("PK\1\2", 4), big = "big.mp4";
+    for (auto at = bytes.find(mark); at != std::string::npos; at = bytes.find(mark, at + 1)) {
+        if (bytes.compare(at + 46, 3, "big") != 0) continue;
+        std::memcpy(bytes.data() + at + 20, &packed, 4);
+        std::memcpy(bytes.data() + at + 24, &unpacked, 4);
+    }
+    write_bytes(file, bytes);
+}
+
+TEST_F(ZipFolders, BombsAreRefused) {
+    // More than deflate can make of so few.
+    refusal({{"set/big.mp4", std::string(1000, 'a')}});
+    replace_bytes(folder / "a.zip", "set/big.mp4", "big/set.mp4");
+    state_sizes(folder / "a.zip", 100, 0xf0000000);
+    std::string said = refusal_of("a.zip");
+    EXPECT_NE(said.find("a.zip/big/set.mp4: is damaged: 100 bytes are said to unpack to 4026531840"),
+              std::string::npos)
+        << said;
+    // Members that share their bytes.
+    refusal({{"big1.mp4", "a", S_IFREG | 0644, false, true}, {"big2.mp4", "b", S_IFREG | 0644, false, true}});
+    state_sizes(folder / "a.zip", 0x40000000, 0x40000000);
+    said = refusal_of("a.zip");
+    EXPECT_NE(said.find("bytes are said to unpack to 21474"), std::string::npos) << said;
+    // More than is stated.
+    refusal({{"big1.txt", std::string(5000, 'a')}});
+    state_sizes(folder / "a.zip", 34, 1000);
+    said = refusal_of("a.zip");
+    EXPECT_NE(said.find("a.zip/big1.txt: is damaged"), std::string::npos) << said;
+    // Possible, and too much.
+    const std::string large(std::size_t{18} << 20, '\0');
+    std::vector<Packed> many{{"padding", large, S_IFREG | 0644, false, true}};
+    for (const char* name : {"big1.mp4", "big2.mp4", "big3.mp4", "big4.mp4", "big5.mp4"})
+        many.push_back({name, "a", S_IFREG | 0644, false, true});
+    refusal(many);
+    state_sizes(folder / "a.zip", 0xd8000000, 0xd8000000);
+    said = refusal_of("a.zip");
+    EXPECT_NE(said.find("a.zip: unpacks to 16.9 GiB, and "), std::string::npos) << said;
+    EXPECT_NE(said.find("unzip "), std::string::npos) << said;
+}
+
+TEST_F(ZipFolders, OthersAreWhatTheyWere) {
+    write_zip(folder / "none.zip", {{"a.txt", "text"}, {"clip.mkv", "no clip"}});
+    EXPECT_NE(refusal_of("none.zip").find("is a ZIP file, whose first member is \"a.txt\": unzip"),
+              std::string::npos);
+    write_zip(folder / "a.zarr.zip", {{"0.png", depth}});
+    EXPECT_NE(refusal_of("a.zarr.zip").find("is a Zarr store in a ZIP file"), std::string::npos);
+    for (const char* path : {"missing.zip", "missing.zip/a", "missing/a.zip"}) {
+        EXPECT_FALSE(zip_of_pictures(folder / path));
+        EXPECT_NE(message(open_clip(folder / path)).find("does not exist"), std::string::npos);
+    }
+}
+
+TEST_F(ZipFolders, StopEndsUnpacking) {
+    write_zip(folder / "a.zip", {{"depth/0.png", depth}});
+    std::stop_source stop;
+    stop.request_stop();
+    const StopScope scope(stop.get_token());
+    const auto folder_of_it = ZipFolder::unpack(folder / "a.zip", {});
+    ASSERT_FALSE(folder_of_it);
+    EXPECT_EQ(folder_of_it.error().kind, ErrorKind::interrupted);
+    EXPECT_EQ(temporary.file_count(), 0U);
+}
+
+TEST_F(ZipFolders, NoPlaceForTemporaryFilesIsSaid) {
+    write_zip(folder / "a.zip", {{"depth/0.png", depth}});
+    setenv("TMPDIR", (folder / "missing").c_str(), 1);
+    const std::string said = message(open_clip(folder / "a.zip"));
+    EXPECT_NE(said.find("a.zip: cannot be unpacked: no folder of temporary files"), std::string::npos)
+        << said;
+}
+
+// HDF5 files and folders of them, opened as clips.
+
+class Hdf5Clip : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (std::system("command -v h5import h5ls h5dump >/dev/null 2>&1") != 0)
+            GTEST_SKIP() << "needs h5import (Debian: hdf5-tools)";
+    }
+    void add(const std::string& name, const Hdf5Numbers& of, int first) const {
+        std::filesystem::create_directories((folder_ / name).parent_path());
+        ASSERT_TRUE(add_data_set(folder_ / name, of, first)) << name;
+    }
+    Result<std::unique_ptr<ClipReader>> open(const std::string& name, const std::string& dataset = "",
+                                             const std::string& channel = "") const {
+        SourceDescription known;
+        known.dataset = dataset;
+        known.channel = channel;
+        return open_clip(folder_ / name, {}, known);
+    }
+    TemporaryFolder folder_;
+};
+
+/// The first pixel's depth in all frames.
+std::vector<int> first_codes(ClipReader& clip) {
+    std::vector<int> codes;
+    while (true) {
+        const auto frame = clip.next();
+        EXPECT_EQ(message(frame), "");
+        if (!frame || !*frame) return codes;
+        codes.push_back((*frame)->depth.sample(0, 0));
+    }
+}
+
+TEST_F(Hdf5Clip, AStackIsAClip) {
+    add("demos.hdf5", {"data/demo_0/obs/agentview_depth", {3, 16, 20, 1}}, 1000);
+    add("demos.hdf5", {"data/demo_1/obs/agentview_depth", {2, 16, 20, 1}}, 5000);
+    EXPECT_NE(message(open("demos.hdf5")).find("has several data sets that may be depth: /data/demo_0/obs/"),
+              std::string::npos);
+    const auto clip = open("demos.hdf5", "data/demo_1/obs/agentview_depth");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().width, 20);
+    EXPECT_EQ((*clip)->tracks().front().codec, "hdf5");
+    EXPECT_EQ(first_codes(**clip), (std::vector{5000, 5320}));
+}
+
+TEST_F(Hdf5Clip, AFolderOfFramesIsAClip) {
+    for (const int number : {0, 1, 2, 10})
+        add("scene/frame.00" + std::string(number < 10 ? "0" : "") + std::to_string(number) +
+                ".depth_meters.hdf5",
+            {"dataset", {16, 20}}, 1000 + number);
+    const auto clip = open("scene");
+    ASSERT_EQ(message(clip), "");
+    EXPECT_EQ((*clip)->scene().depth.semantics, DepthSemantics::range) << "as the name says";
+    EXPECT_EQ(first_codes(**clip), (std::vector{1000, 1001, 1002, 1010}));
+    EXPECT_EQ(message(open("scene", "dataset")), "");
+    EXPECT_NE(message(open("scene", "depth")).find("has no data set \"depth\", but /dataset of 16x20"),
+              std::string::npos);
+}
+
+TEST_F(Hdf5Clip, ADataSetIsNamedOfHdf5Alone) {
+    add("d.h5", {"depth", {16, 20}}, 1000);
+    Image still{2, 2, 2, 1, {1, 2, 3, 4, 5, 6, 7, 8}};
+    ASSERT_EQ(message(write_png(folder_ / "d.png", still.view())), "");
+    EXPECT_EQ(
+        message(open("d.png", "depth")),
+        (folder_ / "d.png").string() + ": is no HDF5 file and no .npz, of which a data set could be named");
+    EXPECT_EQ(message(open("d.h5", "", "Z")),
+              (folder_ / "d.h5").string() + ": is no OpenEXR file, of which a channel could be named");
+}
+
+TEST_F(Hdf5Clip, WithoutDepthItSaysWhatItHas) {
+    add("c.h5", {"colors", {16, 20, 3}, "UIN", 8}, 0);
+    EXPECT_EQ(message(open("c.h5")),
+              (folder_ / "c.h5").string() +
+                  ": is an HDF5 file without a data set of pictures of depth (height x "
+                  "width, or count x height x width): it has /colors of 16x20x3");
 }
 
 }  // namespace

@@ -1,16 +1,31 @@
 // Poses of the camera beside frames, by the layouts of those who write them, against a wall that stands
 // still.
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
 #include <gtest/gtest.h>
+#include <half.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/formats/formats_written.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/import/kept_clips.hpp"
+#include "tests/opened_files.hpp"
+#include "tests/picture/encoded_picture.hpp"
 
 namespace touchable::test {
 namespace {
@@ -268,6 +283,483 @@ TEST_F(FramePoses, ThatCannotBeReadAreSaidAndLeftOut) {
         << note();
     write_bytes(folder / "metadata.json", R"({"fps": 30})");
     EXPECT_EQ(note(), "");
+}
+
+// Renderings as clips: a file, or a numbered folder of files, with depth, colour and material indices in them
+// (tests/picture/blender/render_seeds.py made the files).
+
+class Rendering : public ::testing::Test {
+protected:
+    /// `count` files r_0001.exr and on, all alike.
+    void render(int count, const std::string& seed = "layers_half.exr") const {
+        const std::string bytes =
+            read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/exr_layers" / seed);
+        for (int n = 1; n <= count; ++n) write_bytes(folder / ("r_000" + std::to_string(n) + ".exr"), bytes);
+    }
+    /// Metres, of these files, with what stands in `haptic` and the planes that `planes` names.
+    std::string scene_of(const std::string& haptic, const std::string& planes,
+                         const std::string& pattern = "r_%04d.exr") const {
+        return R"({"touchable_scene": 1, "width": 16, "height": 12, "metres_per_unit": 1,
+                   "camera": {"fx": 20, "fy": 20, "cx": 7.5, "cy": 5.5},
+                   "depth": {"coding": "metric", "scale": 1, "near": 5, "far": 20}, "haptic": )" +
+               haptic + R"(, "folder": {"first": 1, "depth": ")" + pattern + '"' + planes + "}}";
+    }
+    Result<std::unique_ptr<ClipReader>> open_described(const std::string& scene) const {
+        write_bytes(folder / "scene.json", scene);
+        return open_clip(folder.path());
+    }
+    /// Left, right and the box: docs beside the script.
+    static void expect_seen(const RawFrame& frame, const Scene& scene) {
+        const auto depth = [&](int x, int y) { return scene.depth.depth(frame.depth.sample(x, y)); };
+        EXPECT_NEAR(depth(4, 9), 10, 1e-3);
+        EXPECT_NEAR(depth(12, 4), 10, 1e-3);
+        EXPECT_NEAR(depth(4, 3), 8, 1e-3);
+        EXPECT_FALSE(scene.depth.is_valid(frame.depth.sample(0, 0)));
+        ASSERT_FALSE(frame.colour.empty());
+        const auto is = [&](int x, int y, std::array<int, 3> rgb) {
+            const std::uint8_t* at = frame.colour.row(y) + 3 * x;
+            return at[0] == rgb[0] && at[1] == rgb[1] && at[2] == rgb[2];
+        };
+        EXPECT_TRUE(is(4, 9, {188, 137, 99}));
+        EXPECT_TRUE(is(12, 4, {0, 0, 255}));
+        EXPECT_TRUE(is(4, 3, {255, 71, 0}));
+    }
+    TemporaryFolder folder;
+};
+
+TEST_F(Rendering, OfOneFileOpensWithDepthAndColour) {
+    for (const char* seed : {"layers_half.exr", "layers_float.exr", "two_layers.exr", "z_half.exr"}) {
+        SCOPED_TRACE(seed);
+        render(1, seed);
+        auto reader = open_clip(folder / "r_0001.exr");
+        ASSERT_EQ(message(reader), "");
+        const auto frames = read_all(**reader);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), 1U);
+        expect_seen(frames->at(0), (*reader)->scene());
+        EXPECT_TRUE(is_noted(**reader, "linear light shown as sRGB"));
+        EXPECT_TRUE(is_noted(**reader, "values are metres"));
+        EXPECT_EQ(is_noted(**reader, "nothing says what they feel like"), std::string(seed) != "z_half.exr");
+    }
+    auto reader = open_clip(folder / "r_0001.exr");
+    EXPECT_TRUE(is_noted(**reader, "depth is channel Z, colour is R, G, B beside it"));
+    render(1, "two_layers.exr");
+    reader = open_clip(folder / "r_0001.exr");
+    EXPECT_TRUE(is_noted(**reader, "depth is channel b.Depth.Z, colour is b.Combined beside it"));
+    EXPECT_TRUE(is_noted(**reader, "the files have material indices (b.IndexMA.X: 0, 2, 5)"));
+}
+
+TEST_F(Rendering, OfAFolderOfFilesIsReadFromEachOnce) {
+    render(9);
+    for (const bool is_described : {false, true}) {
+        if (is_described) write_bytes(folder / "scene.json", scene_of("{}", R"(, "colour": "r_%04d.exr")"));
+        OpenedFiles opened(folder.path());
+        auto reader = open_clip(folder.path());
+        ASSERT_EQ(message(reader), "");
+        const auto frames = read_all(**reader);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), 9U);
+        for (const RawFrame& frame : *frames) expect_seen(frame, (*reader)->scene());
+        // The first is read once more, for its colour: the range of depth is searched in between.
+        for (const auto& [name, count] : opened.counts())
+            EXPECT_LE(count, name.find("0001") != std::string::npos ? 2 : 1) << name;
+        EXPECT_EQ((*reader)->inputs().size(), is_described ? 10U : 9U);
+    }
+}
+
+TEST_F(Rendering, MaterialIndicesHaveThePropertiesOfATable) {
+    render(2);
+    const std::string planes = R"(, "colour": "r_%04d.exr", "haptic": "r_%04d.exr")";
+    auto reader = open_described(scene_of(R"({"materials": {"2": {"stiffness": 2, "static_friction": 0.9},
+                                                           "5": {"stiffness": 0.3, "dynamic_friction": 0.1}}})",
+                                          planes));
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE(is_noted(**reader, "haptic is that of 2 materials"));
+    const Scene& scene = (*reader)->scene();
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    for (const RawFrame& frame : *frames) {
+        expect_seen(frame, scene);
+        ASSERT_FALSE(frame.haptic.empty());
+        const auto at = [&](int x, int y) {
+            const std::uint8_t* rgb = frame.haptic.row(y) + 3 * x;
+            return scene.haptic.at(rgb[0], rgb[1], rgb[2]);
+        };
+        const auto expect = [&](int x, int y, const HapticProperties& wanted) {
+            EXPECT_NEAR(at(x, y).stiffness, wanted.stiffness, 1e-9 + 0.5 * 1700 / 255);
+            EXPECT_NEAR(at(x, y).static_friction, wanted.static_friction, 1e-9 + 0.5 * 0.5 / 255);
+            EXPECT_NEAR(at(x, y).dynamic_friction, wanted.dynamic_friction, 1e-9 + 0.5 * 0.2 / 255);
+        };
+        expect(4, 9, {600, 0.4, 0.3});  // the default ones: 0 is not in the table
+        expect(12, 4, {2000, 0.9, 0.3});
+        expect(4, 3, {300, 0.4, 0.1});
+        EXPECT_EQ(at(12, 4).stiffness, 2000);  // ends of a range are exact
+        EXPECT_EQ(at(4, 3).stiffness, 300);
+    }
+    // The file itself, as the same scene describes it.
+    reader = open_clip(folder / "r_0002.exr", folder / "scene.json");
+    ASSERT_EQ(message(reader), "");
+    const auto one = read_all(**reader);
+    ASSERT_EQ(message(one), "");
+    expect_seen(one->at(0), (*reader)->scene());
+    EXPECT_TRUE(same_plane(one->at(0).haptic, frames->at(0).haptic));
+}
+
+TEST_F(Rendering, MayHaveItsPlanesInFilesOfTheirOwn) {
+    render(1);
+    write_bytes(folder / "c.exr", read_bytes(folder / "r_0001.exr"));
+    write_bytes(folder / "m.exr", read_bytes(folder / "r_0001.exr"));
+    auto reader = open_described(
+        scene_of(R"({"materials": {"5": {"stiffness": 2}}})", R"(, "colour": "c.exr", "haptic": "m.exr")"));
+    ASSERT_EQ(message(reader), "");
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    expect_seen(frames->at(0), (*reader)->scene());
+    EXPECT_EQ(frames->at(0).haptic.row(3)[3 * 4], 255);
+    EXPECT_EQ(frames->at(0).haptic.row(4)[3 * 12], 0);
+}
+
+TEST_F(Rendering, WhatIsMissingIsNamed) {
+    render(1);
+    const std::string file = (folder / "r_0001.exr").string();
+    EXPECT_EQ(message(open_described(scene_of("{}", R"(, "haptic": "r_%04d.exr")"))),
+              file +
+                  " (haptic, frame 0): is of material indices: the scene file's haptic.materials must say "
+                  "what they feel like");
+    render(1, "z_half.exr");
+    EXPECT_EQ(message(open_described(scene_of(R"({"materials": {"5": {}}})", R"(, "haptic": "r_%04d.exr")"))),
+              file +
+                  ": has no material indices: must have a layer IndexMA of each pixel, but has A, B, G, R, Z "
+                  "(haptic, frame 0)");
+    EXPECT_TRUE(is_refused(open_described(scene_of(R"({"materials": {"5": {}}})", "")), "folder.haptic"));
+}
+
+/// A scene without a table is told too; a map of touch that stays takes the place of what was said.
+TEST_F(Rendering, IndicesThatNobodyUsesAreToldOnce) {
+    render(3);
+    auto reader = open_described(scene_of("{}", ""));
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE(is_noted(
+        **reader, "haptic is not there: the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"));
+    const auto scene = (*reader)->scene();
+    for (const Remark& remark : scene.remarks) EXPECT_EQ(remark.what.find("indices"), std::string::npos);
+    Image map{1, 1, 1, 3, {255, 128, 128}};
+    ASSERT_EQ(message(write_png(folder / "map.png", map.view())), "");
+    reader = open_described(scene_of("{}", R"(, "haptic": "map.png")"));
+    ASSERT_EQ(message(reader), "");
+    EXPECT_FALSE(is_noted(**reader, "material indices"));
+    // Whatever the file is called.
+    for (const std::string name : {"DEPTH_%04d.EXR", "depth_%04d"}) {
+        std::filesystem::copy_file(folder / "r_0001.exr",
+                                   folder / std::string(name).replace(name.find('%'), 4, "0001"));
+        reader = open_described(scene_of("{}", "", name));
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(is_noted(**reader, "the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"))
+            << name;
+    }
+}
+
+/// As Unreal's Movie Render Queue writes them: colour, and the pass WorldDepth, in halves.
+void write_unreals(const std::filesystem::path& file, float centimetres) {
+    Imf::Header header(16, 12);
+    std::vector<half> depth(16 * 12, half(centimetres)), light(16 * 12, half(0.5F));
+    depth[0] = half(65504.0F);  // the sky
+    Imf::FrameBuffer frame;
+    for (const std::string layer : {"", "FinalImageMovieRenderQueue_WorldDepth."})
+        for (const char* own : {"R", "G", "B", "A"}) {
+            header.channels().insert(layer + own, Imf::Channel(Imf::HALF));
+            half* const from = layer.empty() || *own == 'A' ? light.data() : depth.data();
+            frame.insert(layer + own, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(from), sizeof(half),
+                                                 16 * sizeof(half)));
+        }
+    Imf::OutputFile output(file.c_str(), header);
+    output.setFrameBuffer(frame);
+    output.writePixels(12);
+}
+
+TEST_F(Rendering, UnrealsWorldDepthIsInCentimetres) {
+    write_unreals(folder / "Shot.0001.exr", 150);
+    for (const char* name : {"shots", "pictures"}) std::filesystem::create_directories(folder / name);
+    for (const char* name : {"Shot.0001.exr", "Shot.0002.exr"})
+        std::filesystem::copy_file(folder / "Shot.0001.exr", folder / "shots" / name);
+    for (const char* name : {"Shot.0001.exr", "shots"}) {
+        SCOPED_TRACE(name);
+        auto reader = open_clip(folder / name);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_TRUE(is_noted(**reader, "Unreal's WorldDepth: centimetres"));
+        const auto frame = (*reader)->next();
+        ASSERT_EQ(message(frame), "");
+        ASSERT_TRUE(frame->has_value());
+        const Scene& scene = (*reader)->scene();
+        EXPECT_NEAR(scene.depth.depth((*frame)->depth.sample(7, 5)) * scene.metres_per_unit, 1.5, 1e-3);
+        EXPECT_FALSE(scene.depth.is_valid((*frame)->depth.sample(0, 0)));
+        EXPECT_FALSE((*frame)->colour.empty());
+    }
+    // A channel or a layer by name, for which a scene file may say the rest.
+    SourceDescription named;
+    for (const char* channel : {"A", "finalimagemovierenderqueue_worlddepth", "G"}) {
+        named.channel = channel;
+        const auto reader = open_clip(folder / "Shot.0001.exr", {}, named);
+        ASSERT_EQ(message(reader), "");
+        EXPECT_EQ(bool(is_noted(**reader, "centimetres")), named.channel.size() > 1) << channel;
+    }
+    named.channel = "Z";
+    for (const char* name : {"Shot.0001.exr", "shots"})
+        EXPECT_TRUE(is_refused(open_clip(folder / name, {}, named), "has no channel \"Z\", but A, B, "))
+            << name;
+    Samples memory(2 * 16 * 12, 3);
+    ASSERT_EQ(message(write_png(folder / "pictures/depth_1.png", PlaneView{memory.data(), 32, 16, 12, 2, 1})),
+              "");
+    for (const char* name : {"pictures/depth_1.png", "pictures"})
+        EXPECT_TRUE(is_refused(open_clip(folder / name, {}, named), "is no OpenEXR file")) << name;
+    SourceDescription known;
+    known.metres_per_code = 1;
+    const auto metres = open_clip(folder / "Shot.0001.exr", {}, known);
+    ASSERT_EQ(message(metres), "");
+    EXPECT_FALSE(is_noted(**metres, "centimetres"));
+}
+
+// The text of an MPEG-4 scene beside the pictures that it names.
+
+constexpr int text_wide = 12, text_high = 8;
+
+Image painted(int channels, int factor) {
+    Image image{text_wide, text_high, 1, channels, {}};
+    for (int k = 0; k < text_wide * text_high * channels; ++k)
+        image.samples.push_back(static_cast<std::uint8_t>(k * factor));
+    return image;
+}
+
+std::string scene_with(const std::string& depth, const std::string& haptic = "haptic.png") {
+    return R"(# as the paper's Fig. 13
+Shape {
+  appearance Appearance {
+    texture ImageTexture { url "colour.png" }
+    hapticSurface HapticTextureSurface {
+      stiffnessRange 0.1 10 staticFrictionRange 0.2 0.9 dynamicFrictionRange 0.2 0.9 maxHeight 1.0
+      hapticTexture ImageTexture { url ")" +
+           haptic + R"(" } heightTexture ImageTexture { url "height.png" } } }
+  geometry Depth { focalLength 6.983 pixelWidth 0.5 nearPlane 10 farPlane 200 texture )" +
+           depth + R"( }
+})";
+}
+
+class SceneTextClips : public ::testing::Test {
+protected:
+    void SetUp() override {
+        ASSERT_TRUE(write_png(folder / "depth.png", painted(1, 2).view()));
+        ASSERT_TRUE(write_png(folder / "colour.png", painted(3, 3).view()));
+        ASSERT_TRUE(write_png(folder / "haptic.png", painted(3, 5).view()));
+        ASSERT_TRUE(write_png(folder / "height.png", painted(1, 7).view()));
+    }
+    Result<std::unique_ptr<ClipReader>> open(const std::string& text) {
+        write_bytes(folder / "scene.bt", text);
+        return open_clip(folder / "scene.bt");
+    }
+    TemporaryFolder folder;
+};
+
+TEST_F(SceneTextClips, ThePapersFourPicturesOpen) {
+    const std::string text = scene_with(R"(ImageTexture { url "depth.png" })");
+    EXPECT_EQ(message(open("\xef\xbb\xbf" + text)), "") << "with a byte order mark";
+    const auto clip = open(text);
+    ASSERT_EQ(message(clip), "");
+    const Scene& scene = (*clip)->scene();
+    EXPECT_EQ(scene.camera, camera_from_focal_length(6.983, 0.5, text_wide, text_high));
+    EXPECT_EQ(scene.depth.near, 10);
+    EXPECT_EQ(scene.depth.far, 200);
+    EXPECT_TRUE(scene.depth.near_is_high);
+    EXPECT_EQ(scene.haptic.static_friction.min, 0.2);
+    EXPECT_EQ(scene.height_coding.max_height, 1);
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 1);
+    const RawFrame& frame = frames->front();
+    EXPECT_EQ(frame.depth.sample(3, 1), painted(1, 2).view().sample(3, 1));
+    EXPECT_EQ(frame.height.sample(5, 2), painted(1, 7).view().sample(5, 2));
+    EXPECT_EQ(frame.haptic.row(2)[7], painted(3, 5).view().row(2)[7]);
+    EXPECT_EQ(frame.colour.row(2)[7], painted(3, 3).view().row(2)[7]);
+    EXPECT_EQ((*clip)->inputs().back(), folder / "scene.bt");
+}
+
+/// The paper's example has its haptic picture in JPEG.
+TEST_F(SceneTextClips, AHapticPictureInJpegIsReadAndSaid) {
+    std::filesystem::copy_file(
+        std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/jpeg_depth/gdepth.jpg",
+        folder / "haptic.jpg");
+    const auto clip = open(scene_with(R"(ImageTexture { url "depth.png" })", "haptic.jpg"));
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(**clip, "haptic is stored as mjpeg"));
+    EXPECT_EQ(message(read_all(**clip)), "");
+}
+
+/// The pictures that a text names are pictures like any other to a scene file.
+TEST_F(SceneTextClips, ASceneFileMayCallItsDepthDisparities) {
+    write_bytes(folder / "scene.bt", scene_with(R"(ImageTexture { url "depth.png" })"));
+    write_bytes(folder / "other.json", R"({"touchable_scene": 1, "width": 12, "height": 8,
+        "camera": {"fx": 9, "fy": 9, "cx": 5.5, "cy": 3.5},
+        "depth": {"coding": "disparity", "baseline": 100, "invalid": [0]}})");
+    const auto clip = open_clip(folder / "scene.bt", folder / "other.json");
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    const DepthCoding& depth = (*clip)->scene().depth;
+    const int stored = painted(1, 2).view().sample(3, 1);
+    EXPECT_NEAR(depth.depth(stored_code(frames->front().depth, depth, 3, 1)), 9.0 * 100 / stored, 1e-9);
+    ASSERT_FALSE(frames->front().haptic.empty()) << "its other pictures stay";
+    // Of a video it is refused by what is true of one.
+    write_bytes(folder / "video.mkv", "");
+    auto writer = create_clip(folder / "video.mkv", small_scene(text_wide, text_high), exact_clip);
+    ASSERT_EQ(message(writer), "");
+    ASSERT_EQ(message((*writer)->write(test_frame(small_scene(text_wide, text_high), 0, {}))), "");
+    ASSERT_EQ(message((*writer)->finish()), "");
+    write_bytes(folder / "scene.bt",
+                R"(Shape { geometry Depth { texture MovieTexture { url "video.mkv" } } })");
+    EXPECT_TRUE(is_refused(open_clip(folder / "scene.bt", folder / "other.json"),
+                           "video.mkv: depth.coding disparity"));
+}
+
+/// A clip whose nodes cannot say all: cut short, of 12 bits, with holes.
+class WrittenSceneText : public ::testing::Test {
+protected:
+    void SetUp() override {
+        scene.depth.semantics = DepthSemantics::planar;
+        scene.depth.invalid_codes[0] = 0;
+        scene.depth.invalid_code_count = 1;
+        derive_valid_range(scene.depth);
+        scene.remarks = {{"guessed: the camera"}};
+    }
+    std::string write(Existing existing = Existing::keep) const {
+        auto writer = create_scene_text(file, scene, existing);
+        if (!writer) return writer.error().message;
+        if (auto written = (*writer)->write(test_frame(scene, 0, all_planes)); !written)
+            return written.error().message;
+        return message((*writer)->finish());
+    }
+    void change(const std::string& was, const std::string& is) const {
+        std::string text = read_bytes(file);
+        ASSERT_NE(text.find(was), std::string::npos) << was;
+        write_bytes(file, text.replace(text.find(was), was.size(), is));
+    }
+    TemporaryFolder folder;
+    std::filesystem::path file = folder / "my scene.bt";
+    Scene scene = small_scene(23, 14, 12);
+};
+
+TEST_F(WrittenSceneText, ComesBackWithAllThatNodesCannotSay) {
+    ASSERT_EQ(write(), "");
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        names.push_back(entry.path().filename().string());
+    std::ranges::sort(names);
+    EXPECT_EQ(names, (std::vector<std::string>{"my scene.bt", "my scene_colour.png", "my scene_depth.png",
+                                               "my scene_haptic.png", "my scene_height.png"}));
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    EXPECT_FALSE(is_noted(**clip, "its nodes say another"));
+    EXPECT_TRUE(is_noted(**clip, "guessed: the camera"));
+    Scene read = (*clip)->scene();
+    ASSERT_TRUE(read.folder);
+    read.folder.reset();
+    EXPECT_EQ(scene_to_json(read), scene_to_json(scene));
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 1U);
+    EXPECT_TRUE(same_frame(frames->front(), test_frame(scene, 0, all_planes)));
+}
+
+TEST_F(WrittenSceneText, NothingThatIsThereIsReplacedUnasked) {
+    write_bytes(folder / "my scene_height.png", "somebody's");
+    EXPECT_NE(write().find("my scene_height.png"), std::string::npos);
+    EXPECT_EQ(read_bytes(folder / "my scene_height.png"), "somebody's");
+    EXPECT_FALSE(std::filesystem::exists(file) || std::filesystem::exists(folder / "my scene_depth.png"));
+    EXPECT_EQ(write(Existing::replace), "");
+    EXPECT_EQ(message(open_clip(file)), "");
+    for (const char* name : {"a%d.bt", "a*.bt", "od:7.bt"}) {
+        file = folder / name;
+        EXPECT_NE(write(), "") << name;
+        EXPECT_FALSE(std::filesystem::exists(file));
+    }
+}
+
+TEST_F(WrittenSceneText, NodesThatWereEditedStandAndThatIsSaid) {
+    ASSERT_EQ(write(), "");
+    change("farPlane 200", "farPlane 300");  // of its prototype's values none is 200
+    change("maxHeight 0", "maxHeight 2");
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(
+        **clip, "its nodes say another camera, other planes or ranges than its WorldInfo T3D_SCENE"));
+    EXPECT_EQ((*clip)->scene().depth.far, 300);
+    EXPECT_EQ((*clip)->scene().height_coding.max_height, 2);
+    EXPECT_EQ((*clip)->scene().depth.semantics, DepthSemantics::planar);
+    change("farPlane 300", "farPlane 5");
+    EXPECT_TRUE(is_refused(open_clip(file), "my scene.bt: depth.near"));
+}
+
+TEST_F(WrittenSceneText, OnlyPicturesThatNodesNameAreRead) {
+    ASSERT_EQ(write(), "");
+    const std::string whole = read_bytes(file);
+    change(R"("  \"interpolation)",
+           R"("  \"video\": {\"depth\": \"../elsewhere.mkv\"}," "  \"interpolation)");
+    const auto clip = open_clip(file);
+    ASSERT_EQ(message(clip), "");
+    EXPECT_FALSE((*clip)->scene().video);
+    EXPECT_EQ((*clip)->scene().folder->depth, "my scene_depth.png");
+    write_bytes(file, whole);
+    change(R"(\"touchable_scene\": 1,)", R"(\"touchable_scene\": 99,)");
+    EXPECT_TRUE(is_refused(open_clip(file), "my scene.bt: its WorldInfo T3D_SCENE: touchable_scene"));
+}
+
+TEST_F(WrittenSceneText, PicturesThatAreMissingOrOthersAreNamed) {
+    ASSERT_EQ(write(), "");
+    const auto picture = [&](const char* role) {
+        return folder / ("my scene_" + std::string(role) + ".png");
+    };
+    for (const char* role : {"depth", "haptic", "height", "colour"}) {
+        std::filesystem::rename(picture(role), folder / "aside");
+        EXPECT_TRUE(is_refused(open_clip(file), "my scene_" + std::string(role) + ".png")) << role;
+        std::filesystem::rename(folder / "aside", picture(role));
+    }
+    const Image other{7, 5, 1, 3, Samples(105, 9)};
+    ASSERT_TRUE(write_png(picture("haptic"), other.view()));
+    EXPECT_TRUE(is_noted(**open_clip(file), "haptic is 7x5: resampled"));
+    const Image small{7, 5, 2, 1, Samples(70, 1)};
+    ASSERT_TRUE(write_png(picture("depth"), small.view()));
+    EXPECT_TRUE(is_refused(open_clip(file), "is 7x5, but the scene is 23x14"));
+}
+
+/// Grey in JPEG is read as depth, and what that does to it is said.
+TEST_F(SceneTextClips, DepthInJpegIsReadAndSaid) {
+    write_bytes(folder / "depth.jpg",
+                encoded("mjpeg", AV_PIX_FMT_YUVJ420P, text_wide, text_high, [](AVFrame& frame) {
+                    for (int plane = 0; plane < 3; ++plane)
+                        for (int y = 0; y < text_high / (plane > 0 ? 2 : 1); ++y)
+                            std::memset(frame.data[plane] + y * frame.linesize[plane], plane > 0 ? 128 : 100,
+                                        text_wide / (plane > 0 ? 2 : 1));
+                }));
+    const auto clip = open(scene_with(R"(ImageTexture { url "depth.jpg" })"));
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE(is_noted(**clip, "depth is stored as mjpeg, which changes values"));
+    EXPECT_EQ(read_all(**clip)->front().depth.sample(3, 1), 100);
+}
+
+TEST_F(SceneTextClips, NothingOutsideItsFolderIsRead) {
+    for (const std::string url :
+         {"/etc/depth.png", "../depth.png", "a/../../depth.png", "http://example.org/depth.png", ""})
+        EXPECT_TRUE(is_refused(open(scene_with("ImageTexture { url \"" + url + "\" }")),
+                               "must be a file beside this text"))
+            << url;
+    EXPECT_TRUE(is_refused(open(scene_with("MovieTexture { url [11] }")), "is object 11 of an MP4 file"));
+}
+
+TEST_F(SceneTextClips, ErrorsNameFileLineAndColumn) {
+    EXPECT_EQ(message(open("Shape {\n  appearance Nothing {} }")),
+              (folder / "scene.bt").string() +
+                  ": line 2, column 14: \"Nothing\" is no node that a touchable clip has");
+    EXPECT_TRUE(is_refused(open(scene_with(R"(ImageTexture { url "none.png" })")), "none.png"));
+    EXPECT_TRUE(
+        is_refused(open(scene_with(R"(MovieTexture { url "depth.png" })")), "depth and colour must both be"));
 }
 
 }  // namespace

@@ -1,11 +1,10 @@
-#include "engine/mpeg4/clip_scene.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
 #include "engine/mpeg4/bifs.hpp"
+#include "engine/mpeg4/clip_scene.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/mpeg4/example_scenes.hpp"
 
@@ -181,6 +180,321 @@ TEST(ClipScene, AnotherHeightIsTakenInTheScenesUnits) {
     ASSERT_TRUE(take_nodes(nodes, scene));
     EXPECT_EQ(scene.height_coding.units, HeightUnits::world);
     EXPECT_NEAR(scene.height_coding.max_height, 6, 1e-12);
+}
+
+/// The paper's Fig. 13, as its other figures have it: the braces balanced, and the surface inside Appearance.
+constexpr std::string_view papers_scene = R"(Shape {
+  appearance Appearance {
+    texture ImageTexture { url "color_image.jpg" }
+    hapticSurface HapticTextureSurface {
+      stiffnessRange 0.1 10
+      staticFrictionRange 0.2 0.9
+      dynamicFrictionRange 0.2 0.9
+      maxHeight 1.0
+      hapticTexture ImageTexture { url "haptic_image.jpg" }
+      heightTexture ImageTexture { url "height_image.png" }
+    }
+  }
+  geometry Depth {
+    focalLength 6.983
+    pixelWidth 0.00123
+    nearPlane 10
+    farPlane 200
+    texture ImageTexture { url "depth_image.png" }
+  }
+})";
+
+/// The same as it is printed.
+constexpr std::string_view printed_scene = R"(Shape {
+  appearance Appearance {
+    texture ImageTexture {
+      url "color_image.jpg"
+    }
+  }
+  hapticSurface HapticTextureSurface {
+    stiffnessRange 0.1 10
+    staticFrictionRange 0.2 0.9
+    dynamicFrictionRange 0.2 0.9
+    maxHeight 1.0
+    hapticTexture ImageTexture {
+      url "haptic_image.jpg"
+    }
+    heightTexture ImageTexture {
+      url "height_image.png"
+    }
+  }
+}
+}
+}
+geometry Depth {
+  focalLength 6.983
+  pixelWidth 0.00123
+  nearPlane 10
+  farPlane 200
+  texture ImageTexture {
+    url "depth_image.png"
+  }
+}
+}
+})";
+
+ClipNodes nodes_from(std::string_view text) {
+    auto nodes = clip_nodes_of(scene_from(text));
+    EXPECT_TRUE(nodes) << (nodes ? "" : nodes.error().message);
+    return nodes ? *nodes : ClipNodes();
+}
+
+std::string layout_refusal(std::string_view text) {
+    const auto nodes = clip_nodes_of(scene_from(text));
+    return nodes ? "no error" : nodes.error().message;
+}
+
+void expect_range(const PropertyRange& range, double min, double max) {
+    EXPECT_EQ(range.min, min);
+    EXPECT_EQ(range.max, max);
+}
+
+TEST(ClipNodes, ThePapersSceneIsRead) {
+    const ClipNodes nodes = nodes_from(papers_scene);
+    EXPECT_EQ(nodes.focal_length, 6.983);
+    EXPECT_EQ(nodes.pixel_width, 0.00123);
+    EXPECT_EQ(nodes.near, 10);
+    EXPECT_EQ(nodes.far, 200);
+    EXPECT_EQ(nodes.max_height, 1);
+    expect_range(nodes.ranges.stiffness, 0.1, 10);
+    expect_range(nodes.ranges.static_friction, 0.2, 0.9);
+    expect_range(nodes.ranges.dynamic_friction, 0.2, 0.9);
+    EXPECT_EQ(nodes.depth, (ClipNodes::Texture{{.file = "depth_image.png"}}));
+    EXPECT_EQ(nodes.colour, (ClipNodes::Texture{{.file = "color_image.jpg"}}));
+    EXPECT_EQ(nodes.haptic, (ClipNodes::Texture{{.file = "haptic_image.jpg"}}));
+    EXPECT_EQ(nodes.height, (ClipNodes::Texture{{.file = "height_image.png"}}));
+}
+
+TEST(ClipNodes, ThePapersPrintIsRefused) {
+    const auto printed = parse_scene_text(printed_scene);
+    ASSERT_FALSE(printed);
+    EXPECT_EQ(printed.error().message, "line 7, column 3: Shape: has no field \"hapticSurface\"");
+}
+
+TEST(ClipNodes, WhatIsLeftOutIsAsThePaperHasIt) {
+    const ClipNodes nodes = nodes_from(
+        "Shape { appearance Appearance { hapticSurface HapticTextureSurface {} } geometry Depth { texture "
+        "ImageTexture { url \"d.png\" } } }");
+    EXPECT_EQ(nodes.focal_length, 4.7);
+    EXPECT_EQ(nodes.pixel_width, 0.0112);
+    EXPECT_EQ(nodes.near, 40);
+    EXPECT_EQ(nodes.far, 180);
+    EXPECT_EQ(nodes.max_height, 1);
+    expect_range(nodes.ranges.stiffness, 0.1, 10);
+    expect_range(nodes.ranges.static_friction, 0.1, 1);
+    EXPECT_FALSE(nodes.colour || nodes.haptic || nodes.height);
+}
+
+TEST(ClipNodes, APrototypesOwnInitialValuesStand) {
+    const ClipNodes nodes = nodes_from(prototype_scene);
+    EXPECT_EQ(nodes.depth, (ClipNodes::Texture{{.object = 11}, true}));
+    EXPECT_EQ(nodes.height, (ClipNodes::Texture{{.object = 13}, true}));
+    expect_range(nodes.ranges.dynamic_friction, 0, 0.4);
+    const ClipNodes other = nodes_from(R"(
+        PROTO Depth [ exposedField SFFloat focalLength 3 exposedField SFFloat pixelWidth 0.5 exposedField SFFloat nearPlane 7
+          exposedField SFFloat farPlane 8 exposedField SFNode texture NULL ] { Rectangle {} }
+        Group { children [ Shape { geometry Depth { texture MovieTexture { url 5 } } } ] })");
+    EXPECT_EQ(other.focal_length, 3);
+    EXPECT_EQ(other.near, 7);
+}
+
+TEST(ClipNodes, ADepthImageIsRead) {
+    const ClipNodes nodes = nodes_from(depth_image_scene);
+    EXPECT_EQ(nodes.near, 10);
+    EXPECT_EQ(nodes.far, 200);
+    EXPECT_EQ(nodes.angle_x, 0.9);
+    EXPECT_EQ(nodes.angle_y, 0.7);
+    EXPECT_EQ(nodes.depth, (ClipNodes::Texture{{.object = 11}, true}));
+    EXPECT_EQ(nodes.colour, (ClipNodes::Texture{{.object = 10}, true}));
+}
+
+/// As files before version 3 have it.
+TEST(ClipNodes, ReadsPrototypeOfAppearance) {
+    const ClipNodes nodes = nodes_from(still_scene);
+    expect_range(nodes.ranges.stiffness, 0.1, 2);
+    EXPECT_EQ(nodes.haptic, (ClipNodes::Texture{{.object = 12}}));
+    EXPECT_EQ(nodes.colour, (ClipNodes::Texture{{.object = 10}}));
+}
+
+/// GPAC's player casts what stands in `appearance` to MPEG-4's node, so nothing else may.
+TEST(ClipNodes, WritesPlainAppearance) {
+    ClipNodes nodes = nodes_from(papers_scene);
+    const auto in_shape = [](const SceneTree& scene, const char* field) {
+        const auto& shape = std::get<NodePtr>(scene.root->field("children")->values.front());
+        const Field* const found = shape->field(field);
+        return found ? std::get<NodePtr>(found->values.front()) : NodePtr();
+    };
+    const SceneTree scene = scene_of(nodes, 64, 48);
+    EXPECT_EQ(in_shape(scene, "appearance")->type, "Appearance");
+    EXPECT_FALSE(in_shape(scene, "appearance")->field("hapticSurface"));
+    EXPECT_TRUE(in_shape(scene, "geometry")->field("hapticSurface"));
+    for (const Prototype& prototype : scene.prototypes)
+        EXPECT_NE(prototype.body.front()->type, "Appearance") << prototype.name;
+    nodes.colour.reset();
+    EXPECT_EQ(in_shape(scene_of(nodes, 64, 48), "appearance"), nullptr);
+}
+
+TEST(ClipNodes, RefusesUnknownNamelessPrototypes) {
+    SceneTree scene =
+        scene_from("PROTO Proto1 [ field SFFloat field0 1 ] { Rectangle {} } Shape { geometry Proto1 {} }");
+    scene.has_names = false;
+    const auto nodes = clip_nodes_of(scene);
+    ASSERT_FALSE(nodes);
+    EXPECT_EQ(nodes.error().message,
+              "Shape: its geometry must be a Depth (the scene is encoded without names, so a PROTO is known "
+              "by the types of its fields alone; MP4Box -def writes names)");
+}
+
+TEST(ClipNodes, AreWrittenByPrototypesWithThePapersInitialValues) {
+    const ClipNodes nodes = nodes_from(papers_scene);
+    const SceneTree scene = scene_of(nodes, 64, 48);
+    const std::string text = scene_text(scene);
+    EXPECT_NE(text.find("PROTO Depth [\n  exposedField SFFloat focalLength 4.7\n  exposedField SFFloat "
+                        "pixelWidth 0.0112\n"
+                        "  exposedField SFFloat nearPlane 40\n  exposedField SFFloat farPlane 180\n"),
+              std::string::npos)
+        << text;
+    EXPECT_NE(
+        text.find(
+            "exposedField SFVec2f stiffnessRange 0.1 10\n  exposedField SFVec2f staticFrictionRange 0.1 1\n"),
+        std::string::npos)
+        << text;
+    const ClipNodes again = nodes_from(text);
+    EXPECT_EQ(again.depth, nodes.depth);
+    EXPECT_EQ(again.colour, nodes.colour);
+    EXPECT_EQ(again.haptic, nodes.haptic);
+    EXPECT_EQ(again.height, nodes.height);
+    EXPECT_EQ(again.focal_length, nodes.focal_length);
+    EXPECT_EQ(again.pixel_width, nodes.pixel_width);
+    expect_range(again.ranges.static_friction, 0.2, 0.9);
+}
+
+TEST(ClipNodes, AnotherLayoutIsRefusedByName) {
+    EXPECT_EQ(layout_refusal("Group {}"), "Group: has no Shape");
+    EXPECT_EQ(layout_refusal("Group { children [ Shape {} Shape {} ] }"),
+              "Group: has a Shape and a Shape: a touchable clip is one Shape");
+    EXPECT_EQ(layout_refusal("Shape { geometry Rectangle {} }"), "Shape: its geometry must be a Depth");
+    EXPECT_EQ(layout_refusal(
+                  "PROTO Depth [ field SFFloat focalLength 1 field SFFloat pixelWidth 1 field SFFloat "
+                  "nearPlane 1 field SFFloat farPlane 2 field SFNode texture NULL field SFNode "
+                  "hapticSurface NULL ] { Rectangle {} } "
+                  "Shape { appearance Appearance { hapticSurface HapticTextureSurface {} } geometry "
+                  "Depth { texture ImageTexture { url \"d\" } hapticSurface HapticTextureSurface {} } }"),
+              "Shape: has a hapticSurface in its geometry and in its appearance: must be one");
+    EXPECT_EQ(layout_refusal("Shape { geometry Depth {} }"),
+              "Depth: must have a texture, which is its pictures");
+    EXPECT_EQ(layout_refusal("Shape { geometry Depth { texture ImageTexture { url [\"a\" \"b\"] } } }"),
+              "Depth: texture has 2 urls: must be one");
+    EXPECT_EQ(layout_refusal("Shape { geometry Depth { texture WorldInfo {} } }"),
+              "Depth: texture is a WorldInfo: must be an ImageTexture or a MovieTexture");
+    EXPECT_EQ(layout_refusal(
+                  "PROTO Depth [ field SFFloat focalLength 1 ] { Rectangle {} } Shape { geometry Depth {} }"),
+              "Depth: must have a field pixelWidth of the paper's type");
+    EXPECT_EQ(layout_refusal(
+                  "PROTO Group [ field MFFloat children [1 2] ] { WorldInfo {} } Group {  children [1] }"),
+              "Group: is a PROTO whose children are no nodes");
+    EXPECT_EQ(layout_refusal("PROTO ImageTexture [ field SFBool url TRUE ] { WorldInfo {} } "
+                             "Shape { geometry Depth { texture ImageTexture { url FALSE } } }"),
+              "Depth: texture is a PROTO whose url is none");
+    EXPECT_EQ(layout_refusal("DepthImage { diTexture SimpleTexture { depth ImageTexture { url \"d\" } } }"),
+              "DepthImage: is orthographic: must have a perspective camera (orthographic FALSE)");
+}
+
+std::string refusal(std::string_view text) {
+    const auto scene = parse_scene_text(text);
+    return scene ? "no error" : scene.error().message;
+}
+
+TEST(SceneText, IsReadAsItIsWritten) {
+    for (const std::string_view text :
+         {prototype_scene, depth_image_scene, std::string_view(still_scene), depth_image_still_scene}) {
+        const std::string once = scene_text(scene_from(text));
+        EXPECT_EQ(scene_text(scene_from(once)), once);
+    }
+}
+
+TEST(SceneText, NodesAndFieldsAreWrittenByLine) {
+    EXPECT_EQ(scene_text(scene_from("Group{children[DEF a Shape{} , USE a]}# a comment")),
+              "Group {\n  children [\n    DEF a Shape {}\n    USE a\n  ]\n}\n");
+    EXPECT_EQ(scene_text(scene_from("MovieTexture { url \"od:12\" loop true startTime 0.1 }")),
+              "MovieTexture {\n  loop TRUE\n  startTime 0.1\n  url [12]\n}\n");
+    EXPECT_EQ(scene_text(scene_from("MovieTexture { startTime 1e200 }")),
+              "MovieTexture {\n  startTime 1e+200\n}\n");
+    constexpr std::string_view largest = "Rectangle {\n  size 3.4028235e+38 1e-45\n}\n";
+    EXPECT_EQ(scene_text(scene_from(largest)), largest);
+}
+
+TEST(SceneText, ErrorsNameLineAndColumn) {
+    EXPECT_EQ(refusal("Group {\n  childern []\n}"),
+              "line 2, column 3: Group: has no field \"childern\"; did you mean children?");
+    EXPECT_EQ(refusal("Group { children [\n Sphere {} ] }"),
+              "line 2, column 2: \"Sphere\" is no node that a touchable clip has");
+    EXPECT_EQ(refusal("Group {"), "line 1, column 8: Group: the text ends: must be a field's name or }");
+    EXPECT_EQ(refusal("Group { } }"),
+              "line 1, column 11: the scene is over, but \"}\" follows: there are more closing braces than "
+              "opening ones");
+    EXPECT_EQ(refusal("Rectangle { size 1 x }"), "line 1, column 20: found \"x\": must be a number");
+    EXPECT_EQ(refusal("Rectangle { size 1 1e99 }"), "line 1, column 20: found \"1e99\": must be a number");
+    EXPECT_EQ(refusal("ImageTexture { url [1024] }"),
+              "line 1, column 21: found \"1024\": must be a file in quotes, or the number of an object "
+              "descriptor, 1 to 1023");
+    EXPECT_EQ(refusal("WorldInfo { title \"abc }"), "line 1, column 19: this string has no end");
+    EXPECT_EQ(refusal("Group { children USE a }"),
+              "line 1, column 22: USE: there is no node \"a\" before it");
+    EXPECT_EQ(refusal(""), "line 1, column 1: a node: the text ends: must be a name");
+}
+
+TEST(SceneText, WhatCannotBeANameOrANumberIsRefused) {
+    const std::string long_name(257, 'a');
+    EXPECT_NE(refusal("Group { children DEF " + long_name + " Group {} }")
+                  .find("must be a name of 1 to 256 letters"),
+              std::string::npos);
+    EXPECT_NE(refusal("Group { children DEF NULL Group {} }").find("\"NULL\": must be a name"),
+              std::string::npos);
+    EXPECT_NE(refusal("Group { children DEF \xc3\xa9 Group {} }").find("must be a name"), std::string::npos);
+    EXPECT_EQ(refusal("PROTO P [ field SFBool a TRUE field SFBool a TRUE ] { Group {} } P {}"),
+              "line 1, column 31: PROTO P: has a twice");
+    EXPECT_EQ(refusal("PROTO P [ field SFInt32 a 99999999999 ] { Group {} } P {}"),
+              "line 1, column 27: found \"99999999999\": must be a whole number");
+}
+
+/// What is used again counts where it is used: nodes made of each other would stand deeper than any in the
+/// text.
+TEST(SceneText, NodesThatAreUsedAgainStandNoDeeper) {
+    std::string text = "Group { children [ DEF n0 Group {}";
+    for (int k = 1; k < 20; ++k)
+        text += " DEF n" + std::to_string(k) + " Group { children USE n" + std::to_string(k - 1) + " }";
+    EXPECT_EQ(refusal(text + " ] }"), "no error");
+    for (int k = 20; k < 4000; ++k)
+        text += " DEF n" + std::to_string(k) + " Group { children USE n" + std::to_string(k - 1) + " }";
+    EXPECT_NE(refusal(text + " ] }").find("more than 32 deep"), std::string::npos);
+}
+
+TEST(SceneText, BehaviourIsRefusedByName) {
+    EXPECT_EQ(
+        refusal("Group { children [ Script {} ] }"),
+        "line 1, column 20: \"Script\" is no node that a touchable clip has: its scene has no behaviour");
+    EXPECT_EQ(refusal("Group { children [ QuantizationParameter {} ] }"),
+              "line 1, column 20: \"QuantizationParameter\" is no node that a touchable clip has");
+    EXPECT_EQ(refusal("Group { }\nROUTE a.b TO c.d"),
+              "line 2, column 1: the scene is over, but \"ROUTE\" follows");
+}
+
+/// A scene of 64 KiB could have thousands, and every use of one would look through them.
+TEST(SceneText, PrototypesAndTheirFieldsAreFew) {
+    std::string fields, many;
+    for (int k = 0; k < 65; ++k) {
+        fields += " field SFBool f" + std::to_string(k) + " TRUE";
+        many += "PROTO P" + std::to_string(k) + " [] { WorldInfo {} }\n";
+    }
+    EXPECT_NE(refusal("PROTO P [" + fields + "] { WorldInfo {} } Group {}").find("has more than 64 fields"),
+              std::string::npos);
+    EXPECT_NE(refusal(many + "Group {}").find("more than 64 prototypes"), std::string::npos);
 }
 
 }  // namespace

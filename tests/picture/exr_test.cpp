@@ -1,15 +1,20 @@
 // OpenEXR: by FFmpeg's encoder, and by OpenEXR's own writer, which the reader does not use.
+
 #include <ImfChannelList.h>
 #include <ImfCompression.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfPartType.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 #include <half.h>
 
 #include <cmath>
 
+#include "engine/picture/exr_layers.hpp"
 #include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
@@ -200,6 +205,303 @@ TEST(Exr, RefusesLargeHeadersUnparsed) {
               "picture: has more than 8192 attributes in its header");
     EXPECT_NE(message(decode_stored_image(exr_header(1024, 100), "picture")).find("is damaged"),
               std::string::npos);
+}
+
+// Renderings with several layers: which channel is what, by names and in files; files of Blender 3.4.1
+// (tests/picture/blender/render_seeds.py), and of OpenEXR's own writer.
+
+/// What is depth, colour's red, and material index; parts are parted by "|".
+std::string layers_in(const std::vector<std::string>& names) {
+    std::vector<ExrChannelName> channels;
+    int part = 0;
+    for (const std::string& name : names)
+        if (name == "|")
+            ++part;
+        else
+            channels.push_back({part, name});
+    const ExrLayers found = exr_layers(channels);
+    const auto name = [&](const auto& place) { return place ? channels[*place].name : std::string("-"); };
+    const auto red = found.colour ? std::optional((*found.colour)[0]) : std::nullopt;
+    return name(found.depth) + ' ' + name(red) + ' ' + name(found.materials);
+}
+
+TEST(ExrLayers, AreFoundByTheirNames) {
+    // Blender, in the order of a file: normals and mist have a Z as well.
+    EXPECT_EQ(layers_in({"V.Combined.A", "V.Combined.B", "V.Combined.G", "V.Combined.R", "V.Depth.Z",
+                         "V.IndexMA.X", "V.Mist.Z", "V.Normal.X", "V.Normal.Y", "V.Normal.Z"}),
+              "V.Depth.Z V.Combined.R V.IndexMA.X");
+    EXPECT_EQ(layers_in({"V.Combined.B", "V.Combined.G", "V.Combined.R", "V.Denoising Depth.Z", "V.Depth.Z"}),
+              "V.Depth.Z V.Combined.R -");
+    EXPECT_EQ(layers_in({"V.Depth.V", "V.Material Index.V"}), "V.Depth.V - V.Material Index.V");
+    // Several view layers: the first that has depth and colour of its own.
+    EXPECT_EQ(layers_in({"a.Depth.Z", "b.Combined.B", "b.Combined.G", "b.Combined.R", "b.Depth.Z",
+                         "c.Combined.B", "c.Combined.G", "c.Combined.R", "c.Depth.Z", "c.IndexMA.X"}),
+              "b.Depth.Z b.Combined.R -");
+    EXPECT_EQ(layers_in({"a.Combined.B", "a.Combined.G", "a.Combined.R", "a.Normal.X", "a.Normal.Y",
+                         "a.Normal.Z", "b.Depth.Z"}),
+              "b.Depth.Z - -");
+    // Two eyes.
+    EXPECT_EQ(layers_in({"V.Combined.left.B", "V.Combined.left.G", "V.Combined.left.R", "V.Combined.right.B",
+                         "V.Combined.right.G", "V.Combined.right.R", "V.Depth.right.Z"}),
+              "V.Depth.right.Z V.Combined.right.R -");
+    // Others: at the root, in a layer of their own, in parts.
+    EXPECT_EQ(layers_in({"A", "B", "G", "R", "Z"}), "Z R -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "depth.B", "depth.G", "depth.R"}), "depth.R R -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "depth.Z"}), "depth.Z R -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "|", "Z"}), "Z R -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "|", "B", "G", "R", "Z"}), "Z R -");
+    // Unreal's: the pass is a word that ends so, and R, G and B are alike.
+    EXPECT_EQ(layers_in({"A", "B", "FinalImageMovieRenderQueue_WorldDepth.A",
+                         "FinalImageMovieRenderQueue_WorldDepth.B", "FinalImageMovieRenderQueue_WorldDepth.G",
+                         "FinalImageMovieRenderQueue_WorldDepth.R", "G", "R"}),
+              "FinalImageMovieRenderQueue_WorldDepth.R R -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "SceneDepth.R"}), "SceneDepth.R R -");
+    // Neither depth of a vector nor colour in parts.
+    EXPECT_EQ(layers_in({"N.X", "N.Y", "N.Z"}), "- - -");
+    EXPECT_EQ(layers_in({"B", "G", "|", "R", "Z"}), "Z - -");
+    EXPECT_EQ(layers_in({"B", "G", "R"}), "R - -");
+    EXPECT_EQ(layers_in({"disparity"}), "disparity - -");
+    EXPECT_EQ(layers_in({"u", "v"}), "- - -");
+    // A rendering without depth: its colour is none, be it grey, nor is any other pass.
+    EXPECT_EQ(layers_in({"V.Combined.B", "V.Combined.G", "V.Combined.R", "V.IndexMA.X"}), "- - -");
+    EXPECT_EQ(layers_in({"V.Combined.B", "V.Combined.G", "V.Combined.R"}), "- - -");
+    EXPECT_EQ(layers_in({"V.Combined.R", "V.Mist.Z", "V.Normal.Z"}), "- - -");
+    EXPECT_EQ(layers_in({"V.IndexMA.X"}), "- - -");
+    EXPECT_EQ(layers_in({"B", "G", "R", "crypto00.r"}), "- - -");
+    EXPECT_EQ(layers_in({"", ".", "..Z", "Depth"}), "..Z - -");
+    EXPECT_EQ(layers_in({}), "- - -");
+}
+
+TEST(ExrLayers, DepthIsWhatAPersonNames) {
+    const std::vector<ExrChannelName> channels{{0, "B"},          {0, "G"},          {0, "R"},
+                                               {0, "Dist.G"},     {0, "Dist.R"},     {0, "V.Mist.Z"},
+                                               {0, "V.Normal.X"}, {0, "V.Normal.Y"}, {0, "v.mist.z"}};
+    const auto depth = [&](const std::string& named) {
+        const ExrLayers found = exr_layers(channels, named);
+        EXPECT_TRUE(found.same_as_depth.empty());
+        return found.depth ? channels[*found.depth].name : std::string("-");
+    };
+    EXPECT_EQ(depth("V.Mist.Z"), "V.Mist.Z");
+    EXPECT_EQ(depth("v.mist.z"), "v.mist.z");
+    EXPECT_EQ(depth("V.MIST.Z"), "V.Mist.Z");
+    EXPECT_EQ(depth("dist"), "Dist.R");
+    EXPECT_EQ(depth("V.Normal"), "V.Normal.X");
+    EXPECT_EQ(depth("G"), "G");
+    EXPECT_EQ(depth("V"), "-");
+    EXPECT_EQ(depth("Z"), "-");
+    EXPECT_TRUE(exr_layers(channels, "dist").colour.has_value());
+    EXPECT_FALSE(exr_layers(channels, "G").colour.has_value()) << "it is depth";
+}
+
+int depths_in(const std::vector<std::string>& names) {
+    std::vector<ExrChannelName> channels;
+    for (const std::string& name : names) channels.push_back({0, name});
+    return exr_layers(channels).depths;
+}
+
+TEST(ExrLayers, OfSeveralDepthsViewLayersAreCountedNotChannels) {
+    EXPECT_EQ(depths_in({"depth.B", "depth.G", "depth.R"}), 1);
+    EXPECT_EQ(depths_in({"depth.V", "depth.W"}), 1);
+    EXPECT_EQ(depths_in({"V.Denoising Depth.V", "V.Depth.V"}), 1);
+    EXPECT_EQ(depths_in({"a.depth.B", "a.depth.G", "a.depth.R", "b.depth.B", "b.depth.G", "b.depth.R"}), 2);
+    EXPECT_EQ(depths_in({"a.Depth.Z", "b.Depth.Z", "c.Depth.Z"}), 3);
+    EXPECT_EQ(depths_in({"u", "v"}), 0);
+}
+
+std::string blenders(const std::string& name) {
+    return read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/exr_layers" / name);
+}
+
+struct Seen {
+    float depth, material;
+    int red, green, blue;
+    bool operator==(const Seen&) const = default;
+};
+/// Left, right, the box on the left above, and nothing around.
+const Seen left{10, 0, 188, 137, 99}, right{10, 2, 0, 0, 255}, box{8, 5, 255, 71, 0},
+    nothing{1e10F, 0, 0, 0, 0};
+
+Seen seen_at(const StoredImage& depth, const StoredImage& colour, const StoredImage* materials, int x,
+             int y) {
+    const auto k = static_cast<std::size_t>(16 * y + x);
+    const std::uint8_t* rgb = &colour.image.samples[3 * k];
+    const float index = materials ? materials->values[k] : 0;
+    return {depth.values[k], index, rgb[0], rgb[1], rgb[2]};
+}
+
+TEST(ExrLayers, BlendersPassesAreReadTogetherAndUpright) {
+    for (const auto& [name, format] : {std::pair{"layers_half.exr", "rgbf16"},
+                                       {"layers_float.exr", "rgbf32"},
+                                       {"two_layers.exr", "rgbf16"},
+                                       {"z_half.exr", "rgbf16"}}) {
+        SCOPED_TRACE(name);
+        const auto picture = decode_exr(blenders(name), "picture", {true, true});
+        ASSERT_EQ(message(picture), "");
+        ASSERT_TRUE(picture->beside && picture->beside->colour);
+        const StoredImage& colour = *picture->beside->colour;
+        const bool has_materials = std::string(name) != "z_half.exr";
+        ASSERT_EQ(picture->beside->materials.has_value(), has_materials);
+        const StoredImage* materials = has_materials ? &*picture->beside->materials : nullptr;
+        EXPECT_EQ(colour.pixel_format, format);
+        const auto expected = [&](Seen seen) {
+            if (!has_materials) seen.material = 0;
+            return seen;
+        };
+        // A pixel is half a unit of the floor.
+        EXPECT_EQ(seen_at(*picture, colour, materials, 4, 9), expected(left));
+        EXPECT_EQ(seen_at(*picture, colour, materials, 12, 4), expected(right));
+        EXPECT_EQ(seen_at(*picture, colour, materials, 4, 3), expected(box));
+        EXPECT_EQ(seen_at(*picture, colour, materials, 0, 0), expected(nothing));
+        // Alone they are the same.
+        const auto alone = decode_exr_colour(blenders(name), "picture");
+        ASSERT_EQ(message(alone), "");
+        EXPECT_EQ(alone->image.samples, colour.image.samples);
+        const auto depth = decode_exr(blenders(name), "picture");
+        ASSERT_EQ(message(depth), "");
+        EXPECT_EQ(depth->values, picture->values);
+        EXPECT_EQ(depth->beside, nullptr);
+        const auto indices = decode_exr_materials(blenders(name), "picture");
+        EXPECT_EQ(message(indices), has_materials ? ""
+                                                  : "picture: has no material indices: must have a layer "
+                                                    "IndexMA of each pixel, but has A, B, G, R, Z");
+        if (!has_materials) continue;
+        EXPECT_EQ(indices->values, materials->values);
+    }
+    EXPECT_EQ(decode_exr(blenders("two_layers.exr"), "p", {true, true})->beside->depth_name, "b.Depth.Z");
+}
+
+struct PartChannel {
+    std::string name;
+    Imf::PixelType type = Imf::HALF;
+    int sampling = 1;
+};
+
+/// Parts of 16x16 pixels, of which the display window has `beyond` more around, in each channel 0.5.
+std::string file_of_parts(const std::vector<std::vector<PartChannel>>& parts, int beyond = 0,
+                          const std::vector<std::string>& names = {}) {
+    const TemporaryFolder folder;
+    const Imath::Box2i data({0, 0}, {15, 15}), display({-beyond, -beyond}, {15 + beyond, 15 + beyond});
+    std::vector<Imf::Header> headers;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        Imf::Header& header = headers.emplace_back(display, data);
+        header.setName(names.empty() ? "part" + std::to_string(p) : names[p]);
+        header.setType(Imf::SCANLINEIMAGE);
+        for (const PartChannel& one : parts[p])
+            header.channels().insert(one.name, Imf::Channel(one.type, one.sampling, one.sampling));
+    }
+    const std::vector<half> halves(256, half(0.5F));
+    const std::vector<float> floats(256, 0.5F);
+    const std::vector<unsigned> whole(256, 3);
+    {
+        Imf::MultiPartOutputFile file((folder / "a.exr").c_str(), headers.data(),
+                                      static_cast<int>(headers.size()));
+        for (std::size_t p = 0; p < parts.size(); ++p) {
+            Imf::FrameBuffer frame;
+            for (const PartChannel& one : parts[p]) {
+                const void* from = one.type == Imf::HALF    ? static_cast<const void*>(halves.data())
+                                   : one.type == Imf::FLOAT ? static_cast<const void*>(floats.data())
+                                                            : static_cast<const void*>(whole.data());
+                const std::size_t bytes = one.type == Imf::HALF ? 2 : 4;
+                frame.insert(one.name, Imf::Slice::Make(one.type, from, data, bytes,
+                                                        16 * bytes / static_cast<std::size_t>(one.sampling),
+                                                        one.sampling, one.sampling));
+            }
+            Imf::OutputPart part(file, static_cast<int>(p));
+            part.setFrameBuffer(frame);
+            part.writePixels(16);
+        }
+    }
+    return read_bytes(folder / "a.exr");
+}
+
+TEST(ExrLayers, MayBePartsOfAFileAndOfOtherTypes) {
+    const std::string bytes =
+        file_of_parts({{{"B"}, {"G"}, {"R"}}, {{"Z", Imf::FLOAT}}, {{"IndexMA.X", Imf::UINT}}}, 2);
+    const auto picture = decode_exr(bytes, "picture", {true, true});
+    ASSERT_EQ(message(picture), "");
+    ASSERT_TRUE(picture->beside && picture->beside->colour && picture->beside->materials);
+    const Image &colour = picture->beside->colour->image, &materials = picture->beside->materials->image;
+    ASSERT_EQ(colour.width, 20);
+    ASSERT_EQ(materials.width, 20);
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 20; ++x) {
+            const bool is_inside = x >= 2 && x < 18 && y >= 2 && y < 18;
+            const auto k = static_cast<std::size_t>(20 * y + x);
+            ASSERT_EQ(std::isnan(picture->values[k]), !is_inside) << x << ' ' << y;
+            ASSERT_EQ(colour.samples[3 * k + 1], is_inside ? 188 : 0) << x << ' ' << y;
+            ASSERT_EQ(materials.view().sample(x, y), is_inside ? 3 : 0) << x << ' ' << y;
+        }
+}
+
+/// Nuke, Blender 5 and others call a part what they would call a layer, and its channels R, Y, V or Z.
+TEST(ExrLayers, OfAFileWithNamedPartsAreThese) {
+    const std::vector<PartChannel> rgb{{"B"}, {"G"}, {"R"}};
+    const auto found = [&](const std::vector<std::string>& names,
+                           const std::vector<std::vector<PartChannel>>& parts) {
+        const auto picture = decode_exr(file_of_parts(parts, 0, names), "picture", {true, true});
+        if (!picture) return picture.error().message;
+        if (!picture->beside) return std::string("no colour");
+        return picture->beside->depth_name + (picture->beside->colour ? ", colour" : "") +
+               (picture->beside->materials ? ", materials" : "");
+    };
+    for (const char* own : {"Z", "Y", "R", "V"})
+        EXPECT_EQ(found({"rgba", "depth"}, {rgb, {{own, Imf::FLOAT}}}),
+                  "depth." + std::string(own) + ", colour");
+    EXPECT_EQ(found({"rgba", "Depth"}, {rgb, rgb}), "Depth.R, colour");
+    EXPECT_EQ(found({"rgba", "depth"}, {rgb, {{"depth.Z"}}}), "depth.Z, colour");
+    EXPECT_EQ(found({"normal", "View.Depth", "View.Combined", "View.IndexMA"},
+                    {{{"X"}, {"Y"}, {"Z"}}, {{"V"}}, rgb, {{"X", Imf::UINT}}}),
+              "View.Depth.V, colour, materials");
+    EXPECT_EQ(
+        found({"normal", "rgba"}, {{{"X"}, {"Y"}, {"Z"}}, rgb}),
+        "picture: has no channel Z, depth, Y or R for each pixel, but normal.X, normal.Y, normal.Z, B, G, R");
+}
+
+TEST(ExrLayers, WhatCannotBeSeenIsNoColourAndDepthIsReadAllTheSame) {
+    for (const auto& channels : {std::vector<PartChannel>{{"B"}, {"G", Imf::HALF, 2}, {"R"}, {"Z"}},
+                                 {{"B", Imf::UINT}, {"G", Imf::UINT}, {"R", Imf::UINT}, {"Z"}}}) {
+        const std::string bytes = file_of_parts({channels});
+        const auto picture = decode_exr(bytes, "picture", {true, true});
+        ASSERT_EQ(message(picture), "");
+        EXPECT_EQ(picture->values.at(200), 0.5F);
+        EXPECT_EQ(picture->beside, nullptr);
+        EXPECT_EQ(message(decode_exr_colour(bytes, "picture")),
+                  "picture: has no colour: must have channels R, G and B, floats of each pixel, but has B, "
+                  "G, R, Z");
+    }
+    EXPECT_EQ(message(decode_exr(file_of_parts({{{"B"}, {"G", Imf::HALF, 2}, {"R"}}}), "picture")),
+              "picture: is in colour: a picture of depth has a channel Z, depth, Y or R");
+    EXPECT_EQ(
+        message(decode_exr_colour(file_of_parts({{{"a\x1b[2J\n"}}}), "picture")),
+        "picture: has no colour: must have channels R, G and B, floats of each pixel, but has a\\x1b[2J\\n");
+    std::vector<PartChannel> many;
+    for (int k = 0; k < 1025; ++k) many.push_back({"c" + std::to_string(k)});
+    EXPECT_EQ(message(decode_exr(file_of_parts({many}), "picture")), "picture: has more than 1024 channels");
+}
+
+/// IEC 61966-2-1, by the C library.
+int srgb_of(double light) {
+    const double shown = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+    return static_cast<int>(std::floor(255 * std::min(std::max(shown, 0.0), 1.0) + 0.5));
+}
+
+TEST(LinearLight, IsTheNearestSampleOfSrgb) {
+    int wrong = 0;
+    for (int k = 0; k < 200'000; ++k) {
+        const float light = static_cast<float>(k) / 190'000;
+        wrong += srgb_sample(light) != srgb_of(light);
+    }
+    for (int bits = 0; bits < 0x7c00; ++bits) {
+        half number;
+        number.setBits(static_cast<unsigned short>(bits));
+        wrong += srgb_sample(static_cast<std::uint16_t>(bits)) != srgb_of(number);
+        wrong += srgb_sample(static_cast<float>(number)) != srgb_of(number);
+    }
+    EXPECT_LE(wrong, 2) << "but for a tie";
+    for (const float none : {-1.0F, -0.0F, 0.0F, NAN, -INFINITY}) EXPECT_EQ(srgb_sample(none), 0);
+    for (const std::uint16_t none : {0x8000, 0xbc00, 0x7e00, 0xfc00}) EXPECT_EQ(srgb_sample(none), 0);
+    EXPECT_EQ(srgb_sample(INFINITY), 255);
+    EXPECT_EQ(srgb_sample(std::uint16_t{0x7c00}), 255);
 }
 
 }  // namespace

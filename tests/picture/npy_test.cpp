@@ -1,5 +1,7 @@
 // Arrays that NumPy wrote.
+
 #include <gtest/gtest.h>
+#include <zip.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -8,6 +10,7 @@
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
+#include "tests/picture/npy_bytes.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {
@@ -277,6 +280,205 @@ TEST(NpyReal, ARelativeDepthThatANetworkGuessed) {
     const std::string bytes = read_bytes(file);
     ASSERT_EQ(bytes.size(), 128 + 4 * stored->values.size());
     EXPECT_EQ(std::memcmp(bytes.data() + 128, stored->values.data(), bytes.size() - 128), 0);
+}
+
+// Arrays with a confidence beside depth, as Depth Anything 3 writes them.
+
+constexpr int columns = 4, rows = 3, count = 2;
+
+/// Depth 1, 2, ...; confidence 1 to 12 of the first picture, and 0.5 everywhere of the second.
+class NpzConfidence : public ::testing::Test {
+protected:
+    std::string write(const std::string& name, const std::string& shape = "2, 3, 4") const {
+        std::vector<float> depth, confidence;
+        for (int k = 0; k < count * columns * rows; ++k) {
+            depth.push_back(static_cast<float>(k + 1));
+            confidence.push_back(k < columns * rows ? static_cast<float>(k + 1) : 0.5F);
+        }
+        write_npz(folder_ / name,
+                  {{"depth", npy_bytes("2, 3, 4", depth)}, {"conf", npy_bytes(shape, confidence)}});
+        return folder_ / name;
+    }
+    static int missing(const StoredImage& picture) {
+        int missing = 0;
+        for (const float value : picture.values) missing += std::isnan(value);
+        return missing;
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(NpzConfidence, WhatIsNotTrustedIsNoDepth) {
+    auto stack = open_npy_stack(SourceFile(write("da3.npz")));
+    ASSERT_EQ(message(stack), "");
+    EXPECT_EQ((*stack)->least_confidence(), 3.5);  // the median is 7
+    const auto first = (*stack)->image(0), second = (*stack)->image(1), again = (*stack)->image(0);
+    ASSERT_EQ(message(first) + message(second) + message(again), "");
+    EXPECT_EQ(missing(*first), 3);
+    EXPECT_EQ(first->values[3], 4);
+    EXPECT_EQ(missing(*second), columns * rows);
+    EXPECT_EQ(missing(*again), 3);
+    auto strict = open_npy_stack(SourceFile(write("da3.npz")), 12);
+    EXPECT_EQ(missing(*(*strict)->image(0)), 11);
+}
+
+TEST_F(NpzConfidence, OfOtherPicturesIsRefused) {
+    EXPECT_NE(message(open_npy_stack(SourceFile(write("other.npz", "2, 4, 3"))))
+                  .find("conf: is of 2 pictures of 3x4, but depth of 2 of 4x3"),
+              std::string::npos);
+}
+
+/// One picture of booleans, as numpy.savez writes them.
+std::string boolean_bytes(int ones) {
+    std::string bytes = npy_bytes("3, 4", {});
+    bytes.replace(bytes.find("<f4"), 3, "|b1");
+    for (int k = 0; k < columns * rows; ++k) bytes += k < ones ? '\1' : '\0';
+    return bytes;
+}
+
+TEST_F(NpzConfidence, MasksAreUsedWhereTheyTell) {
+    const std::string depth = npy_bytes("3, 4", std::vector<float>(columns * rows, 2));
+    const struct {
+        const char* name;
+        int ones, missing;
+        const char* said;
+    } masks[] = {{"valid", 10, 2, "where its array valid is 0 there is no depth"},
+                 {"valid_mask", 12, 0, "where its array valid_mask is 0 there is no depth"},
+                 {"mask", 4, 0, "its array mask is not used, as most of it is not 1"},
+                 {"person_mask", 10, 0, "depth is the array depth; left out: person_mask"}};
+    for (const auto& mask : masks) {
+        write_npz(folder_ / "m.npz", {{"depth", depth}, {mask.name, boolean_bytes(mask.ones)}});
+        auto stack = open_npy_stack(SourceFile(folder_ / "m.npz"));
+        ASSERT_EQ(message(stack), "") << mask.name;
+        EXPECT_EQ((*stack)->left_out(), mask.said);
+        EXPECT_EQ(missing(*(*stack)->image(0)), mask.missing) << mask.name;
+        EXPECT_EQ((*stack)->least_confidence(), std::nullopt);
+    }
+    write_npz(folder_ / "only.npz", {{"depth", boolean_bytes(12)}});
+    EXPECT_NE(message(open_npy_stack(SourceFile(folder_ / "only.npz"))).find("is of NumPy's type \"|b1\""),
+              std::string::npos);
+}
+
+TEST_F(NpzConfidence, OfDepthIsUsedByAnyNameWithConf) {
+    const std::string depth = npy_bytes("3, 4", std::vector<float>(columns * rows, 2));
+    std::vector<float> low(columns * rows, 8);
+    low[5] = 1;
+    write_npz(folder_ / "v.npz", {{"depth", depth},
+                                  {"depth_conf", npy_bytes("3, 4", low)},
+                                  {"world_points_conf", npy_bytes("3, 4", std::vector<float>(12, 9))}});
+    auto stack = open_npy_stack(SourceFile(folder_ / "v.npz"));
+    ASSERT_EQ(message(stack), "");
+    EXPECT_EQ((*stack)->least_confidence(), 4);
+    EXPECT_EQ((*stack)->left_out(), "depth is the array depth; left out: world_points_conf");
+    EXPECT_EQ(missing(*(*stack)->image(0)), 1);
+}
+
+// Archives with a picture in each of several arrays, as numpy.savez writes a list.
+
+std::string picture_of(float value, const std::string& shape = "16, 20") {
+    return npy_bytes(shape, std::vector<float>(320, value));
+}
+
+TEST(NpzRow, FramesInOrderOfNumbers) {
+    const TemporaryFolder folder;
+    std::vector<std::pair<std::string, std::string>> arrays;
+    for (const int n : {10, 2, 0, 1}) arrays.emplace_back("arr_" + std::to_string(n), picture_of(0.5F + n));
+    write_npz(folder / "list.npz", arrays);
+    const auto stack = open_npy_stack(SourceFile(folder / "list.npz"));
+    ASSERT_EQ(message(stack), "");
+    ASSERT_EQ((*stack)->count(), 4);
+    EXPECT_EQ((*stack)->width(), 20);
+    EXPECT_EQ((*stack)->height(), 16);
+    constexpr int numbers[] = {0, 1, 2, 10};
+    for (const int n : {3, 0, 2, 1}) {
+        const auto picture = (*stack)->image(n);
+        ASSERT_EQ(message(picture), "");
+        EXPECT_EQ(picture->values.at(11), 0.5F + static_cast<float>(numbers[n]));
+    }
+    EXPECT_NE(message((*stack)->image(4)).find("has no picture 4: must be from 0 to 3"), std::string::npos);
+}
+
+TEST(NpzRow, PrefersDepthToOtherRows) {
+    const TemporaryFolder folder;
+    write_npz(folder / "rows.npz", {{"depth_1", picture_of(1.5F)},
+                                    {"depth_2", picture_of(2.5F)},
+                                    {"normal_1", picture_of(0.5F)},
+                                    {"normal_2", picture_of(0.5F)}});
+    const auto stack = open_npy_stack(SourceFile(folder / "rows.npz"));
+    ASSERT_EQ(message(stack), "");
+    ASSERT_EQ((*stack)->count(), 2);
+    EXPECT_EQ((*stack)->image(1)->values.at(0), 2.5F);
+}
+
+TEST(NpzRow, OtherSizesAndRowsAreRefused) {
+    const TemporaryFolder folder;
+    const auto refusal = [&](const std::vector<std::pair<std::string, std::string>>& arrays) {
+        write_npz(folder / "other.npz", arrays);
+        return message(open_npy_stack(SourceFile(folder / "other.npz")));
+    };
+    EXPECT_NE(refusal({{"a_1", picture_of(1)}, {"a_2", picture_of(1, "20, 16")}}).find("has several arrays"),
+              std::string::npos);
+    EXPECT_NE(refusal({{"a_1", picture_of(1)}, {"a_2", picture_of(1)}, {"b", picture_of(1)}})
+                  .find("has several arrays"),
+              std::string::npos);
+}
+
+TEST(NpzRow, OtherPicturesAreSaid) {
+    const TemporaryFolder folder;
+    write_npz(folder / "two.npz",
+              {{"depth", picture_of(1)}, {"disparity", picture_of(2)}, {"mask", picture_of(0)}});
+    const auto stack = open_npy_stack(SourceFile(folder / "two.npz"));
+    ASSERT_EQ(message(stack), "");
+    EXPECT_EQ((*stack)->left_out(), "depth is the array depth; left out: disparity, mask");
+}
+
+/// Beside what networks and renderers write.
+TEST(NpzRow, DepthIsFoundByWhatOthersAreNot) {
+    const TemporaryFolder folder;
+    const std::string matrix = npy_bytes("3, 3", std::vector<float>(9, 1)),
+                      colour = npy_bytes("3, 16, 20", std::vector<float>(960, 1)), picture = picture_of(1);
+    const struct {
+        std::vector<std::pair<std::string, std::string>> others;
+        const char* depth;
+    } rows[] = {{{{"K", matrix}}, "pred_depth"},
+                {{{"K", matrix}}, "Depth"},
+                {{{"K", matrix}}, "z"},
+                {{{"cam_c2w", npy_bytes("4, 4", std::vector<float>(16, 1))}}, "distance"},
+                {{{"depth_conf", picture}, {"world_points", colour}}, "range"},
+                {{{"normals", colour}, {"rgb", picture}, {"valid", picture}}, "data"},
+                {{{"extrinsics", matrix}, {"image", picture}}, "depth_image"},
+                {{{"z", picture}, {"left", picture}}, "metric_depth"},
+                {{{"depth_mm", picture}, {"pred_depth", picture}}, "depth"}};
+    for (const auto& row : rows) {
+        auto arrays = row.others;
+        arrays.emplace_back(row.depth, picture_of(2));
+        write_npz(folder / "d.npz", arrays);
+        const auto stack = open_npy_stack(SourceFile(folder / "d.npz"));
+        ASSERT_EQ(message(stack), "") << row.depth;
+        EXPECT_EQ((*stack)->array(), row.depth);
+        EXPECT_EQ((*stack)->count(), 1) << row.depth;
+    }
+}
+
+TEST(NpzRow, ANameTakesAnyArray) {
+    const TemporaryFolder folder;
+    const auto file = folder / "d.npz";
+    write_npz(file, {{"pred", picture_of(1)}, {"gt", picture_of(2)}});
+    const std::string several = message(open_npy_stack(SourceFile(file)));
+    EXPECT_NE(several.find("has several arrays that may be depth: pred of 16x20, gt of 16x20"),
+              std::string::npos)
+        << several;
+    const auto stack = open_npy_stack(SourceFile(file), {}, "gt");
+    ASSERT_EQ(message(stack), "");
+    EXPECT_EQ((*stack)->image(0)->values.at(0), 2);
+    EXPECT_NE(
+        message(open_npy_stack(SourceFile(file), {}, "x")).find("has no array \"x\", but pred of 16x20"),
+        std::string::npos);
+    write_npz(file, {{"K", npy_bytes("3, 3", std::vector<float>(9, 1))}, {"rgb", picture_of(1)}});
+    EXPECT_NE(
+        message(open_npy_stack(SourceFile(file)))
+            .find("has no array of pictures of depth (height x width, or count x height x width): it has K "
+                  "of 3x3, rgb of 16x20"),
+        std::string::npos);
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
-#include "engine/scene/scene.hpp"
-
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "engine/scene/scene.hpp"
+#include "tests/scene/random.hpp"
 #include "tests/scene/scene_texts.hpp"
 
 namespace touchable {
@@ -291,6 +292,307 @@ TEST_F(SceneFileOnDisk, ThatIsEmptyOrEndlessIsRefused) {
                   .error()
                   .message.find("larger than 1 MiB"),
               std::string::npos);
+}
+
+// What a scene file must not say, and that nothing it says can do harm.
+
+/// Every member the format knows, but for those that exclude each other.
+constexpr const char* full = R"({
+  "touchable_scene": 1, "name": "all", "width": 640, "height": 480, "rate": [30, 1], "metres_per_unit": 0.001,
+  "camera": {"fx": 476.0, "fy": 477.5, "cx": 312.25, "cy": 240.5},
+  "depth": {"coding": "linear", "semantics": "range", "near": 40, "far": 180, "bits": 10, "code_max": 1000,
+            "near_is": "high", "invalid": [0, 1023]},
+  "height_map": {"max": 2.5, "units": "levels", "bits": 8},
+  "haptic": {"stiffness": [0.1, 10], "static_friction": [0.2, 0.9], "dynamic_friction": [0.2, 0.8]},
+  "default_properties": {"stiffness": 0.6, "static_friction": 0.4, "dynamic_friction": 0.3},
+  "filter": {"median": 3, "fill_holes": 1}, "interpolation": "linear", "device_metres_per_unit": 0.0005,
+  "folder": {"depth": "d_%04d.png", "colour": "c%d.png", "haptic": "t%d.png", "height": "h%d.png",
+             "first": 0, "count": 7}
+})";
+
+std::string with(const std::string& old_text, const std::string& new_text) {
+    std::string json = full;
+    const std::size_t at = json.find(old_text);
+    EXPECT_NE(at, std::string::npos) << old_text;
+    return json.replace(at, old_text.size(), new_text);
+}
+
+void expect_refused(const std::string& json, const std::vector<std::string>& parts) {
+    const auto scene = parse_scene(json, "scene.json");
+    ASSERT_FALSE(scene) << "accepted, expected a word on " << parts.front();
+    EXPECT_EQ(scene.error().kind, ErrorKind::input);
+    const std::string& message = scene.error().message;
+    EXPECT_TRUE(message.starts_with("scene.json: ")) << message;
+    EXPECT_NE(message.find("must be"), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    for (const std::string& part : parts)
+        EXPECT_NE(message.find(part), std::string::npos) << "no " << part << " in: " << message;
+}
+
+struct Change {
+    const char *old_text, *new_text;
+    std::vector<std::string> parts;
+};
+
+TEST(SceneRefusal, TheFullSceneItselfIsAccepted) {
+    const auto scene = parse_scene(full, "full");
+    EXPECT_TRUE(scene) << scene.error().message;
+}
+
+TEST(SceneRefusal, VersionIsRequiredAndANewerOneIsRefusedByName) {
+    expect_refused(with("\"touchable_scene\": 1, ", ""), {"touchable_scene is missing"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": 2"),
+                   {"touchable_scene is 2", "at most 1"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": 2, \"later\": 0"),
+                   {"touchable_scene is 2"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": 0"), {"touchable_scene is 0"});
+    expect_refused(with("\"touchable_scene\": 1", "\"touchable_scene\": \"1\""),
+                   {"touchable_scene is \"1\""});
+}
+
+TEST(SceneRefusal, UnknownMembersAreNamedWithTheLegalOnes) {
+    const Change changes[] = {
+        {"\"name\"", "\"nmae\"", {"\"nmae\"", "metres_per_unit", "folder"}},
+        {"\"fx\"", "\"fz\"", {"\"camera.fz\"", "fx", "focal_length"}},
+        {"\"near\"", "\"nera\"", {"\"depth.nera\"", "near", "semantics"}},
+        {"\"max\"", "\"maximum\"", {"\"height_map.maximum\"", "max, units, bits"}},
+        {"\"stiffness\": [", "\"hardness\": [", {"\"haptic.hardness\"", "static_friction"}},
+        {"\"stiffness\": 0.6", "\"hardness\": 0.6", {"\"default_properties.hardness\"", "stiffness"}},
+        {"\"median\"", "\"medain\"", {"\"filter.medain\"", "median, fill_holes"}},
+        {"\"fill_holes\": 1", "\"teraces\": \"on\"", {"\"filter.teraces\"", "terraces, terrace_noise"}},
+        {"\"colour\"", "\"color\"", {"\"folder.color\"", "colour"}},
+        {"\"name\"", "\"a\\nb\"", {"\"a\\nb\""}},
+    };
+    for (const Change& change : changes) {
+        SCOPED_TRACE(change.new_text);
+        expect_refused(with(change.old_text, change.new_text), change.parts);
+    }
+}
+
+TEST(SceneRefusal, MissingMembersAreNamed) {
+    const Change changes[] = {
+        {"\"width\": 640, ", "", {"width is missing"}},
+        {"\"height\": 480, ", "", {"height is missing"}},
+        {"\"fx\": 476.0, ", "", {"camera.fx is missing"}},
+        {"\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5",
+         "\"focal_length\": 4",
+         {"camera.pixel_width"}},
+        {"\"coding\": \"linear\", ", "", {"depth.coding is missing"}},
+        {"\"near\": 40, ", "", {"depth.near is missing"}},
+        {"\"far\": 180, ", "", {"depth.far is missing"}},
+        {"\"max\": 2.5, ", "", {"height_map.max is missing"}},
+        {"\"depth\": \"d_%04d.png\", ", "", {"folder.depth is missing"}},
+    };
+    for (const Change& change : changes) {
+        SCOPED_TRACE(change.old_text);
+        expect_refused(with(change.old_text, change.new_text), change.parts);
+    }
+    const std::string metric = with("\"linear\", \"semantics\"", "\"metric\", \"semantics\"");
+    std::string unscaled = metric;
+    unscaled.erase(unscaled.find("\"near_is\": \"high\", "), 19);
+    expect_refused(unscaled, {"depth.scale is missing"});
+}
+
+TEST(SceneRefusal, WrongTypesAndValuesAreNamedByTheirPath) {
+    const Change changes[] = {
+        {"\"all\"", "5", {"name is 5", "a string"}},
+        {"640", "640.0", {"width is 640.0", "a whole number"}},
+        {"640", "\"640\"", {"width is \"640\"", "a whole number"}},
+        {"640", "0", {"width is 0", "16384"}},
+        {"640", "99999999999999999999", {"width is", "a whole number"}},
+        {"640", "18446744073709551615", {"width is 18446744073709551615", "a whole number"}},
+        {"480", "16385", {"height is 16385", "16384"}},
+        {"[30, 1]", "30", {"rate is 30", "[30000, 1001]"}},
+        {"[30, 1]", "[30]", {"rate is [30]"}},
+        {"[30, 1]", "[30, 0]", {"rate", "is 0"}},
+        {"[30, 1]", "[29.97, 1]", {"rate[0] is 29.97", "a whole number"}},
+        {"\"metres_per_unit\": 0.001", "\"metres_per_unit\": true", {"metres_per_unit is true", "a number"}},
+        {"\"metres_per_unit\": 0.001",
+         "\"metres_per_unit\": -1",
+         {"metres_per_unit is -1", "greater than 0"}},
+        {"{\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5}", "7", {"camera is 7", "an object"}},
+        {"{\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5}",
+         "{\"focal_length\": 4.7, \"pixel_width\": 0}",
+         {"camera.pixel_width is 0", "greater than 0"}},
+        {"\"cy\": 240.5", "\"cy\": 240.5, \"pixel_width\": 0.01", {"camera.c", "focal_length, pixel_width"}},
+        {"476.0", "null", {"camera.fx is null", "a number"}},
+        {"476.0", "0", {"camera.fx is 0", "greater than 0"}},
+        {"477.5", "0.0", {"camera.fy is 0", "greater than 0"}},
+        {"\"coding\": \"linear\"",
+         "\"coding\": \"logarithm\"",
+         {"depth.coding is \"logarithm\"", "\"linear\", \"inverse\", \"metric\", \"hue\""}},
+        {"\"coding\": \"linear\"", "\"coding\": \"hue\"", {"depth.bits is 10", "8, of each of red"}},
+        {"\"linear\", \"semantics\": \"range\", \"near\": 40, \"far\": 180, \"bits\": 10, \"code_max\": 1000",
+         "\"hue\", \"near\": 40, \"far\": 180, \"code_max\": 1537",
+         {"depth.code_max is 1537", "1 to 1536"}},
+        {"\"linear\", \"semantics\": \"range\", \"near\": 40, \"far\": 180, \"bits\": 10, \"code_max\": 1000",
+         "\"hue\", \"near\": 40, \"far\": 180, \"least_sum\": 766",
+         {"depth.least_sum is 766", "0 to 765"}},
+        {"\"linear\", \"semantics\": \"range\", \"near\": 40",
+         "\"log\", \"shift\": -40, \"near\": 40",
+         {"depth.shift is -40", "greater than -depth.near, which is -40"}},
+        {"\"linear\", \"semantics\": \"range\", \"near\": 40",
+         "\"log\", \"shift\": 1e13, \"near\": 40",
+         {"depth.shift is 1e+13", "from -1e+12 to 1e+12"}},
+        {"\"near\": 40", "\"shift\": 1, \"near\": 40", {"depth.shift is 1", "left out"}},
+        {"\"near\": 40", "\"least_sum\": 77, \"near\": 40", {"depth.least_sum is 77", "left out"}},
+        {"\"coding\": \"linear\"", "\"coding\": 1", {"depth.coding is 1", "\"inverse\""}},
+        {"\"range\"", "\"z\"", {"depth.semantics is \"z\"", "\"range\", \"planar\""}},
+        {"\"near\": 40", "\"near\": \"40\"", {"depth.near is \"40\"", "a number"}},
+        {"\"near\": 40", "\"near\": 200", {"depth.near is 200", "depth.far, which is 180"}},
+        {"\"near\": 40", "\"scale\": 1, \"near\": 40", {"depth.scale is 1", "left out"}},
+        {"\"coding\": \"linear\"", "\"coding\": \"metric\"", {"depth.near_is is \"high\"", "left out"}},
+        {"\"bits\": 10", "\"bits\": 7", {"depth.bits is 7", "8 to 16"}},
+        {"\"code_max\": 1000", "\"code_max\": 1024", {"depth.code_max is 1024", "1 to 1023"}},
+        {"\"high\"", "\"near\"", {"depth.near_is is \"near\"", "\"high\", \"low\""}},
+        {"[0, 1023]", "[0, 1024]", {"depth.invalid[1] is 1024", "0 to 1023"}},
+        {"[0, 1023]", "[0, -1]", {"depth.invalid[1] is -1"}},
+        {"[0, 1023]", "[1, 2, 3, 4, 5]", {"depth.invalid is [1,2,3,4,5]", "at most 4"}},
+        {"[0, 1023]", "0", {"depth.invalid is 0", "an array"}},
+        {"\"max\": 2.5", "\"max\": 80", {"height_map.max is 80", "at most 72.784"}},
+        {"\"levels\"", "\"mm\"", {"height_map.units is \"mm\"", "\"levels\", \"world\""}},
+        {"\"units\": \"levels\", \"bits\": 8", "\"bits\": 17", {"height_map.bits is 17", "8 to 16"}},
+        {"[0.1, 10]", "[10, 0.1]", {"haptic.stiffness", "is 0.1", "10"}},
+        {"[0.1, 10]", "[0.1]", {"haptic.stiffness is [0.1]", "[minimum, maximum]"}},
+        {"[0.1, 10]", "[0.1, \"a\"]", {"haptic.stiffness[1] is \"a\"", "a number"}},
+        {"[0.2, 0.9]", "[-0.2, 0.9]", {"haptic.static_friction", "-0.2"}},
+        {"[0.2, 0.8]", "{}", {"haptic.dynamic_friction is {}"}},
+        {"\"stiffness\": 0.6", "\"stiffness\": 0", {"default_properties.stiffness", "is 0"}},
+        {"\"stiffness\": 0.6",
+         "\"stiffness\": 0.6, \"stiffness_n_per_m\": 600",
+         {"stiffness_n_per_m", "left out"}},
+        {"\"default_properties\"",
+         "\"hole_stiffness\": -1, \"default_properties\"",
+         {"hole_stiffness is -1"}},
+        {"\"default_properties\"",
+         "\"hole_stiffness\": \"soft\", \"default_properties\"",
+         {"hole_stiffness is \"soft\"", "a number"}},
+        {"\"dynamic_friction\": 0.3", "\"dynamic_friction\": 0.5", {"dynamic_friction is 0.5", "0.4"}},
+        {"\"median\": 3", "\"median\": 7", {"filter.median is 7", "0, 3 or 5"}},
+        {"\"median\": 3", "\"median\": \"3x3\"", {"filter.median is \"3x3\""}},
+        {"\"fill_holes\": 1", "\"terraces\": true", {"filter.terraces is true"}},
+        {"\"fill_holes\": 1",
+         "\"terraces\": \"some\"",
+         {"filter.terraces is \"some\"", "\"off\", \"on\", \"auto\""}},
+        {"\"fill_holes\": 1", "\"terrace_noise\": 5", {"filter.terrace_noise is 5", "0 to 4"}},
+        {"\"fill_holes\": 1", "\"terrace_reach\": 48", {"filter.terrace_reach is 48", "16, 32, 64 or 128"}},
+        {"\"fill_holes\": 1", "\"terrace_reach\": 256", {"filter.terrace_reach is 256"}},
+        {"\"fill_holes\": 1", "\"terrace_reach\": -128", {"filter.terrace_reach is -128"}},
+        {"\"fill_holes\": 1", "\"temporal\": true", {"filter.temporal is true", "\"off\", \"on\""}},
+        {"\"fill_holes\": 1",
+         "\"temporal\": \"on\"",
+         {"filter.temporal is on", "filter.temporal_noise is [0, 0]"}},
+        {"\"fill_holes\": 1",
+         "\"temporal_noise\": 2",
+         {"filter.temporal_noise is 2", "[constant, quadratic]"}},
+        {"\"fill_holes\": 1", "\"temporal_noise\": [1, -2]", {"filter.temporal_noise's quadratic is -2"}},
+        {"\"fill_holes\": 1", "\"temporal_noise\": [-1, 2]", {"filter.temporal_noise's constant is -1"}},
+        {"\"fill_holes\": 1", "\"fill_holes\": 99", {"filter.fill_holes is 99", "16"}},
+        {"\"interpolation\": \"linear\"",
+         "\"interpolation\": \"cubic\"",
+         {"interpolation is \"cubic\"", "\"hold\""}},
+        {"0.0005", "0", {"device_metres_per_unit is 0", "greater than 0"}},
+        {"d_%04d.png", "depth.png", {"folder.colour", "c%d.png", "depth.png", "a single picture"}},
+        {"c%d.png", "%s%n", {"folder.colour", "%s%n"}},
+        {"t%d.png", "\\u0000%d", {"folder.haptic", "control"}},
+        {"t%d.png", "\\u007f%d", {"folder.haptic", "control"}},
+        {"\"first\": 0", "\"first\": -1", {"folder.first is -1"}},
+        {"\"c%d.png\"", "{\"first\": 4}", {"folder.colour.files is missing"}},
+        {"\"c%d.png\"", "{\"files\": \"c%d.png\", \"fist\": 4}", {"folder.colour.fist", "first"}},
+        {"\"c%d.png\"", "{\"files\": \"c%d.png\", \"step\": 0}", {"folder.colour.step is 0", "from 1"}},
+        {"\"c%d.png\"", "{\"files\": \"c%d.png\", \"first\": -4}", {"folder.colour.first is -4"}},
+        {"\"c%d.png\"", "{\"files\": \"c%d.png\", \"step\": 2.5}", {"folder.colour.step is 2.5"}},
+        {"\"c%d.png\"",
+         "{\"files\": \"c*.png\", \"first\": 4}",
+         {"folder.colour.first is 4", "left out", "c*.png", "%06d"}},
+        {"\"c%d.png\"", "{\"files\": \"c.png\", \"step\": 4}", {"folder.colour.step is 4", "left out"}},
+        {"\"c%d.png\"", "{\"files\": \"\", \"step\": 4}", {"folder.colour is \"\""}},
+        {"\"d_%04d.png\"",
+         "{\"files\": \"d_%04d.png\", \"first\": 1}",
+         {"folder.first is 0", "left out where folder.depth.first is given"}},
+        {"\"d_%04d.png\"",
+         "{\"files\": \"d_%04d.png\", \"step\": 200000000}",
+         {"folder.count is 7", "from 0 to 4"}},
+        {"\"d_%04d.png\"", "{\"files\": \"d_*.png\", \"step\": 2}", {"folder.depth.step is 2", "left out"}},
+        {"\"count\": 7", "\"count\": 1.5", {"folder.count is 1.5", "a whole number"}},
+    };
+    for (const Change& change : changes) {
+        SCOPED_TRACE(change.new_text);
+        expect_refused(with(change.old_text, change.new_text), change.parts);
+    }
+}
+
+TEST(SceneRefusal, NumbersBeyondDoubleAreRefusedWhereTheyStand) {
+    expect_refused(with("476.0", "1e999"), {"line 3", "1e999"});
+}
+
+TEST(SceneRefusal, WhatIsNoObjectIsRefused) {
+    for (const char* json : {"[]", "1", "null", "\"touchable_scene\"", "[{\"touchable_scene\": 1}]"})
+        expect_refused(json, {"an object"});
+}
+
+TEST(SceneRefusal, AMemberGivenTwiceIsRefusedByLineAndByte) {
+    expect_refused("{\"touchable_scene\": 1,\n \"width\": 4,\n \"width\": 5}",
+                   {"line 3, byte 44", "\"width\"", "twice"});
+    expect_refused(with("\"near\": 40", "\"near\": 40, \"near\": 41"), {"line 4", "\"near\"", "twice"});
+}
+
+TEST(SceneRefusal, TheSameNameInTwoObjectsIsNoRepetition) {
+    EXPECT_TRUE(parse_scene(full, "full"));  // stiffness, height and depth each stand in two objects
+}
+
+TEST(SceneRefusal, BrokenJsonIsRefusedByLineAndByte) {
+    expect_refused("", {"line 1, byte 0", "JSON"});
+    expect_refused("\x89PNG\r\n", {"is no JSON text: must begin with {"});
+    expect_refused("{\n  \"width\": 4,,\n}", {"line 2, byte 16", "JSON"});
+    expect_refused(std::string(full) + "{}", {"line 12", "JSON"});
+    expect_refused(with("\"all\"", "\"\xff\xfe\""), {"line 2", "JSON"});
+    expect_refused(with("640", "NaN"), {"line 2", "JSON"});
+}
+
+TEST(SceneRefusal, NestingWithoutEndIsRefused) {
+    expect_refused(std::string(900000, '['), {"line 1, byte 18", "nested too deeply"});
+    expect_refused(std::string(500000, '[') + std::string(500000, ']'), {"nested too deeply", "16 deep"});
+    std::string objects;
+    for (int k = 0; k < 100000; ++k) objects += "{\"a\":";
+    expect_refused(objects, {"line 1", "nested too deeply"});
+}
+
+TEST(SceneRefusal, MaterialsThatCannotBe) {
+    const auto with_materials = [](const std::string& materials) {
+        return with("\"haptic\": {", ("\"haptic\": {\"materials\": " + materials + ", ").c_str());
+    };
+    EXPECT_TRUE(parse_scene(with_materials(R"({"0": {}, "65535": {"stiffness": 3}})"), "full"));
+    const std::pair<const char*, std::vector<std::string>> refused[] = {
+        {"[]", {"haptic.materials is []", "an object"}},
+        {"{}", {"haptic.materials is {}", "1 to 256"}},
+        {R"({"65536": {}})", {"haptic.materials", "0 to 65535", "\"65536\""}},
+        {R"({"-1": {}})", {"0 to 65535", "\"-1\""}},
+        {R"({"01": {}})", {"\"01\""}},
+        {R"({"1.0": {}})", {"\"1.0\""}},
+        {R"({"1\u0000": {}})", {"haptic.materials", "and not"}},
+        {R"({"wood": {}})", {"\"wood\""}},
+        {R"({"1": 5})", {"haptic.materials.1 is 5", "an object"}},
+        {R"({"1": {"hardness": 5}})", {"haptic.materials.1.hardness", "stiffness"}},
+        {R"({"1": {"stiffness": 0}})", {"haptic.materials.1 is", "above 0"}},
+        {R"({"1": {"stiffness": 1e300}})", {"haptic.materials.1 is", "at most 1e6"}},
+        {R"({"1": {"dynamic_friction": -0.1}})", {"haptic.materials.1 is", "0 or more"}},
+        {R"({"1": {"static_friction": 0.3, "dynamic_friction": 0.4}})", {"static_friction (0.3)", "(0.4)"}},
+        {R"({"1": {"stiffness": 11}})", {"haptic.stiffness is [0.1,10]", "a range that holds 11"}},
+        {R"({"1": {}, "1": {}})", {"\"1\"", "twice"}},
+    };
+    for (const auto& [materials, parts] : refused) {
+        SCOPED_TRACE(materials);
+        auto expected = parts;
+        const auto scene = parse_scene(with_materials(materials), "scene.json");
+        ASSERT_FALSE(scene);
+        for (const std::string& part : expected)
+            EXPECT_NE(scene.error().message.find(part), std::string::npos) << scene.error().message;
+        EXPECT_EQ(scene.error().message.find('\n'), std::string::npos);
+    }
+    std::string many = "{\"0\": {}";
+    for (int k = 1; k < 257; ++k) many += ", \"" + std::to_string(k) + "\": {}";
+    expect_refused(with_materials(many + "}"), {"haptic.materials", "1 to 256"});
 }
 
 }  // namespace

@@ -1,12 +1,18 @@
-#include "engine/stream/receiver.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <functional>
 #include <memory>
 #include <set>
 
+#include "engine/clip/readers.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/stream/labelled_codec.hpp"
+#include "engine/stream/receiver.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/stream/labelled_stream.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -261,5 +267,382 @@ TEST(FramesetAssembler, KeepsABoundedNumberOfPictures) {
     EXPECT_EQ(assembler.counts().lost, 0) << "numbers that jump so far are of another count";
 }
 
+// When what a sender sends is shown.
+
+constexpr std::int64_t ms = 1'000'000, a_second = 1'000'000'000, apart = 33'333'333, bound = 200 * ms;
+constexpr std::int64_t sender_begins = 1'700'000'000 * a_second;
+
+struct Shown {
+    std::vector<std::int64_t> waits, late;  // ns
+};
+
+/// 30 a a_second, sent by a clock that is `drift` parts in a million too fast, each `way(n)` under way.
+Shown show(JitterBuffer& buffer, int frames, const std::function<std::int64_t(int)>& way,
+           std::int64_t drift = 0, int from = 0) {
+    Shown shown;
+    std::int64_t last_arrived = 0, last_shown = 0;
+    for (int n = from; n < from + frames; ++n) {
+        const std::int64_t sent = n * apart;
+        const std::int64_t arrived = std::max(a_second + sent + way(n), last_arrived);
+        const auto moments = buffer.add(sender_begins + sent + sent / 1'000'000 * drift, arrived);
+        EXPECT_GE(moments.shown_ns, arrived);
+        EXPECT_GE(moments.shown_ns, last_shown);
+        EXPECT_LE(moments.taken_ns, arrived);
+        EXPECT_LE(moments.shown_ns - arrived, bound);
+        shown.waits.push_back(moments.shown_ns - arrived);
+        shown.late.push_back(std::max<std::int64_t>(0, arrived - moments.taken_ns - buffer.delay_ns()));
+        last_arrived = arrived;
+        last_shown = moments.shown_ns;
+    }
+    return shown;
+}
+
+std::int64_t quantile(std::vector<std::int64_t> all, double part) {
+    std::sort(all.begin(), all.end());
+    return all[static_cast<std::size_t>(part * static_cast<double>(all.size() - 1))];
+}
+
+std::function<std::int64_t(int)> jitter_of(std::int64_t most) {
+    return [most](int n) {
+        Numbers numbers(static_cast<std::uint64_t>(n) + 1);
+        return 20 * ms +
+               (most > 0 ? static_cast<std::int64_t>(numbers.next() % static_cast<std::uint64_t>(most)) : 0);
+    };
+}
+
+TEST(JitterBuffer, AddsNothingWhereNothingJitters) {
+    JitterBuffer buffer(bound);
+    const Shown shown = show(buffer, 900, jitter_of(0));
+    EXPECT_EQ(*std::max_element(shown.waits.begin(), shown.waits.end()), 0);
+}
+
+TEST(JitterBuffer, ItsDelayIsThatOfNearlyAll) {
+    for (const std::int64_t most : {5 * ms, 50 * ms}) {
+        JitterBuffer buffer(bound);
+        const Shown shown = show(buffer, 900, jitter_of(most));
+        EXPECT_GT(buffer.delay_ns(), most * 8 / 10);
+        EXPECT_LE(buffer.delay_ns(), most);
+        const std::vector<std::int64_t> settled(shown.late.begin() + 300, shown.late.end());
+        EXPECT_EQ(quantile(settled, 0.9), 0) << "most are there in time";
+    }
+}
+
+TEST(JitterBuffer, RisesQuicklyAndFallsSlowly) {
+    JitterBuffer buffer(bound);
+    show(buffer, 300, jitter_of(0));
+    show(
+        buffer, 10, [](int n) { return n % 2 == 0 ? 20 * ms : 80 * ms; }, 0, 300);
+    const std::int64_t risen = buffer.delay_ns();
+    EXPECT_GT(risen, 40 * ms);
+    show(buffer, 150, jitter_of(0), 0, 310);  // five seconds
+    EXPECT_GT(buffer.delay_ns(), risen / 4);
+    show(buffer, 1'500, jitter_of(0), 0, 460);
+    EXPECT_LT(buffer.delay_ns(), 2 * ms);
+}
+
+TEST(JitterBuffer, OneBurstCostsNobodyElse) {
+    JitterBuffer buffer(bound);
+    const Shown shown = show(buffer, 600, [](int n) { return n == 200 ? 150 * ms : 20 * ms; });
+    const std::vector<std::int64_t> after(shown.waits.begin() + 220, shown.waits.end());
+    EXPECT_LT(*std::max_element(after.begin(), after.end()), 5 * ms);
+}
+
+TEST(JitterBuffer, FollowsAClockThatDrifts) {
+    for (const std::int64_t drift : {200, -200}) {
+        JitterBuffer buffer(bound);
+        const Shown shown = show(buffer, 30 * 600, jitter_of(0), drift);  // ten minutes: 120 ms
+        EXPECT_LE(*std::max_element(shown.waits.begin(), shown.waits.end()), 3 * ms);
+        EXPECT_LE(*std::max_element(shown.late.begin(), shown.late.end()), 3 * ms);
+    }
+}
+
+TEST(JitterBuffer, ClocksThatJumpBeginAnew) {
+    for (const std::int64_t jump : {3'600 * a_second, -3'600 * a_second, 100'000'000 * a_second,
+                                    -1'600'000'000 * a_second, 500 * ms, -500 * ms}) {
+        JitterBuffer buffer(bound);
+        std::int64_t last = 0, worst = 0;
+        for (int n = 0; n < 900; ++n) {
+            const std::int64_t arrived = a_second + n * apart;
+            const auto moments = buffer.add(sender_begins + n * apart + (n >= 300 ? jump : 0), arrived);
+            EXPECT_GE(moments.shown_ns, last);
+            last = moments.shown_ns;
+            worst = std::max(worst, moments.shown_ns - arrived);
+        }
+        EXPECT_LE(worst, bound) << jump;
+    }
+}
+
+TEST(JitterBuffer, ImpossibleClocksCountFromArrival) {
+    Numbers numbers(3);
+    JitterBuffer buffer(bound);
+    std::int64_t last = 0;
+    for (int n = 0; n < 10'000; ++n) {
+        const std::int64_t arrived = a_second + n * apart;
+        const std::int64_t sent = n % 3 == 0   ? 0
+                                  : n % 3 == 1 ? static_cast<std::int64_t>(numbers.next())
+                                               : sender_begins;  // stands still
+        const auto moments = buffer.add(sent, arrived);
+        EXPECT_GE(moments.shown_ns, arrived);
+        EXPECT_LE(moments.shown_ns, std::max(arrived + bound, last));
+        EXPECT_LE(arrived - moments.taken_ns, JitterBuffer::most_way_ns);
+        last = moments.shown_ns;
+    }
+}
+
+/// All pictures of a clip, its packets as they are.
+Came decoded(const LabelledClip& clip, LabelledDecoder& decoder) {
+    Came came;
+    for (const auto& packets : clip.packets)
+        for (std::size_t k = 0; k < packets.size(); ++k) {
+            auto pictures = decoder.add(k, *packets[k]);
+            EXPECT_EQ(message(pictures), "");
+            take_pictures(*pictures, clip.frames, came);
+        }
+    auto rest = decoder.end();
+    EXPECT_EQ(message(rest), "");
+    take_pictures(*rest, clip.frames, came);
+    return came;
+}
+
+Scene scene_of_bits(int bits) {
+    Scene scene = small_scene(54, 38, bits);
+    scene.height_coding.code_max = bits > 8 ? 1000 : 255;
+    return scene;
+}
+
+TEST(LabelledPictures, EveryBitDepthComesBackExactly) {
+    for (const int bits : {8, 9, 10, 12, 16})
+        for (const bool noisy : {true, false}) {
+            const LabelledClip clip = labelled_clip(scene_of_bits(bits), 6, {true, true, true, noisy});
+            LabelledDecoder decoder = decoder_for(clip);
+            const Came came = decoded(clip, decoder);
+            EXPECT_EQ(came.size(), 4U * 6U) << bits;
+            for (const auto& [which, count] : came) EXPECT_EQ(count, 1) << bits;
+            EXPECT_EQ(decoder.faults().all(), 0) << bits;
+        }
+}
+
+/// Depth as hue is RGB, of which every value is kept too.
+TEST(LabelledPictures, HueComesBackExactly) {
+    Scene scene = small_scene(54, 38);
+    scene.depth.kind = DepthCodingKind::hue;
+    scene.depth.code_max = DepthCoding::hue_circle - 1;
+    derive_valid_range(scene.depth);
+    RawFrame frame = test_frame(scene, 0, {false, true});
+    frame.depth = frame.haptic;  // any RGB
+    frame.haptic = {};
+    auto encoder = LabelledEncoder::open(frame, scene, TrackCoding::h264_quick);
+    ASSERT_EQ(message(encoder), "");
+    ASSERT_EQ(encoder->tracks(), 1U);
+    LabelledClip clip;
+    AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
+    ASSERT_EQ(message(encoder->describe(0, *stream->codecpar)), "");
+    stream->time_base = {1, 1000};
+    clip.frames.push_back(frame);
+    auto packets = encoder->encode(frame, sent_label(0), true);
+    ASSERT_EQ(message(packets), "");
+    clip.packets.push_back(std::move(*packets));
+    LabelledDecoder decoder = decoder_for(clip);
+    EXPECT_EQ(decoded(clip, decoder).size(), 1U);
+    EXPECT_EQ(decoder.faults().all(), 0);
+}
+
+/// A frame whose planes are not those of the first one is no frame of the stream.
+TEST(LabelledPictures, OtherPlanesThanTheFirstAreRefused) {
+    const Scene scene = scene_of_bits(12);
+    auto encoder = LabelledEncoder::open(test_frame(scene, 0, {true}), scene, TrackCoding::h264_quick);
+    ASSERT_EQ(message(encoder), "");
+    const auto packets = encoder->encode(test_frame(scene, 1, {}), sent_label(1), true);
+    ASSERT_FALSE(packets);
+    EXPECT_EQ(packets.error().kind, ErrorKind::input);
+}
+
+TEST(LabelledPictures, EachKeyframeOfDepthHasTheScene) {
+    const Scene scene = scene_of_bits(12);
+    const LabelledClip clip = labelled_clip(scene, 5, {true, true});
+    LabelledDecoder decoder = decoder_for(clip);
+    int scenes = 0;
+    for (const auto& packets : clip.packets)
+        for (std::size_t k = 0; k < packets.size(); ++k) {
+            auto pictures = decoder.add(k, *packets[k]);
+            ASSERT_EQ(message(pictures), "");
+            for (const LabelledPicture& picture : *pictures) {
+                EXPECT_EQ(picture.scene != nullptr, picture.role == PlaneRole::depth && picture.is_key);
+                if (!picture.scene) continue;
+                ++scenes;
+                const auto read = parse_scene(*picture.scene, "sent");
+                ASSERT_EQ(message(read), "");
+                EXPECT_EQ(read->scene.depth, scene.depth);
+            }
+        }
+    EXPECT_EQ(scenes, 2);
+}
+
+/// In whatever order tracks come, and from wherever.
+TEST(LabelledPictures, OrderOfTracksSaysNothing) {
+    const LabelledClip clip = labelled_clip(scene_of_bits(16), 8, {true, true, true});
+    LabelledDecoder decoder(1 << 22);
+    std::vector<std::size_t> track(clip.tracks());
+    for (std::size_t k = clip.tracks(); k-- > 0;)
+        track[k] = *decoder.add_track(*clip.streams->streams[k], "x");
+    Came came;
+    for (std::size_t k = clip.tracks(); k-- > 0;)
+        for (std::size_t n = 2; n < 8; ++n) {
+            auto pictures = decoder.add(track[k], *clip.packets[n][k]);
+            ASSERT_EQ(message(pictures), "");
+            take_pictures(*pictures, clip.frames, came);
+        }
+    EXPECT_EQ(came.size(), 4U * 4U);  // frames 4 to 7
+    EXPECT_EQ(decoder.faults().all(), 0);
+}
+
+TEST(LabelledPictures, AHalfAloneIsNone) {
+    const LabelledClip clip = labelled_clip(scene_of_bits(16), 3, {});
+    ASSERT_EQ(clip.tracks(), 2U);
+    LabelledDecoder decoder = decoder_for(clip);
+    for (const auto& packets : clip.packets) EXPECT_TRUE(decoder.add(0, *packets[0])->empty());
+    EXPECT_TRUE(decoder.end()->empty());
+    EXPECT_EQ(decoder.faults().halved, 3);
+}
+
+TEST(LabelledPictures, LargerThanAllowedIsNotDecoded) {
+    const LabelledClip clip = labelled_clip(scene_of_bits(8), 2, {});
+    AVStream& stream = *clip.streams->streams[0];
+    LabelledDecoder decoder(54 * 38 - 1);
+    EXPECT_FALSE(decoder.add_track(stream, "clip")) << "its header says so";
+    stream.codecpar->width = stream.codecpar->height = 0;
+    const auto track = decoder.add_track(stream, "clip");
+    ASSERT_EQ(message(track), "");
+    EXPECT_TRUE(decoder.add(*track, *clip.packets[0][0])->empty());
+    EXPECT_EQ(decoder.faults().undecodable, 1);
+}
+
+TEST(LabelledPictures, AnotherEncodersAreUnlabelled) {
+    const Scene scene = scene_of_bits(8);
+    const RawFrame frame = test_frame(scene, 0, {});
+    auto encoder = TrackEncoder::open(PlaneRole::depth, TrackCoding::h264_quick, frame.depth, scene);
+    ASSERT_EQ(message(encoder), "");
+    LabelledClip clip;
+    AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
+    ASSERT_EQ(message((*encoder)->describe(*stream->codecpar)), "");
+    stream->time_base = {1, 1000};
+    LabelledDecoder decoder = decoder_for(clip);
+    auto packet = (*encoder)->encode(frame.depth, true);
+    ASSERT_EQ(message(packet), "");
+    EXPECT_TRUE(decoder.add(0, **packet)->empty());
+    EXPECT_EQ(decoder.faults().unlabelled, 1);
+}
+
+/// What is given in spite of damage is what was sent, and after the next keyframe everything is there again.
+TEST(LabelledPictures, DamageNeverGivesOtherSamples) {
+    const LabelledClip clip = labelled_clip(scene_of_bits(12), 12, {true, true, false, false});
+    std::int64_t lost = 0;
+    for (std::uint64_t seed = 0; seed < 700; seed += sweep_step()) {
+        Numbers numbers(seed);
+        LabelledDecoder decoder = decoder_for(clip);
+        Came came;
+        for (std::size_t n = 0; n < clip.packets.size(); ++n)
+            for (std::size_t k = 0; k < clip.tracks(); ++k) {
+                PacketPtr packet(av_packet_clone(clip.packets[n][k].get()));
+                const bool is_spared = n >= 8;  // from the last keyframe on
+                const int fate = is_spared ? 9 : numbers.below(10);
+                if (fate == 0) continue;  // lost
+                if (fate <= 3) {
+                    ASSERT_GE(av_packet_make_writable(packet.get()), 0);
+                    for (int flips = 1 + numbers.below(4); flips > 0; --flips)
+                        packet->data[numbers.below(packet->size)] ^=
+                            static_cast<std::uint8_t>(1 << numbers.below(8));
+                    if (fate == 3) av_shrink_packet(packet.get(), 1 + numbers.below(packet->size));
+                }
+                auto pictures = decoder.add(k, *packet);
+                ASSERT_EQ(message(pictures), "") << seed;
+                take_pictures(*pictures, clip.frames, came);
+            }
+        for (const PlaneRole role : {PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic})
+            for (std::int64_t n = 8; n < 12; ++n)
+                EXPECT_EQ((came[{role, n}]), 1) << seed << " " << role_name(role) << " " << n;
+        lost += decoder.faults().all();
+    }
+    EXPECT_GT(lost, 100);
+}
+
 }  // namespace
 }  // namespace touchable::test
+
+namespace touchable {
+namespace {
+
+std::span<const std::uint8_t> bytes_of(const std::string& text) {
+    return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+constexpr std::array<std::uint8_t, 6> samples{1, 2, 3, 4, 5, 6};
+const PlaneView plane{samples.data(), 3, 3, 2, 1, 1};
+const PictureMessage message_of_depth{PlaneRole::depth, PlanePart::high, 16, {12, 1'700'000'000'000'000'000}};
+
+TEST(PictureMessage, SaysWhatItIs) {
+    const std::string sei = sei_of(message_of_depth, plane);
+    // XXH64 of that text and of 1 to 6, by an implementation in Python
+    EXPECT_EQ(sei.substr(16),
+              "touchable=1 role=depth part=high bits=16 frame=12 taken_ns=1700000000000000000 "
+              "xxh64=405067dddc054acd");
+    const auto read = read_sei(bytes_of(sei));
+    ASSERT_TRUE(read && read->picture);
+    EXPECT_EQ(*read->picture, message_of_depth);
+    EXPECT_TRUE(is_sound(*read, plane));
+}
+
+TEST(PictureMessage, AnyOtherSampleIsKnown) {
+    const auto read = read_sei(bytes_of(sei_of(message_of_depth, plane)));
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        auto other = samples;
+        other[k] ^= 1;
+        EXPECT_FALSE(is_sound(*read, {other.data(), 3, 3, 2, 1, 1})) << k;
+    }
+    EXPECT_FALSE(is_sound(*read, {samples.data(), 3, 3, 1, 1, 1}));
+}
+
+TEST(PictureMessage, ADamagedOneIsNeverSound) {
+    const std::string colour = sei_of({PlaneRole::colour, PlanePart::whole, 8, {12, 5}}, plane);
+    for (const std::string& sei : {sei_of(message_of_depth, plane), colour, sei_of_scene("{\"a\": 1}")})
+        for (std::size_t at = 0; at < sei.size(); ++at)
+            for (int bit = 0; bit < 8; ++bit) {
+                std::string damaged = sei;
+                damaged[at] = static_cast<char>(damaged[at] ^ (1 << bit));
+                const auto read = read_sei(bytes_of(damaged));
+                if (!read) continue;
+                EXPECT_FALSE(read->scene) << at;
+                EXPECT_FALSE(read->picture && is_sound(*read, plane)) << at << ", bit " << bit;
+            }
+}
+
+TEST(PictureMessage, WhatCannotBeIsNone) {
+    const std::string uuid = sei_of(message_of_depth, plane).substr(0, 16);
+    const auto reads = [&](const std::string& text) { return read_sei(bytes_of(uuid + text)).has_value(); };
+    EXPECT_TRUE(reads("touchable=1 role=depth part=low bits=9 frame=0 taken_ns=0 xxh64=0000000000000000"));
+    for (const char* const text :
+         {"", "touchable=1",
+          "touchable=2 role=depth part=low bits=9 frame=0 taken_ns=0 xxh64=0000000000000000",
+          "touchable=1 role=depth part=low bits=17 frame=0 taken_ns=0 xxh64=0000000000000000",
+          "touchable=1 role=haptic part=low bits=9 frame=0 taken_ns=0 xxh64=0000000000000000",
+          "touchable=1 role=depth part=whole bits=9 frame=0 taken_ns=0 xxh64=0000000000000000",
+          "touchable=1 role=depth part=low bits=9 frame=-1 taken_ns=0 xxh64=0000000000000000",
+          "touchable=1 role=depth part=low bits=9 frame=0 taken_ns=-1 xxh64=0000000000000000",
+          "touchable=1 role=depth part=low bits=9 frame=0 taken_ns=0 more=1 xxh64=0000000000000000",
+          "touchable=1 role=depth part=low bits=9 frame=0 taken_ns=0",
+          "touchable=1 role=depth part=low bits=9 frame=99999999999999999999 taken_ns=0 "
+          "xxh64=0000000000000000",
+          "touchable_scene=1 xxh64=", "touchable_scene=1 xxh64=0000000000000000 {}"})
+        EXPECT_FALSE(reads(text)) << text;
+    EXPECT_FALSE(read_sei({}));
+}
+
+TEST(PictureMessage, ASceneComesBack) {
+    const std::string json = "{\"name\": \"globe\"}";
+    const auto read = read_sei(bytes_of(sei_of_scene(json)));
+    ASSERT_TRUE(read && read->scene);
+    EXPECT_EQ(*read->scene, json);
+}
+
+}  // namespace
+}  // namespace touchable

@@ -1,13 +1,23 @@
 // Streams as clips that are read as they come.
-#include "engine/stream/receiving.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "engine/base/threads.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/stream/receiving.hpp"
+#include "engine/stream/sending.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "tests/stream/loopback_sender.hpp"
+#include "tests/stream/srt_peer.hpp"
 #include "tests/stream/stream_of_frames.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -421,6 +431,361 @@ TEST(StreamClip, IsOpenedWithinATimeForAllOfIt) {
     source.patience.frameset = std::chrono::hours(1);
     const auto clip = open_stream_clip(source);
     EXPECT_NE(message(clip).find("sent no whole frameset in time"), std::string::npos) << message(clip);
+}
+
+// Streams as live sources. What waits here waits for what happens, and never for a time.
+
+using Clock = std::chrono::steady_clock;
+
+/// The blocks, one every few milliseconds, over and over; their numbers count up from connection to
+/// connection where `stream` says so.
+LoopbackSender::Say paced(std::shared_ptr<const StreamOfFrames> stream) {
+    return [stream](const LoopbackSender::Listener& to, int) {
+        if (!to.send(stream->header)) return;
+        for (const std::string& block : stream->blocks)
+            if (!to.send(block) || !to.wait(std::chrono::milliseconds(4))) return;
+    };
+}
+
+std::shared_ptr<const StreamOfFrames> stream_of(int frames, const Planes& planes = all_planes,
+                                                int width = 64) {
+    return std::make_shared<const StreamOfFrames>(make_stream(small_scene(width, 48, 16), frames, planes));
+}
+
+StreamSource live_choice(const std::string& url) {
+    StreamSource choice{.url = *read_stream_url(url)};
+    choice.patience.back_off = std::chrono::milliseconds(5);
+    return choice;
+}
+
+bool is_of_one_frame(const RawFrame& frame, const StreamOfFrames& stream) {
+    return std::any_of(stream.frames.begin(), stream.frames.end(),
+                       [&](const RawFrame& sent) { return same_touch_planes(frame, sent); });
+}
+
+bool says(const ClipReader& clip, const std::string& what) {
+    const auto remarks = clip.remarks();
+    return std::any_of(remarks.begin(), remarks.end(),
+                       [&](const std::string& remark) { return remark.find(what) != std::string::npos; });
+}
+
+/// Longer than any test looks on.
+std::shared_ptr<const StreamOfFrames> long_stream() {
+    static const auto made = stream_of(1'000);
+    return made;
+}
+
+TEST(LiveStream, GivesFramesAsTheyComeBeforeARunAndInIt) {
+    const auto stream = long_stream();
+    const LoopbackSender sender(paced(stream));
+    const auto clip = open_live_stream(live_choice(sender.url()));
+    ASSERT_EQ(message(clip), "");
+    EXPECT_TRUE((*clip)->is_live());
+    EXPECT_EQ((*clip)->scene().interpolation, FrameInterpolation::hold);
+    for (std::int64_t n = 0; n < 5; ++n) {
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        EXPECT_EQ((*frame)->number, n);
+        EXPECT_TRUE(is_of_one_frame(**frame, *stream));
+    }
+    ASSERT_EQ(message((*clip)->rewind()), "");
+    EXPECT_EQ((**(*clip)->next()).number, 0);
+    const auto zero = Clock::now();
+    ASSERT_EQ(message((*clip)->begin(zero)), "");
+    std::int64_t last = 0, last_ns = 0;
+    for (int n = 0; n < 20; ++n) {
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        ASSERT_TRUE(*frame);
+        EXPECT_GT((*frame)->number, last);
+        EXPECT_GT((*frame)->time_ns, last_ns);
+        EXPECT_LE((*frame)->time_ns, std::chrono::nanoseconds(Clock::now() - zero).count());
+        EXPECT_TRUE(is_of_one_frame(**frame, *stream));
+        EXPECT_FALSE((*frame)->colour.empty());
+        last = (*frame)->number;
+        last_ns = (*frame)->time_ns;
+    }
+    EXPECT_FALSE((*clip)->seek(3));
+    const auto figures = (*clip)->stream_figures();
+    ASSERT_TRUE(figures);
+    EXPECT_GE(figures->whole, 26);
+    EXPECT_EQ(figures->torn + figures->lost + figures->late, 0);
+    EXPECT_EQ(figures->connections, 1);
+    EXPECT_LE(figures->delay_ms, 200);
+}
+
+TEST(LiveStream, ASenderThatBeginsAgainIsConnectedToAgain) {
+    const auto stream = long_stream();
+    auto sender = std::make_unique<LoopbackSender>(paced(stream));
+    const int port = sender->port();
+    const auto clip = open_live_stream(live_choice(sender->url()));
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->next()), "");
+    ASSERT_EQ(message((*clip)->begin(Clock::now())), "");
+    ASSERT_EQ(message((*clip)->next()), "");
+    for (int again = 1; again <= 2; ++again) {
+        sender.reset();
+        while (!says(**clip, "connecting again")) std::this_thread::yield();
+        EXPECT_TRUE(says(**clip, "the sender ")) << "which how it ended follows";
+        sender = std::make_unique<LoopbackSender>(paced(stream), port);
+        while ((*clip)->stream_figures()->connections == again) std::this_thread::yield();
+        std::int64_t last = -1;
+        for (int n = 0; n < 3; ++n) {
+            const auto frame = (*clip)->next();
+            ASSERT_EQ(message(frame), "");
+            ASSERT_TRUE(*frame);
+            EXPECT_GT((*frame)->number, last);
+            EXPECT_TRUE(is_of_one_frame(**frame, *stream));
+            last = (*frame)->number;
+        }
+    }
+    EXPECT_TRUE(says(**clip, "was connected to again, 2 times"));
+}
+
+TEST(LiveStream, AnotherSceneEndsIt) {
+    const auto stream = stream_of(10), other = stream_of(100, all_planes, 80);
+    const LoopbackSender sender([&](const LoopbackSender::Listener& to, int number) {
+        paced(number == 0 ? stream : other)(to, number);
+    });
+    const auto clip = open_live_stream(live_choice(sender.url()));
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->next()), "");
+    ASSERT_EQ(message((*clip)->begin(Clock::now())), "");
+    while (true) {
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        if (!*frame) break;
+        EXPECT_EQ((*frame)->depth.width, 64);
+    }
+    EXPECT_TRUE(says(**clip, "sends another scene or other planes than before"));
+    EXPECT_FALSE(*(*clip)->next()) << "it is gone";
+}
+
+TEST(LiveStream, OneThatIsSilentIsConnectedToAgain) {
+    const auto stream = long_stream();
+    const LoopbackSender sender([&](const LoopbackSender::Listener& to, int number) {
+        if (number > 0) return paced(stream)(to, number);
+        (void)to.send(stream->header + stream->blocks[0] + stream->blocks[1]);
+        while (!to.is_gone() && to.wait(std::chrono::milliseconds(5))) {
+        }
+    });
+    StreamSource choice = live_choice(sender.url());
+    choice.patience.silence = std::chrono::milliseconds(50);
+    const auto clip = open_live_stream(choice);
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->begin(Clock::now())), "");
+    while ((*clip)->stream_figures()->connections < 2) std::this_thread::yield();
+    const auto frame = (*clip)->next();
+    ASSERT_EQ(message(frame), "");
+    ASSERT_TRUE(*frame);
+}
+
+TEST(LiveStream, AWaitIsInterrupted) {
+    const auto stream = stream_of(1);
+    const LoopbackSender sender([&](const LoopbackSender::Listener& to, int) {
+        (void)to.send(stream->header + stream->blocks[0]);
+        (void)to.wait(std::chrono::hours(1));
+    });
+    const auto clip = open_live_stream(live_choice(sender.url()));
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->begin(Clock::now())), "");
+    std::stop_source given_up;
+    const StopScope until(given_up.get_token());
+    std::jthread teller([&] { given_up.request_stop(); });
+    auto frame = (*clip)->next();
+    while (frame && *frame) frame = (*clip)->next();
+    ASSERT_FALSE(frame);
+    EXPECT_EQ(frame.error().kind, ErrorKind::interrupted);
+}
+
+TEST(LiveStream, APipeThatEndsIsGone) {
+    const auto stream = stream_of(5, {});
+    int ends[2];
+    ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+    const std::string bytes = stream->bytes();
+    ASSERT_LT(bytes.size(), 65'536U);
+    ASSERT_EQ(::write(ends[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+    const auto clip = open_live_stream(live_choice("pipe:" + std::to_string(ends[0])));
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->begin(Clock::now())), "");
+    ::close(ends[1]);
+    auto frame = (*clip)->next();
+    while (frame && *frame) frame = (*clip)->next();
+    ASSERT_EQ(message(frame), "");
+    EXPECT_TRUE(says(**clip, "its last frame stands still"));
+    ::close(ends[0]);
+}
+
+TEST(LiveStream, WhatWasNeverWholeIsSaid) {
+    const LoopbackSender sender(std::string("nothing of use"));
+    const auto clip = open_live_stream(live_choice(sender.url()));
+    ASSERT_FALSE(clip);
+    EXPECT_TRUE(message(clip).starts_with(sender.url() + ": ")) << message(clip);
+}
+
+/// Framesets of a sender on this machine are shown when they come.
+TEST(LiveStream, ALoopbackAddsNearlyNothing) {
+    const auto stream = long_stream();
+    const LoopbackSender sender(paced(stream));
+    const auto clip = open_live_stream(live_choice(sender.url()));
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->begin(Clock::now())), "");
+    for (int n = 0; n < 100; ++n) ASSERT_EQ(message((*clip)->next()), "");
+    EXPECT_LE((*clip)->stream_figures()->delay_ms, 200);
+    RecordProperty("delay_us", static_cast<int>(1000 * (*clip)->stream_figures()->delay_ms));
+}
+
+// MPEG-TS, received: as a clip, as a live source, over TCP, SRT and UDP.
+
+StreamOfFrames make_transport_stream(const Scene& scene, int frames, const Planes& planes) {
+    StreamOfFrames made;
+    const auto muxer = make_mpegts_muxer(scene);
+    EXPECT_EQ(message(muxer), "");
+    for (int n = 0; n < frames; ++n) {
+        made.frames.push_back(test_frame(scene, n, planes));
+        const PictureLabel label{n, labelled_from_ns + n * labelled_step_ns};
+        const auto block = (*muxer)->add(made.frames.back(), label, scene.rate.time_ns(n), n % 5 == 0);
+        EXPECT_EQ(message(block), "");
+        if (block) made.blocks.emplace_back(block->bytes.begin(), block->bytes.end());
+    }
+    return made;
+}
+
+/// Sends to a port of this machine, a packet of MPEG-TS at a time, until it has all or is not heard: by SRT
+/// to whoever calls, or by FFmpeg's UDP.
+class NetworkSender {
+public:
+    NetworkSender(bool is_srt, int port, std::shared_ptr<const StreamOfFrames> stream, int pause_ms)
+        : thread_([this, is_srt, port, stream = std::move(stream), pause_ms] {
+              std::optional<SrtPeer> srt;
+              AVIOContext* io = nullptr;
+              if (is_srt)
+                  srt.emplace(SrtPeer::Kind::listens, port);
+              else if (avio_open(&io, ("udp://127.0.0.1:" + std::to_string(port) + "?pkt_size=1316").c_str(),
+                                 AVIO_FLAG_WRITE) < 0)
+                  return;
+              for (std::size_t n = 0; !stopping_ && n < stream->blocks.size(); ++n) {
+                  const std::string& block = stream->blocks[n];
+                  for (std::size_t at = 0; at < block.size(); at += 1316) {
+                      const std::string piece = block.substr(at, 1316);
+                      if (srt && !srt->say(piece)) return;
+                      if (srt) continue;
+                      avio_write(io, reinterpret_cast<const unsigned char*>(piece.data()),
+                                 static_cast<int>(piece.size()));
+                      avio_flush(io);
+                  }
+                  std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+              }
+              if (srt) srt->wait_until_arrived();
+              avio_close(io);
+          }) {}
+    ~NetworkSender() {
+        stopping_ = true;
+        thread_.join();
+    }
+    NetworkSender(const NetworkSender&) = delete;
+    NetworkSender& operator=(const NetworkSender&) = delete;
+
+private:
+    std::atomic<bool> stopping_{false};
+    std::thread thread_;
+};
+
+TEST(TransportClip, IsWhatWasSentToTheBit) {
+    for (const Planes& planes : {all_planes, Planes{}, Planes{true, true, false}}) {
+        const auto sent = make_transport_stream(small_scene(64, 48, 16), 17, planes);
+        const LoopbackSender sender(sent.bytes());
+        const auto clip = open_stream_clip(source_of(sender.url()));
+        ASSERT_EQ(message(clip), "");
+        EXPECT_EQ((*clip)->scene().name, "small");
+        EXPECT_EQ((*clip)->tracks().size(), 1U + planes.colour + planes.haptic + planes.height);
+        const auto frames = read_all(**clip);
+        ASSERT_EQ(message(frames), "");
+        ASSERT_EQ(frames->size(), sent.frames.size());
+        for (std::size_t n = 0; n < frames->size(); ++n)
+            EXPECT_TRUE(is_as_sent((*frames)[n], sent.frames[n])) << n;
+    }
+}
+
+TEST(TransportClip, LostPacketsAreHeldAndNeverMixed) {
+    const auto sent = make_transport_stream(small_scene(64, 48, 16), 40, all_planes);
+    for (std::uint64_t seed = 1; seed < 6; ++seed) {
+        Numbers numbers(seed);
+        std::string damaged = sent.blocks[0];
+        for (std::size_t n = 1; n < sent.blocks.size(); ++n)
+            for (std::size_t at = 0; at < sent.blocks[n].size(); at += 188)
+                if (numbers.below(100) > 0) damaged += sent.blocks[n].substr(at, 188);
+        const LoopbackSender sender(damaged);
+        const auto clip = open_stream_clip(source_of(sender.url()));
+        ASSERT_EQ(message(clip), "");
+        while (true) {
+            const auto frame = (*clip)->next();
+            if (!frame || !*frame) break;
+            std::size_t of = 0;
+            while (of < sent.frames.size() && !is_as_sent(**frame, sent.frames[of])) ++of;
+            ASSERT_LT(of, sent.frames.size()) << "planes of different frames";
+            EXPECT_LE(static_cast<std::int64_t>(of), (*frame)->number);
+        }
+        EXPECT_FALSE((*clip)->remarks().empty());
+    }
+}
+
+TEST(TransportClip, ComesBySrtAndUdp) {
+    const auto sent = std::make_shared<const StreamOfFrames>(
+        make_transport_stream(small_scene(64, 48, 16), 300, {true, true, false, false}));
+    for (const std::string& scheme : {std::string("srt"), std::string("udp")}) {
+        const int port = unused_port();
+        const std::string address = scheme + "://127.0.0.1:" + std::to_string(port);
+        const bool is_srt = scheme == "srt";
+        const NetworkSender sender(is_srt, port, sent, 10);
+        StreamSource source = source_of(address + (is_srt ? "?mode=caller&latency=20" : ""));
+        source.patience.connection = std::chrono::seconds(20);
+        const auto clip = open_stream_clip(source);
+        ASSERT_EQ(message(clip), "") << scheme;
+        for (int n = 0; n < 20; ++n) {
+            const auto frame = (*clip)->next();
+            ASSERT_EQ(message(frame), "") << scheme;
+            ASSERT_TRUE(*frame);
+            EXPECT_TRUE(std::any_of(sent->frames.begin(), sent->frames.end(),
+                                    [&](const RawFrame& other) { return is_as_sent(**frame, other); }));
+        }
+    }
+}
+
+TEST(TransportClip, MatroskaComesBySrtToItsEnd) {
+    auto made = make_stream(small_scene(64, 48, 16), 60, all_planes);
+    made.blocks.insert(made.blocks.begin(), made.header);
+    const auto sent = std::make_shared<const StreamOfFrames>(std::move(made));
+    const int port = unused_port();
+    const std::string address = "srt://127.0.0.1:" + std::to_string(port);
+    const NetworkSender sender(true, port, sent, 2);
+    StreamSource source = source_of(address + "?mode=caller&latency=20");
+    source.patience.connection = std::chrono::seconds(20);
+    const auto clip = open_stream_clip(source);
+    ASSERT_EQ(message(clip), "");
+    const auto frames = read_all(**clip);
+    ASSERT_EQ(message(frames), "");
+    EXPECT_GE(frames->size(), 50U);
+    for (std::size_t n = 0; n < frames->size(); ++n)
+        EXPECT_TRUE(is_as_sent((*frames)[n], sent->frames[n])) << n;
+}
+
+TEST(TransportClip, IsTouchedLive) {
+    const auto sent = std::make_shared<const StreamOfFrames>(
+        make_transport_stream(small_scene(64, 48, 16), 300, {true, true, false, false}));
+    const LoopbackSender sender([&](const LoopbackSender::Listener& to, int) {
+        for (const std::string& block : sent->blocks)
+            if (!to.send(block) || !to.wait(std::chrono::milliseconds(4))) return;
+    });
+    const auto clip = open_live_stream({.url = *read_stream_url(sender.url())});
+    ASSERT_EQ(message(clip), "");
+    ASSERT_EQ(message((*clip)->begin(std::chrono::steady_clock::now())), "");
+    for (int n = 0; n < 10; ++n) {
+        const auto frame = (*clip)->next();
+        ASSERT_EQ(message(frame), "");
+        ASSERT_TRUE(*frame);
+    }
+    EXPECT_EQ((*clip)->stream_figures()->torn, 0);
 }
 
 }  // namespace

@@ -1,11 +1,22 @@
-#include "engine/stream/sending.hpp"
-
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <map>
+#include <numeric>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "engine/clip/tracks.hpp"
+#include "engine/stream/listeners.hpp"
+#include "engine/stream/sending.hpp"
+#include "engine/stream/stream_url.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/stream/relay.hpp"
+#include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
@@ -296,5 +307,311 @@ TEST(StreamSender, RoundsOfALoopAreOneClip) {
     }
 }
 
+// The network that other tests stand in: what it lets through, and what it does to it.
+
+/// A socket of this machine's loopback, closed with it.
+class End {
+public:
+    explicit End(int of) : of_(of) {}
+    explicit End(int type, int port) : End(::socket(AF_INET, type, 0)) {
+        const sockaddr_in address = loopback(port);
+        const auto* const plain = reinterpret_cast<const sockaddr*>(&address);
+        const int status =
+            port == 0 ? ::bind(of_, plain, sizeof address) : ::connect(of_, plain, sizeof address);
+        EXPECT_EQ(status, 0);
+        if (port == 0 && type == SOCK_STREAM) {
+            EXPECT_EQ(::listen(of_, 8), 0);
+        }
+        const timeval patience{30, 0};
+        ::setsockopt(of_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    }
+    ~End() { ::close(of_); }
+    End(const End&) = delete;
+    End& operator=(const End&) = delete;
+    int get() const { return of_; }
+    int port() const {
+        sockaddr_in address{};
+        socklen_t size = sizeof address;
+        EXPECT_EQ(::getsockname(of_, reinterpret_cast<sockaddr*>(&address), &size), 0);
+        return ntohs(address.sin_port);
+    }
+
+private:
+    int of_;
+};
+
+std::string received(const End& from, std::size_t count) {
+    std::string all;
+    std::vector<char> some(1 << 16);
+    while (all.size() < count) {
+        const ssize_t got = ::recv(from.get(), some.data(), some.size(), 0);
+        if (got <= 0) break;
+        all.append(some.data(), static_cast<std::size_t>(got));
+    }
+    return all;
+}
+
+TEST(Relay, AConnectionKeepsEveryByteInOrder) {
+    const End listener(SOCK_STREAM, 0);
+    const auto relay = Relay::open(Relay::Kind::tcp, listener.port(),
+                                   {.loss = 0.05, .burst = 2, .delay_ms = 2, .jitter_ms = 3});
+    ASSERT_TRUE(relay) << relay.error().message;
+    const End client(SOCK_STREAM, (*relay)->port());
+    const End server(::accept(listener.get(), nullptr, nullptr));
+    std::string sent(300'000, ' ');
+    std::iota(sent.begin(), sent.end(), '\0');
+    ASSERT_EQ(::send(server.get(), sent.data(), sent.size(), 0), static_cast<ssize_t>(sent.size()));
+    ::shutdown(server.get(), SHUT_WR);
+    EXPECT_EQ(received(client, sent.size() + 1), sent);
+    EXPECT_GT((*relay)->lost(), 0);
+    (*relay)->cut();
+    EXPECT_EQ(received(client, 1), "");
+}
+
+TEST(Relay, DatagramsAreLostAsOftenAsItSays) {
+    const End server(SOCK_DGRAM, 0);
+    const auto relay = Relay::open(Relay::Kind::udp, server.port(), {.loss = 0.1, .burst = 3});
+    ASSERT_TRUE(relay) << relay.error().message;
+    const End client(SOCK_DGRAM, (*relay)->port());
+    constexpr int count = 2000;
+    int last = -1, arrived = 0;
+    const auto take_one = [&] {
+        int number = -1;
+        ASSERT_EQ(::recv(server.get(), &number, sizeof number, 0), static_cast<ssize_t>(sizeof number));
+        ASSERT_GT(number, last);
+        last = number;
+        ++arrived;
+    };
+    for (int k = 0; k < count; ++k) {
+        ASSERT_EQ(::send(client.get(), &k, sizeof k, 0), static_cast<ssize_t>(sizeof k));
+        while ((*relay)->passed() + (*relay)->lost() <= k) ::poll(nullptr, 0, 1);
+        while (arrived < (*relay)->passed()) take_one();
+    }
+    EXPECT_NEAR(static_cast<double>((*relay)->lost()) / count, 0.1, 0.04);
+    (*relay)->stall(true);
+    const std::int64_t before = (*relay)->passed();
+    const int more = count;
+    ASSERT_GT(::send(client.get(), &more, sizeof more, 0), 0);
+    while ((*relay)->passed() + (*relay)->lost() <= count) ::poll(nullptr, 0, 1);
+    EXPECT_EQ((*relay)->passed(), before);
+}
+
 }  // namespace
 }  // namespace touchable::test
+
+namespace touchable {
+namespace {
+
+constexpr std::chrono::milliseconds long_enough{60'000};
+
+void add_blocks(StreamRing& ring, std::int64_t from, std::int64_t to, std::int64_t keys = 15,
+                std::size_t bytes = 10) {
+    for (std::int64_t n = from; n < to; ++n)
+        ring.add({n, n % keys == 0, std::vector<std::uint8_t>(bytes, static_cast<std::uint8_t>(n))});
+}
+
+std::int64_t next_frame(const StreamRing& ring, StreamRing::Cursor& cursor) {
+    const auto block = ring.next(cursor);
+    return block ? block->frame : -1;
+}
+
+TEST(StreamRing, WhoIsThereFromTheBeginningHasAll) {
+    StreamRing ring;
+    auto cursor = ring.join();
+    EXPECT_EQ(ring.header(), nullptr);
+    EXPECT_EQ(ring.next(cursor), nullptr);
+    const std::vector<std::uint8_t> header{1, 2, 3};
+    ring.begin(header);
+    EXPECT_EQ(*ring.header(), header);
+    add_blocks(ring, 0, 30);  // none was taken meanwhile, and a key passed by
+    for (std::int64_t n = 0; n < 30; ++n) EXPECT_EQ(next_frame(ring, cursor), n);
+    EXPECT_EQ(ring.next(cursor), nullptr);
+    EXPECT_FALSE(ring.is_over(cursor));
+    add_blocks(ring, 30, 31);
+    ring.end();
+    EXPECT_FALSE(ring.is_over(cursor));
+    EXPECT_EQ(next_frame(ring, cursor), 30);
+    EXPECT_TRUE(ring.is_over(cursor));
+    EXPECT_EQ(cursor.dropped(), 0);
+}
+
+TEST(StreamRing, WhoJoinsLateBeginsWithTheNewestKey) {
+    for (std::int64_t there = 1; there < 100; ++there) {
+        StreamRing ring;
+        add_blocks(ring, 0, there);
+        auto cursor = ring.join();
+        add_blocks(ring, there, there + 3);
+        const auto first = ring.next(cursor);
+        ASSERT_TRUE(first);
+        EXPECT_TRUE(first->is_key);
+        EXPECT_LT(there - 1 - first->frame, 15);
+        EXPECT_EQ(next_frame(ring, cursor), first->frame + 1);
+        EXPECT_EQ(cursor.dropped(), 0);
+    }
+}
+
+TEST(StreamRing, GoesToNewestKeyThatIsAhead) {
+    StreamRing ring;
+    add_blocks(ring, 0, 18);
+    auto cursor = ring.join();  // 15
+    EXPECT_FALSE(ring.go_to_newest_key(cursor));
+    EXPECT_EQ(next_frame(ring, cursor), 15);
+    EXPECT_FALSE(ring.go_to_newest_key(cursor));
+    add_blocks(ring, 18, 32);
+    EXPECT_TRUE(ring.has_next(cursor));
+    EXPECT_TRUE(ring.go_to_newest_key(cursor));
+    EXPECT_EQ(cursor.dropped(), 14);
+    EXPECT_EQ(next_frame(ring, cursor), 30);
+    EXPECT_EQ(next_frame(ring, cursor), 31);
+    EXPECT_FALSE(ring.has_next(cursor));
+}
+
+// One that is behind by more than the bound goes on with the newest key, and the others do not notice.
+TEST(StreamRing, WhoIsTooFarBehindMissesWholeFramesets) {
+    StreamRing ring({.framesets = 20, .bytes = 1'000'000});
+    auto quick = ring.join(), slow = ring.join();
+    for (std::int64_t n = 0; n < 20; ++n) {
+        add_blocks(ring, n, n + 1);
+        EXPECT_EQ(next_frame(ring, quick), n);
+    }
+    EXPECT_EQ(next_frame(ring, slow), 0);
+    add_blocks(ring, 20, 47);
+    EXPECT_EQ(next_frame(ring, slow), 45);
+    EXPECT_EQ(slow.dropped(), 44);
+    EXPECT_EQ(next_frame(ring, slow), 46);
+    EXPECT_EQ(next_frame(ring, quick), 45) << "it had taken nothing for 27 either";
+    EXPECT_EQ(quick.dropped(), 25);
+}
+
+TEST(StreamRing, BytesAreBoundedToo) {
+    StreamRing ring({.framesets = 1000, .bytes = 10'000});
+    auto cursor = ring.join();
+    add_blocks(ring, 0, 10, 5, 1000);
+    EXPECT_EQ(next_frame(ring, cursor), 0);
+    add_blocks(ring, 10, 13, 5, 1000);
+    EXPECT_EQ(next_frame(ring, cursor), 10);
+    EXPECT_EQ(cursor.dropped(), 9);
+    // From the newest key on everything is kept, however large, so that decoding can begin.
+    auto late = ring.join();
+    add_blocks(ring, 13, 15, 5, 50'000);
+    for (std::int64_t n = 10; n < 15; ++n) EXPECT_EQ(next_frame(ring, late), n);
+    std::weak_ptr<const StreamMuxer::Block> old;
+    {
+        auto first = ring.join();
+        old = ring.next(first);
+    }
+    EXPECT_FALSE(old.expired());
+    add_blocks(ring, 15, 16, 5, 1000);
+    EXPECT_TRUE(old.expired()) << "a key more, and what is before it goes";
+}
+
+TEST(StreamRing, WhoWaitsIsWoken) {
+    StreamRing ring;
+    int woken = 0;
+    ring.watch([&woken] { ++woken; });
+    std::thread sender([&ring] {
+        add_blocks(ring, 0, 3);
+        ring.end();
+    });
+    auto cursor = ring.join();
+    for (std::int64_t n = 0; n < 3; ++n) {
+        const auto block = ring.wait_next(cursor, long_enough);
+        ASSERT_TRUE(block);
+        EXPECT_EQ(block->frame, n);
+    }
+    EXPECT_EQ(ring.wait_next(cursor, long_enough), nullptr);
+    EXPECT_TRUE(ring.is_over(cursor));
+    sender.join();
+    EXPECT_EQ(woken, 4);
+}
+
+int status_of(std::string_view request, std::size_t at_once = 1000) {
+    HttpRequest asked("/live.mkv");
+    for (; !request.empty(); request.remove_prefix(std::min(at_once, request.size())))
+        asked.take(request.substr(0, at_once));
+    return asked.status();
+}
+
+TEST(HttpRequest, OnlyTheStreamIsGiven) {
+    for (const std::size_t at_once : {1U, 2U, 3U, 1000U}) {
+        EXPECT_EQ(status_of("GET /live.mkv HTTP/1.1\r\nHost: a\r\n\r\n", at_once), 200);
+        EXPECT_EQ(status_of("GET /live.mkv?x=1 HTTP/1.0\n\n", at_once), 200);
+        EXPECT_EQ(status_of("HEAD /live.mkv HTTP/1.1\r\n\r\n", at_once), 200);
+        EXPECT_EQ(status_of("GET /live.mkv HTTP/1.1\r\nHost: a\r\n", at_once), 0);
+        EXPECT_EQ(status_of("GET / HTTP/1.1\r\n\r\n", at_once), 404);
+        EXPECT_EQ(status_of("GET /live.mkv/../a HTTP/1.1\r\n\r\n", at_once), 404);
+        EXPECT_EQ(status_of("POST /live.mkv HTTP/1.1\r\n\r\n", at_once), 405);
+        EXPECT_EQ(status_of("GET live.mkv HTTP/1.1\r\n\r\n", at_once), 400);
+        EXPECT_EQ(status_of("GET /live.mkv HTTP/9\r\n\r\n", at_once), 400);
+        EXPECT_EQ(status_of("GET /live.mkv HTTP/1.1 x\r\n\r\n", at_once), 400);
+        EXPECT_EQ(status_of("GET /live.mkv\r\n\r\n", at_once), 400);
+        EXPECT_EQ(status_of("\r\n\r\n", at_once), 400);
+        EXPECT_EQ(status_of(std::string(10, '\0') + "\n\n", at_once), 400);
+    }
+    EXPECT_EQ(status_of("GET /live.mkv HTTP/1.1\r\nA: " + std::string(8000, 'a')), 0);
+    EXPECT_EQ(status_of("GET /live.mkv HTTP/1.1\r\nA: " + std::string(9000, 'a')), 400);
+    EXPECT_EQ(status_of("GET /live.mkv HTTP/1.1\r\nA: " + std::string(9000, 'a') + "\r\n\r\n"), 400);
+    HttpRequest head("/"), get("/");
+    head.take("HEAD / HTTP/1.1\r\n\r\nGET / HTTP/1.1\r\n\r\n");
+    get.take("GET / HTTP/1.1\r\n\r\n");
+    EXPECT_TRUE(head.is_head());
+    EXPECT_FALSE(get.is_head());
+}
+
+TEST(StreamUrl, PartsOfOne) {
+    const auto srt = read_stream_url("srt://192.168.0.5:7000?mode=caller&latency=60000");
+    ASSERT_TRUE(srt) << srt.error().message;
+    EXPECT_EQ(srt->transport, StreamTransport::srt);
+    EXPECT_EQ(srt->host, "192.168.0.5");
+    EXPECT_EQ(srt->port, 7000);
+    EXPECT_EQ(srt->value("mode"), "caller");
+    EXPECT_EQ(srt->value("latency"), "60000");
+    EXPECT_EQ(srt->value("late"), "");
+    EXPECT_EQ(srt->protocols(), "") << "FFmpeg has no part in it";
+    const auto web = read_stream_url("https://example.org/a/clip.m3u8?key=1");
+    ASSERT_TRUE(web) << web.error().message;
+    EXPECT_EQ(web->path, "/a/clip.m3u8");
+    EXPECT_EQ(web->port, 443);
+    EXPECT_EQ(read_stream_url("http://example.org")->port, 80);
+    EXPECT_EQ(read_stream_url("http://0.0.0.0:0/live")->port, 0);
+    EXPECT_EQ(web->protocols(), "https,tls,tcp");
+    const auto six = read_stream_url("tcp://[::1]:0");
+    ASSERT_TRUE(six) << six.error().message;
+    EXPECT_EQ(six->host, "::1");
+    EXPECT_EQ(read_stream_url("-")->text, "pipe:0");
+    EXPECT_EQ(read_stream_url("pipe:3")->text, "pipe:3");
+}
+
+TEST(StreamUrl, ItsNameKeepsItsPassphrase) {
+    EXPECT_EQ(read_stream_url("srt://h:1?passphrase=0123456789&latency=5")->name(),
+              "srt://h:1?passphrase=...&latency=5");
+    EXPECT_EQ(without_passphrase("srt://h:1?latency=5&passphrase=latency=50"),
+              "srt://h:1?latency=5&passphrase=...");
+    EXPECT_EQ(without_passphrase("srt://h?Passphrase=0123456789"), "srt://h?Passphrase=...");
+    EXPECT_EQ(without_passphrase("http://me:secret@h/a.mkv"), "http://...@h/a.mkv");
+    for (const char* const words :
+         {"srt://h:99999?passphrase=0123456789", "srt://h:1?passphrase=012345", "http://me:0123456789@h/"}) {
+        const auto url = read_stream_url(words);
+        ASSERT_FALSE(url) << words;
+        EXPECT_EQ(url.error().message.find("01234"), std::string::npos) << url.error().message;
+    }
+    EXPECT_EQ(without_passphrase("clip.mkv"), "clip.mkv");
+}
+
+TEST(StreamUrl, WhatIsNoneIsRefused) {
+    for (const char* const words :
+         {"tcp://host", "tcp://host:", "tcp://host:65536", "tcp://host:-1", "tcp://host:1x", "tcp://host:1/a",
+          "tcp://[::1:5", "tcp://[]:5", "tcp://a b:5", "tcp://u@h:5", "http://", "http:///a", "pipe:x",
+          "pipe:-1", "srt://h:5?mode=caller&foo=1", "udp://h:5?latency=1", "tcp://h:5?listen=1", "file:/a",
+          "rtmp://h/a"}) {
+        const auto url = read_stream_url(words);
+        ASSERT_FALSE(url) << words;
+        EXPECT_EQ(url.error().kind, ErrorKind::usage) << words;
+    }
+    EXPECT_FALSE(is_stream_url("clip.mkv"));
+    EXPECT_FALSE(is_stream_url("folder/tcp"));
+    EXPECT_TRUE(is_stream_url("tcp://anything"));
+}
+
+}  // namespace
+}  // namespace touchable

@@ -1,10 +1,15 @@
 // From which measurement on each filter is chosen, and how strong: the numbers of docs/scene_file.md, Filters
 // that are left out.
-#include "engine/surface/depth_estimator.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "engine/scene/filter_codes.hpp"
+#include "engine/surface/depth_estimator.hpp"
+#include "engine/surface/estimators.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "tests/frame/random.hpp"
 #include "tests/surface/pictures.hpp"
 
 namespace touchable::test {
@@ -273,6 +278,487 @@ TEST(ChosenFilters, NoiseThatTheSceneStatesIsKept) {
     choose_filters(measured, all_unstated, scene);
     EXPECT_TRUE(scene.filter.temporal);
     EXPECT_EQ(scene.filter.temporal_noise, (DepthLength{0.7, 0}));
+}
+
+FilterPlan plan_of(const FilterSettings& filter, int bits = 8) {
+    return FilterPlan(depth_scene(40, 30, bits, Marking::none, filter));
+}
+
+TEST(FilterPlan, OfNoFilterOnlyDecodes) {
+    const FilterPlan plan = plan_of({});
+    EXPECT_TRUE(plan.filters.empty());
+    EXPECT_EQ(plan.reach(), 0);
+    EXPECT_FALSE(plan.remembers());
+    EXPECT_EQ(plan.coding(), plan.stored);
+}
+
+TEST(FilterPlan, HasTheFiltersInTheOrderOfTheConventions) {
+    FilterSettings all{.median = 5, .fill_holes = 2, .terraces = TerraceRemoval::on};
+    const FilterPlan still = plan_of(all);
+    ASSERT_EQ(still.filters.size(), 3U);
+    EXPECT_EQ(std::get<FilterPlan::HoleFilling>(still.filters[0].filter).passes, 2);
+    EXPECT_EQ(std::get<FilterPlan::MedianWindow>(still.filters[1].filter).side, 5);
+    EXPECT_EQ(std::get<TerraceFilter>(still.filters[2].filter).working.factor, 126);  // floor(32767 / 260)
+    EXPECT_EQ(still.reach(), 2 + 2 + 16);
+    EXPECT_FALSE(still.remembers());
+
+    all.temporal = true;
+    all.temporal_noise = {0.1, 0};
+    const FilterPlan moving = plan_of(all);
+    ASSERT_EQ(moving.filters.size(), 4U);
+    EXPECT_EQ(std::get<TemporalFilter>(moving.filters[2].filter).working.factor, 126);
+    EXPECT_EQ(std::get<TerraceFilter>(moving.filters[3].filter).working.factor, 1) << "multiplied before";
+    EXPECT_TRUE(moving.remembers());
+    EXPECT_NE(moving, still);
+}
+
+TEST(FilterPlan, EndsInTheCodingOfTheLastFilter) {
+    EXPECT_EQ(plan_of({.median = 3}).coding().code_max, 255);
+    FilterSettings finer{.median = 3, .temporal = true, .temporal_noise = {0.1, 0}};
+    EXPECT_EQ(plan_of(finer).coding().code_max, 255 * 126);
+    finer.terraces = TerraceRemoval::on;
+    EXPECT_EQ(plan_of(finer).coding().code_max, 255 * 126 * 2);
+    EXPECT_EQ(plan_of(finer).filters.front().coding.code_max, 255);
+}
+
+TEST(FilterPlan, FindsWhatTheSceneAsksFor) {
+    const FilterPlan plan = plan_of({.median = 3});
+    ASSERT_NE(plan.find<FilterPlan::MedianWindow>(), nullptr);
+    EXPECT_EQ(plan.find<FilterPlan::MedianWindow>()->side, 3);
+    EXPECT_EQ(plan.find<FilterPlan::HoleFilling>(), nullptr);
+    EXPECT_EQ(plan.find<TemporalFilter>(), nullptr);
+    const FilterPlan too_fine = plan_of({.terraces = TerraceRemoval::automatic}, 16);
+    EXPECT_EQ(too_fine.find<TerraceFilter>(), nullptr) << "a step is too small to be felt";
+}
+
+// Filters are tried on smooth places of a recording, put side by side.
+
+constexpr int picture_width = 320, picture_height = 240;
+
+Scene scene_of_millimetres() {
+    Scene scene;
+    scene.width = picture_width;
+    scene.height = picture_height;
+    scene.camera = {300, 300, 159.5, 119.5};
+    scene.depth_bits = 16;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 1;
+    scene.depth.far = 20700;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+/// Whole millimetres of a wall that leans.
+struct Wall {
+    double noise = 0;  ///< standard deviation, mm
+    double level = 0;  ///< mm at a metre, of disparity; 0: none
+    bool holes = false, strays = false;
+    double pens = 0;  ///< mm that pens stand out: columns 5 wide, 80 apart
+
+    static bool is_pen(int x) { return x % 80 >= 40 && x % 80 < 45; }
+
+    CodePicture picture(std::uint64_t seed) const {
+        Random random(seed);
+        CodePicture picture{picture_width, picture_height, {}};
+        for (int y = 0; y < picture_height; ++y)
+            for (int x = 0; x < picture_width; ++x) {
+                double depth = 1000 / (1 - 0.3 * (x - 159.5) / 300 + 0.2 * (y - 119.5) / 300);
+                double sum = -6;
+                for (int k = 0; k < 12; ++k) sum += random.below(1 << 16) / 65536.0;
+                depth += noise * sum - (is_pen(x) ? pens : 0);
+                if (level > 0) {
+                    const double step = level * 1e-6;
+                    depth = 1 / (step * std::floor(1 / depth / step + 0.5));
+                }
+                int code = static_cast<int>(depth + 0.5);
+                if (strays && random.below(2000) == 0) code = 19700;
+                if (holes && random.below(50) == 0) code = CodePicture::invalid;
+                picture.codes.push_back(code);
+            }
+        return picture;
+    }
+};
+
+std::deque<CodePicture> still_of(const Wall& wall) {
+    return {wall.picture(1)};
+}
+
+const TriedFilters& unfiltered(const std::vector<TriedFilters>& tried) {
+    return *found_among(tried, {});
+}
+
+TEST(SmoothPatches, AFittedWallOfWholeMillimetresIsAboutAsRoughAsRounding) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({}));
+    ASSERT_TRUE(patches.enough());
+    EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 1 / std::sqrt(12.0), 0.06);
+    EXPECT_NEAR(patches.median_depth(), 1000, 60);
+}
+
+TEST(SmoothPatches, RoughnessIsTheNoiseWhateverIsMissingOrFarBehind) {
+    for (const bool spoilt : {false, true}) {
+        const SmoothPatches patches(scene_of_millimetres(),
+                                    still_of({.noise = 4, .holes = spoilt, .strays = spoilt}));
+        ASSERT_TRUE(patches.enough());
+        EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 4, 0.4);
+    }
+}
+
+TEST(SmoothPatches, FacesOfNoiseLeanAsFarAsItSays) {
+    for (const double noise : {0.1, 0.3, 1.0}) {
+        Scene scene = scene_of_millimetres();
+        scene.depth.scale = 0.05;  // finer than all noise
+        scene.depth.far = 3000;
+        derive_valid_range(scene.depth);
+        std::deque<CodePicture> pictures = still_of({});
+        Random random(7);
+        for (int y = 0; y < picture_height; ++y)
+            for (int x = 0; x < picture_width; ++x) {
+                double sum = -6;
+                for (int k = 0; k < 12; ++k) sum += random.below(1 << 16) / 65536.0;
+                pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] =
+                    static_cast<int>(20 * (1000 + noise * sum) + 0.5);
+            }
+        const SmoothPatches patches(scene, pictures);
+        ASSERT_TRUE(patches.enough());
+        SurfaceFrame built;
+        ASSERT_TRUE(make_reference_builder(patches.mosaic_scene())->build(patches.mosaics().back(), built));
+        // Two slopes across each other, each sqrt(2) noise over 10/3 mm.
+        const double expected =
+            std::atan(std::sqrt(2.0) * std::sqrt(2.0) * noise / (1000.0 / 300)) * 180 / 3.14159265;
+        EXPECT_NEAR(patches.faces_off_deg(built), expected, 0.08 * expected) << noise;
+    }
+}
+
+// Filters of a mosaic do to the middle of a patch's core, of which faces are looked at, what they do to the
+// picture.
+TEST(SmoothPatches, AreFilteredAsThePictureIs) {
+    Scene scene = scene_of_millimetres();
+    const std::deque<CodePicture> pictures = still_of({.noise = 2, .level = 3, .holes = true});
+    const SmoothPatches patches(scene, pictures);
+    ASSERT_TRUE(patches.enough());
+    const FilterSettings filter{.median = 5, .terraces = TerraceRemoval::on, .levels = {0, 4e-6}};
+    std::vector<std::uint16_t> codes;
+    for (const int code : pictures[0].codes)
+        codes.push_back(static_cast<std::uint16_t>(code == CodePicture::invalid ? 0 : code));
+    RawFrame raw;
+    raw.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()),
+                 2 * picture_width,
+                 picture_width,
+                 picture_height,
+                 2,
+                 1};
+    scene.filter = filter;
+    Scene mosaic = patches.mosaic_scene();
+    mosaic.filter = filter;
+    SurfaceFrame whole, built;
+    ASSERT_TRUE(make_reference_builder(scene)->build(raw, whole));
+    ASSERT_TRUE(make_reference_builder(mosaic)->build(patches.mosaics().back(), built));
+    ASSERT_GE(patches.places().size(), 30U);
+    for (const auto& [from, to] : patches.places())
+        for (int y = SmoothPatches::margin; y <= SmoothPatches::core - SmoothPatches::margin; ++y)
+            for (int x = SmoothPatches::margin; x <= SmoothPatches::core - SmoothPatches::margin; ++x) {
+                const auto in_mosaic = built.index(to.x + x, to.y + y),
+                           in_whole = whole.index(from.x + x, from.y + y);
+                ASSERT_EQ(built.codes[in_mosaic], whole.codes[in_whole]) << x << ", " << y;
+            }
+}
+
+// Of a large picture no more is kept than where a place can lie, which is told by the picture's own pixels.
+TEST(SmoothPatches, OfALargePictureAreTheSamePixels) {
+    for (const auto& [width, height] : {std::pair{3000, 100}, {100, 3000}, {1600, 1545}}) {
+        Scene scene = scene_of_millimetres();
+        scene.width = width;
+        scene.height = height;
+        CodePicture picture{width, height, {}};
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) picture.codes.push_back((10000 + 3 * x + 2 * y) / 10);
+        const CodePicture cropped = SmoothPatches::cropped(picture);
+        EXPECT_EQ(cropped.width, std::min(width, 1536));
+        EXPECT_EQ(cropped.height, std::min(height, 1536));
+        const SmoothPatches patches(scene, {cropped});
+        ASSERT_TRUE(patches.enough());
+        EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 1 / std::sqrt(12.0), 0.06);
+        const PlaneView mosaic = patches.mosaics().back().depth;
+        constexpr int around = (SmoothPatches::side - SmoothPatches::core) / 2;
+        for (const auto& [from, to] : patches.places())
+            for (int y = -around; y < SmoothPatches::side - around; ++y)
+                for (int x = -around; x < SmoothPatches::side - around; ++x)
+                    ASSERT_EQ(mosaic.sample(to.x + x, to.y + y), picture.row(from.y + y)[from.x + x]);
+    }
+}
+
+// Pens of five times the noise fit into a patch that is about as smooth as the others.
+TEST(SmoothPatches, LeaveOutLowRelief) {
+    for (const double level : {0.0, 4.0}) {
+        const Wall wall{.noise = 2, .level = level, .pens = 10};
+        std::deque<CodePicture> pictures;
+        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n) pictures.push_back(wall.picture(n));
+        const SmoothPatches patches(scene_of_millimetres(), pictures);
+        ASSERT_TRUE(patches.enough());
+        for (const auto& [from, to] : patches.places())
+            for (int x = 2; x < SmoothPatches::core - 2; ++x)
+                EXPECT_FALSE(Wall::is_pen(from.x + x)) << from.x << " + " << x;
+        // Without pens no patch is left out.
+        pictures.clear();
+        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
+            pictures.push_back(Wall{.noise = 2, .level = level}.picture(n));
+        EXPECT_GE(SmoothPatches(scene_of_millimetres(), pictures).places().size(), 60U);
+    }
+}
+
+// Where relief is everywhere, it is better to judge filters by it than by nothing.
+TEST(SmoothPatches, KeepLowReliefWhereNothingElseIs) {
+    CodePicture picture = Wall{.noise = 2}.picture(1);
+    for (int y = 0; y < picture_height; ++y)
+        for (int x = 0; x < picture_width; ++x)
+            if (x % 16 < 5) picture.codes[static_cast<std::size_t>(y * picture_width + x)] -= 10;
+    EXPECT_TRUE(SmoothPatches(scene_of_millimetres(), {picture}).enough());
+}
+
+// A background of one code is the smoothest place of all, and says nothing.
+TEST(SmoothPatches, AreNotOfABackgroundOfOneCode) {
+    std::deque<CodePicture> pictures = still_of({.level = 12});
+    for (int y = 0; y < picture_height; ++y)
+        for (int x = 0; x < picture_width / 2; ++x)
+            pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] = 3000;
+    const SmoothPatches patches(scene_of_millimetres(), pictures);
+    ASSERT_TRUE(patches.enough());
+    for (const auto& [from, to] : patches.places())
+        EXPECT_GT(from.x + SmoothPatches::core, picture_width / 2);
+}
+
+TEST(SmoothPatches, AreTooFewInASmallPictureAndWithoutDepth) {
+    Scene scene = scene_of_millimetres();
+    EXPECT_FALSE(SmoothPatches(scene, {}).enough());
+    CodePicture none{picture_width, picture_height,
+                     std::vector<int>(std::size_t{picture_width} * picture_height, CodePicture::invalid)};
+    EXPECT_FALSE(SmoothPatches(scene, {none}).enough());
+    scene.width = 63;
+    CodePicture small{63, 64, std::vector<int>(std::size_t{63} * 64, 1000)};
+    EXPECT_FALSE(SmoothPatches(scene, {small}).enough());
+}
+
+TEST(FilterSearch, FindsWhatMakesANoisyWallSmooth) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({.noise = 4, .strays = true}));
+    const auto tried = tried_filters(patches, {}, {});
+    ASSERT_GT(tried.size(), 10U);
+    const TriedFilters& best = *mildest_of_the_best(tried, false);
+    EXPECT_GT(unfiltered(tried).left_deg, 30);
+    EXPECT_LT(best.left_deg, 6);
+    EXPECT_TRUE(best.terraces);
+    for (std::size_t n = 1; n < tried.size(); ++n) EXPECT_GE(tried[n].harshness, tried[n - 1].harshness);
+}
+
+// Filters that smooth pens away leave no less than others, so the mildest is taken.
+TEST(FilterSearch, KeepsLowRelief) {
+    const auto chosen = [](double pens) {
+        std::deque<CodePicture> pictures;
+        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
+            pictures.push_back(Wall{.noise = 2, .pens = pens}.picture(n));
+        const auto tried = tried_filters(SmoothPatches(scene_of_millimetres(), pictures), {}, {2, 0});
+        return *mildest_of_the_best(tried, true);
+    };
+    const TriedFilters with = chosen(12), without = chosen(0);
+    EXPECT_LE(with.harshness, without.harshness);
+    EXPECT_LT(with.left_deg, 1.3 * without.left_deg);
+}
+
+TEST(FilterSearch, TriesAllWithAndWithoutAveragingWhatIsNoisyFromFrameToFrame) {
+    std::deque<CodePicture> pictures;
+    for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
+        pictures.push_back(Wall{.noise = 4}.picture(n));
+    const auto tried = tried_filters(SmoothPatches(scene_of_millimetres(), pictures), {}, {4, 0});
+    for (const TriedFilters& one : tried) {
+        FilterSettings filter{.median = one.median, .levels = one.levels, .temporal = !one.temporal};
+        filter.terraces = one.terraces ? TerraceRemoval::on : TerraceRemoval::off;
+        const TriedFilters* const other = found_among(tried, filter);
+        ASSERT_NE(other, nullptr);
+        if (one.temporal) {
+            EXPECT_LT(one.left_deg, other->left_deg) << one.harshness;
+        }
+    }
+    EXPECT_LT(mildest_of_the_best(tried, true)->left_deg, mildest_of_the_best(tried, false)->left_deg);
+}
+
+TEST(FilterSearch, TakesLevelsThatWereSeenForWhatTheyAre) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({.level = 12}));
+    const auto tried = tried_filters(patches, {0, 12e-6}, {});
+    const TriedFilters& best = *mildest_of_the_best(tried, false);
+    EXPECT_EQ(best.median, 0);
+    EXPECT_TRUE(best.terraces);
+    EXPECT_GE(best.levels.quadratic, 12e-6);
+    EXPECT_LE(best.levels.quadratic, 1.4001 * 12e-6);
+    EXPECT_LT(best.left_deg, 0.1 * unfiltered(tried).left_deg);
+}
+
+TEST(FilterSearch, LeavesASmoothWallAlone) {
+    Scene scene = scene_of_millimetres();
+    scene.depth.scale = 0.05;
+    scene.depth.far = 3000;
+    derive_valid_range(scene.depth);
+    std::deque<CodePicture> pictures = still_of({});
+    for (int& code : pictures[0].codes) code *= 20;
+    for (int y = 0; y < picture_height; ++y)
+        for (int x = 0; x < picture_width; ++x)
+            pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] =
+                static_cast<int>(20 * 1000 / (1 - 0.3 * (x - 159.5) / 300) + 0.5);
+    const auto tried = tried_filters(SmoothPatches(scene, pictures), {}, {});
+    ASSERT_FALSE(tried.empty());
+    const TriedFilters& best = *mildest_of_the_best(tried, false);
+    EXPECT_EQ(best.median, 0);
+    EXPECT_FALSE(best.terraces);
+}
+
+TEST(FilterSearch, TellsWhatRemovalAloneDoes) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({.level = 12}));
+    const auto tried = tried_removal(patches, {0, 12e-6});
+    ASSERT_EQ(tried.size(), 2U);
+    EXPECT_LT(tried[1].left_deg, 0.1 * tried[0].left_deg);
+    EXPECT_EQ(found_among(tried, {.terraces = TerraceRemoval::on, .levels = {0, 12e-6}}), &tried[1]);
+    EXPECT_EQ(found_among(tried, {.median = 5}), nullptr);
+}
+
+// Small pictures worked out by hand; in them 0 is an invalid pixel. Every builder must agree with the hand.
+
+using Codes = std::vector<std::uint16_t>;
+
+void expect_filtered(int width, int height, const Codes& stored, FilterSettings filter,
+                     const Codes& expected) {
+    for (const int bytes : {1, 2}) {
+        const Scene scene = depth_scene(width, height, 8 * bytes, Marking::zero, filter);
+        const StoredPlane plane = store_plane(width, height, stored, {.bytes_per_sample = bytes});
+        SurfaceFrame reference, cpu, lazy;
+        ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
+        ASSERT_TRUE(make_cpu_builder(scene)->build(plane.frame(), cpu));
+        ASSERT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy));
+        EXPECT_EQ(reference.codes, expected);
+        EXPECT_EQ(cpu.codes, expected);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const std::uint16_t code = expected[reference.index(x, y)];
+                EXPECT_EQ(reference.is_valid(x, y), code != 0) << x << ", " << y;
+                EXPECT_EQ(cpu.is_valid(x, y), code != 0) << x << ", " << y;
+                EXPECT_EQ(lazy.vertices->at(x, y).valid, code != 0) << x << ", " << y;
+                if (code == 0) continue;
+                EXPECT_EQ(lazy.vertices->at(x, y).depth, scene.depth.depth(code)) << x << ", " << y;
+            }
+    }
+}
+
+TEST(Median, OfAnEvenCountIsTheLowerOneAndAnInvalidCentreStaysInvalid) {
+    // At (0, 0), for example: 10 10 20 / 10 10 20 / 40 40 -, sorted 10 10 10 10 20 20 40 40, element 7/2
+    // is 10.
+    expect_filtered(3, 3,
+                    {10, 20, 30,  //
+                     40, 0, 60,   //
+                     70, 80, 90},
+                    {.median = 3},
+                    {10, 20, 30,  //
+                     40, 0, 60,   //
+                     70, 70, 80});
+}
+
+TEST(Median, ReplicatesTheBorderPixelsCodeAndValidity) {
+    expect_filtered(5, 1, {9, 1, 8, 2, 7}, {.median = 5}, {9, 8, 7, 7, 7});
+    expect_filtered(5, 1, {9, 1, 0, 2, 7}, {.median = 5}, {9, 2, 0, 2, 7});
+    // At (1, 0): columns 0, 1 and 2, of which column 0 is an invalid border pixel three times over.
+    expect_filtered(3, 1, {0, 4, 6}, {.median = 3}, {0, 4, 6});
+}
+
+TEST(Median, OfASinglePixelIsThatPixel) {
+    expect_filtered(1, 1, {42}, {.median = 5}, {42});
+    expect_filtered(1, 1, {0}, {.median = 5, .fill_holes = 16}, {0});
+}
+
+TEST(Median, RemovesASpikeAndKeepsAnEdge) {
+    expect_filtered(5, 3,
+                    {10, 10, 10, 50, 50,  //
+                     10, 99, 10, 50, 50,  //
+                     10, 10, 10, 50, 50},
+                    {.median = 3},
+                    {10, 10, 10, 50, 50,  //
+                     10, 10, 10, 50, 50,  //
+                     10, 10, 10, 50, 50});
+}
+
+// One rim at a time: a pixel is filled from what was valid before the pass, and neighbours beyond the edge do
+// not count, so (1, 0) with two valid neighbours has to wait for (1, 1), whose neighbours 3 5 7 9 give 5.
+TEST(HoleFilling, ReadsTheStateBeforeThePass) {
+    const Codes stored = {5, 0, 0, 0,  //
+                          9, 0, 0, 0,  //
+                          7, 3, 0, 0};
+    expect_filtered(4, 3, stored, {.fill_holes = 0}, stored);
+    expect_filtered(4, 3, stored, {.fill_holes = 1},
+                    {5, 0, 0, 0,  //
+                     9, 5, 0, 0,  //
+                     7, 3, 0, 0});
+    expect_filtered(4, 3, stored, {.fill_holes = 2},
+                    {5, 5, 0, 0,  //
+                     9, 5, 0, 0,  //
+                     7, 3, 0, 0});
+    expect_filtered(4, 3, stored, {.fill_holes = 3},
+                    {5, 5, 0, 0,  //
+                     9, 5, 5, 0,  //
+                     7, 3, 0, 0});
+}
+
+TEST(HoleFilling, ComesBeforeTheMedian) {
+    // The centre becomes 2, from 1 1 2 2 2 2 9 9. Had the median come first, the upper row would be 1 1 1.
+    expect_filtered(3, 3,
+                    {1, 9, 1,  //
+                     2, 0, 2,  //
+                     2, 2, 9},
+                    {.median = 3, .fill_holes = 1},
+                    {2, 2, 2,  //
+                     2, 2, 2,  //
+                     2, 2, 2});
+}
+
+TEST(HoleFilling, LeavesAPixelWithTwoValidNeighboursAlone) {
+    expect_filtered(3, 1, {4, 0, 6}, {.fill_holes = 16}, {4, 0, 6});
+}
+
+TEST(TileBounds, ShareTheVerticesBetweenTwoTiles) {
+    // 18 columns: the first tile has the vertices 0 to 16, the second 16 and 17.
+    Codes stored(36, 100);
+    stored[16] = 200;     // (16, 0): in both
+    stored[18 + 3] = 50;  // (3, 1): in the first
+    stored[18 + 17] = 0;  // (17, 1): in the second
+    const Scene scene = depth_scene(18, 2, 16, Marking::zero);
+    const StoredPlane plane = store_plane(18, 2, stored, {});
+    for (const auto& builder : {make_reference_builder(scene), make_cpu_builder(scene)}) {
+        SurfaceFrame frame;
+        ASSERT_TRUE(builder->build(plane.frame(), frame));
+        const std::vector<TileBounds> expected = {{50, 200, false}, {100, 200, true}};
+        EXPECT_EQ(frame.tiles, expected) << builder->name();
+    }
+}
+
+TEST(TileBounds, OfNoValidPixelAreEmpty) {
+    const Scene scene = depth_scene(3, 3, 16, Marking::zero);
+    const StoredPlane plane = store_plane(3, 3, Codes(9, 0), {});
+    for (const auto& builder : {make_reference_builder(scene), make_cpu_builder(scene)}) {
+        SurfaceFrame frame;
+        ASSERT_TRUE(builder->build(plane.frame(), frame));
+        EXPECT_EQ(frame.tiles, (std::vector<TileBounds>{{65535, 0, true}})) << builder->name();
+    }
+}
+
+TEST(Decode, KeepsValidCodesAndWritesZeroForInvalidOnes) {
+    Scene scene =
+        depth_scene(6, 1, 12, Marking::range_and_few);  // metric: 511 to 3840, but not 1365, 2047, 2048
+    ASSERT_EQ(scene.depth.valid_min, 511);
+    ASSERT_EQ(scene.depth.valid_max, 3840);
+    const StoredPlane plane = store_plane(6, 1, {510, 511, 2047, 3840, 3841, 4096}, {});
+    for (const auto& builder : {make_reference_builder(scene), make_cpu_builder(scene)}) {
+        SurfaceFrame frame;
+        ASSERT_TRUE(builder->build(plane.frame(), frame));
+        EXPECT_EQ(frame.codes, (Codes{0, 511, 0, 3840, 0, 0})) << builder->name();
+        EXPECT_EQ(frame.validity, (std::vector<std::uint32_t>{0b001010})) << builder->name();
+    }
 }
 
 }  // namespace

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 #include <set>
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
+#include "engine/clip/track_codecs.hpp"
 #include "engine/formats/formats_written.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/plane_memory.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/sweep.hpp"
 #include "tests/video/clip_remux.hpp"
 
 namespace touchable::test {
@@ -316,6 +320,337 @@ TEST(Clip, ColourOfAnotherSizeIsResampledAndSaysSo) {
     ASSERT_EQ(frames->size(), 2U);
     EXPECT_EQ(frames->at(1).colour.width, 64);
     EXPECT_EQ(frames->at(1).colour.height, 48);
+}
+
+// Depth as hue in the project's own clips and in folders of images.
+
+Scene hue_scene(int width, int height) {
+    Scene scene = small_scene(width, height);
+    scene.depth.kind = DepthCodingKind::hue;
+    scene.depth.near_is_high = false;
+    scene.depth.code_max = DepthCoding::hue_circle;
+    scene.depth.least_sum = 77;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+RawFrame hue_frame(const Scene& scene, std::int64_t number) {
+    auto memory = std::make_shared<Samples>();
+    RawFrame frame;
+    frame.number = number;
+    frame.time_ns = scene.rate.time_ns(number);
+    frame.depth = test_plane(*memory, scene.width, scene.height, 1, 3, 255,
+                             static_cast<std::uint64_t>(number) + 1, true);
+    frame.storage = std::move(memory);
+    return frame;
+}
+
+TEST(HueClip, ComesBackExactly) {
+    const TemporaryFolder folder;
+    const Scene scene = hue_scene(37, 18);
+    auto writer = create_clip(folder / "clip.mkv", scene);
+    ASSERT_EQ(message(writer), "");
+    for (int n = 0; n < 3; ++n) ASSERT_EQ(message((*writer)->write(hue_frame(scene, n))), "");
+    ASSERT_EQ(message((*writer)->finish()), "");
+    auto reader = open_clip(folder / "clip.mkv");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->scene().depth, scene.depth);
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 3U);
+    for (int n = 0; n < 3; ++n)
+        EXPECT_TRUE(same_frame((*frames)[static_cast<std::size_t>(n)], hue_frame(scene, n)));
+}
+
+TEST(HueClip, OfPngsIsReadAsStored) {
+    const TemporaryFolder folder;
+    Scene scene = hue_scene(20, 10);
+    scene.folder = FolderSource{"d%d.png", "", "", "", 0, 0};
+    write_bytes(folder / "scene.json", scene_to_json(scene));
+    const RawFrame written = hue_frame(scene, 0);
+    ASSERT_EQ(message(write_png(folder / "d0.png", written.depth)), "");
+    const auto frames = read_clip(folder / "scene.json");
+    ASSERT_EQ(message(frames), "");
+    EXPECT_TRUE(same_plane(frames->front().depth, written.depth));
+}
+
+TEST(HueClip, GreyDepthIsRefusedForHueAndRgbForAnyOther) {
+    const TemporaryFolder folder;
+    const Scene hue = hue_scene(20, 10), grey = small_scene(20, 10);
+    const std::pair<const Scene&, RawFrame> wrong[] = {{hue, test_frame(grey, 0, {})},
+                                                       {grey, hue_frame(hue, 0)}};
+    for (const auto& [scene, frame] : wrong) {
+        auto writer = create_clip(folder / "clip.mkv", scene);
+        ASSERT_EQ(message(writer), "");
+        const std::string refusal = message((*writer)->write(frame));
+        EXPECT_NE(refusal.find("needs 8-bit"), std::string::npos) << refusal;
+    }
+}
+
+// Colour that nobody looks at is not decoded, and all else stays as it is.
+
+struct Reading {
+    std::string error;
+    std::vector<RawFrame> frames;
+};
+
+Reading read_without_colour(const std::filesystem::path& file, bool twice = false) {
+    auto reader = open_clip(file);
+    if (!reader) return {reader.error().message, {}};
+    (*reader)->leave_out_colour();
+    if (twice) {
+        if (auto first = read_all(**reader); !first) return {first.error().message, {}};
+        if (auto back = (*reader)->rewind(); !back) return {back.error().message, {}};
+    }
+    auto frames = read_all(**reader);
+    if (!frames) return {frames.error().message, {}};
+    return {"", std::move(*frames)};
+}
+
+TEST(LeftOutColour, OtherPlanesAreTheSameAndColourIsGone) {
+    const TemporaryFolder folder;
+    const auto file = folder / "clip.mkv";
+    ASSERT_EQ(message(write_clip(file, small_scene(40, 30, 16), 6, all_planes)), "");
+    auto reader = open_clip(file);
+    ASSERT_TRUE(reader);
+    const auto whole = read_all(**reader);
+    ASSERT_TRUE(whole);
+    for (const bool twice : {false, true}) {
+        const Reading less = read_without_colour(file, twice);
+        ASSERT_EQ(less.error, "");
+        ASSERT_EQ(less.frames.size(), whole->size());
+        for (std::size_t n = 0; n < whole->size(); ++n) {
+            RawFrame expected = (*whole)[n], frame = less.frames[n];
+            EXPECT_EQ(frame.colour.empty(), n > 0 || twice) << "the first frame tells what there is";
+            expected.colour = frame.colour = {};
+            EXPECT_TRUE(same_frame(expected, frame)) << n;
+        }
+    }
+}
+
+TEST(LeftOutColour, DamageOfColourIsFoundAllTheSame) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "whole.mkv", small_scene(8, 8, 12), 2, {true})), "");
+    const std::string bytes = read_bytes(folder / "whole.mkv");
+    std::size_t refused = 0;
+    for (std::size_t at = 0; at < bytes.size(); at += 3 * sweep_step()) {
+        std::string damaged = bytes;
+        damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+        std::filesystem::remove(folder / "damaged.mkv");
+        write_bytes(folder / "damaged.mkv", damaged);
+        std::string error;
+        auto reader = open_clip(folder / "damaged.mkv");
+        if (!reader)
+            error = reader.error().message;
+        else if (const auto frames = read_all(**reader); !frames)
+            error = frames.error().message;
+        EXPECT_EQ(read_without_colour(folder / "damaged.mkv").error, error) << "byte " << at;
+        refused += !error.empty();
+    }
+    EXPECT_GT(refused, 50 / sweep_step());
+}
+
+// A picture that does not change is stored once, and given again at no cost.
+
+constexpr Planes still_planes{true, true, true, false};
+
+/// Depth changes in every frame, colour in every fifth, haptic at frame 7, height never.
+RawFrame partly_still(const Scene& scene, std::int64_t number) {
+    RawFrame frame = test_frame(scene, number, still_planes);
+    const auto still = [&](PlaneView RawFrame::*plane, std::int64_t since) {
+        const RawFrame other = test_frame(scene, since, still_planes);
+        frame.*plane = other.*plane;
+        frame.storage = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(
+            frame.storage, other.storage);
+    };
+    still(&RawFrame::colour, number - number % 5);
+    still(&RawFrame::haptic, number < 7 ? 0 : 7);
+    still(&RawFrame::height, 0);
+    return frame;
+}
+
+constexpr int still_frames = 37;
+
+std::filesystem::path partly_still_clip(const TemporaryFolder& folder, const Scene& scene, Archive archive) {
+    const auto file = folder / "still.mkv";
+    auto writer = create_clip(file, scene, {archive, true});
+    EXPECT_EQ(message(writer), "");
+    for (int n = 0; n < still_frames; ++n) EXPECT_EQ(message((*writer)->write(partly_still(scene, n))), "");
+    EXPECT_EQ(message((*writer)->finish()), "");
+    return file;
+}
+
+TEST(UnchangedPictures, ComeBackExactlyAndFromAnyFrame) {
+    for (const Archive archive : {Archive::fast, Archive::small})
+        for (const int width : {24, 320}) {
+            const TemporaryFolder folder;
+            const Scene scene = small_scene(width, 160, 16);
+            auto reader = open_clip(partly_still_clip(folder, scene, archive));
+            ASSERT_EQ(message(reader), "");
+            EXPECT_EQ((*reader)->frame_count(), still_frames);
+            for (int n = 0; n < still_frames; ++n) {
+                const auto frame = (*reader)->next();
+                ASSERT_EQ(message(frame), "");
+                ASSERT_TRUE(same_frame(**frame, partly_still(scene, n))) << n;
+            }
+            EXPECT_FALSE((*reader)->next()->has_value());
+            for (const std::int64_t n : {36, 9, 6, 15, 21, 29}) {
+                ASSERT_EQ(message((*reader)->seek(n)), "");
+                ASSERT_TRUE(same_frame(**(*reader)->next(), partly_still(scene, n))) << n;
+            }
+        }
+}
+
+TEST(UnchangedPictures, AreStoredOnceBetweenAccessPoints) {
+    const TemporaryFolder folder;
+    const auto file = partly_still_clip(folder, small_scene(24, 16, 16), Archive::fast);
+    // Frames 0, 15 and 30 have all; beyond them depth 34, colour 5, 10, 20, 25 and 35, haptic 7.
+    EXPECT_EQ(packets(file).size(), 3U * 4U + 34U + 5U + 1U);
+}
+
+/// So that whoever compares frames compares no sample.
+TEST(UnchangedPictures, AreTheSameMemory) {
+    const TemporaryFolder folder;
+    const auto all = read_clip(partly_still_clip(folder, small_scene(24, 16, 16), Archive::fast));
+    ASSERT_EQ(message(all), "");
+    for (std::size_t n = 1; n < all->size(); ++n) {
+        const RawFrame &before = (*all)[n - 1], &now = (*all)[n];
+        EXPECT_EQ(now.height.data, before.height.data) << n;
+        EXPECT_EQ(now.haptic.data == before.haptic.data, n != 7) << n;
+        EXPECT_EQ(now.colour.data == before.colour.data, n % 5 != 0) << n;
+        EXPECT_NE(now.depth.data, before.depth.data) << n;
+    }
+}
+
+/// A block that is lost is missed, though gaps belong to the format.
+TEST(UnchangedPictures, ALostPictureIsNoGap) {
+    const TemporaryFolder folder;
+    const auto file = partly_still_clip(folder, small_scene(24, 16, 16), Archive::fast);
+    Remux changes;
+    changes.drop = [](const std::string& role, int number) { return role == "colour" && number == 2; };
+    remux(file, folder / "lost.mkv", changes);
+    EXPECT_TRUE(is_refused(read_clip(folder / "lost.mkv"), "track colour, frame 10: is missing"));
+}
+
+// Which coding a track takes, and that each gives back every sample, from any frame, or says that it is
+// damaged.
+
+/// Depth and height of more than 8 bits, of which each frame has the samples `value(x, y, frame)`.
+using Value = std::function<int(int x, int y, int n)>;
+
+struct Depths {
+    Samples depth, height;
+};
+
+RawFrame frame_of(const Scene& scene, int n, const Value& value) {
+    auto memory = std::make_shared<Depths>();
+    RawFrame frame;
+    frame.number = n;
+    frame.time_ns = scene.rate.time_ns(n);
+    const auto fill = [&](Samples& samples) {
+        for (int y = 0; y < scene.height; ++y)
+            for (int x = 0; x < scene.width; ++x) {
+                const int sample = value(x, y, n);
+                samples.push_back(static_cast<std::uint8_t>(sample & 0xFF));
+                samples.push_back(static_cast<std::uint8_t>(sample >> 8));
+            }
+        return PlaneView{samples.data(), std::ptrdiff_t{2} * scene.width, scene.width, scene.height, 2, 1};
+    };
+    frame.depth = fill(memory->depth);
+    frame.height = fill(memory->height);
+    frame.storage = std::move(memory);
+    return frame;
+}
+
+int random_below(int limit, int x, int y, int n) {
+    return Numbers(static_cast<std::uint64_t>((n * 1000 + y) * 1000 + x)).below(limit);
+}
+
+constexpr int bits_of_scene[] = {9, 10, 12, 13, 16};
+
+struct CodingCase {
+    const char* codec;
+    const char* format;  // of samples of 16 bits
+    Archive archive;
+    Value value;
+};
+
+const CodingCase coding_cases[] = {
+    {"t3d2", "16 bits", Archive::fast, [](int x, int y, int n) { return random_below(512, x, y, n); }},
+    {"t3d2", "16 bits", Archive::small, [](int x, int y, int n) { return 2 * x + y + 7 * n; }},
+    {"h264", "16 bits in two halves", Archive::fast,
+     [](int x, int y, int n) { return random_below(512, x, y, y < 2 ? n : 0); }},
+    {"h264", "16 bits in two halves", Archive::small,
+     [](int x, int y, int n) { return random_below(512, x, y, y < 2 ? n : 0); }},
+    {"ffv1", "gray16le", Archive::small,
+     [](int x, int y, int n) { return 100 + 3 * x + random_below(4, x, y, n) + random_below(4, x, y, -n); }},
+};
+
+TEST(CodingChoice, GoesByBytesAndEveryCodingIsExact) {
+    constexpr int frames = 18;
+    for (const CodingCase& one : coding_cases)
+        for (const int bits : bits_of_scene) {
+            const TemporaryFolder folder;
+            Scene scene = small_scene(61, 43, bits);
+            scene.height_coding.code_max = 1023;
+            auto writer = create_clip(folder / "clip.mkv", scene, {one.archive});
+            ASSERT_EQ(message(writer), "");
+            for (int n = 0; n < frames; ++n)
+                ASSERT_EQ(message((*writer)->write(frame_of(scene, n, one.value))), "");
+            ASSERT_EQ(message((*writer)->finish()), "");
+            auto reader = open_clip(folder / "clip.mkv");
+            ASSERT_EQ(message(reader), "");
+            for (const TrackInfo& track : (*reader)->tracks()) {
+                EXPECT_EQ(track.codec, one.codec) << track.role << ", " << bits;
+                EXPECT_EQ(track.pixel_format == one.format || bits < 16, true) << track.pixel_format;
+                EXPECT_EQ(track.width, 61);
+                EXPECT_EQ(track.height, 43);
+                EXPECT_TRUE(track.lossless);
+            }
+            const auto all = read_all(**reader);
+            ASSERT_EQ(message(all), "");
+            ASSERT_EQ(all->size(), static_cast<std::size_t>(frames));
+            for (int n = 0; n < frames; ++n)
+                ASSERT_TRUE(same_frame((*all)[static_cast<std::size_t>(n)], frame_of(scene, n, one.value)))
+                    << one.codec << ", " << bits << " bits, frame " << n;
+            for (const int n : {16, 3, 15}) {
+                ASSERT_EQ(message((*reader)->seek(n)), "");
+                ASSERT_TRUE(same_frame(**(*reader)->next(), frame_of(scene, n, one.value))) << n;
+            }
+        }
+}
+
+/// Depth whose pictures all are on their own, beside colour whose are not.
+TEST(CodingChoice, ASeekPassesOverWhatLiesBeforeTheAccessPoint) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(64, 48, 16);
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, 40, {true})), "");
+    std::string bytes = read_bytes(folder / "clip.mkv");
+    const auto payloads = packets(folder / "clip.mkv");  // depth and colour in turn
+    const auto at = bytes.find(payloads[20]);
+    ASSERT_NE(at, std::string::npos);
+    bytes[at + payloads[20].size() / 2] ^= 0x10;
+    write_bytes(folder / "damaged.mkv", bytes);
+    auto reader = open_clip(folder / "damaged.mkv");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->tracks()[0].codec, "t3d2");
+    EXPECT_EQ((*reader)->tracks()[1].codec, "h264");
+    ASSERT_EQ(message((*reader)->seek(25)), "");
+    EXPECT_TRUE(same_frame(**(*reader)->next(), test_frame(scene, 25, {true})));
+    EXPECT_TRUE(is_refused((*reader)->seek(12), "track depth, frame 10: is damaged"));
+}
+
+/// A player that goes from one to the other may keep those of the first, as VLC does.
+TEST(Codings, BothQualitiesOfColourHaveTheSameParameterSets) {
+    const auto sets = [](TrackCoding coding) {
+        const auto encoder = open_encoder(coding, AV_PIX_FMT_YUV420P, 64, 48, {30, 1});
+        EXPECT_TRUE(encoder);
+        return encoder
+                   ? std::string((*encoder)->extradata, (*encoder)->extradata + (*encoder)->extradata_size)
+                   : std::string();
+    };
+    EXPECT_FALSE(sets(TrackCoding::h264_visual).empty());
+    EXPECT_EQ(sets(TrackCoding::h264_visual), sets(TrackCoding::h264_reduced));
 }
 
 }  // namespace

@@ -1,16 +1,24 @@
 // Recordings whose files go on where they end: zeros that a recorder had asked for, or what is written still.
-#include "engine/picture/input.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/base/threads.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/clip/clip_file.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/input.hpp"
 #include "engine/picture/sound.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/full_disk.hpp"
+#include "tests/video/clip_remux.hpp"
 #include "tests/video/quicktime.hpp"
 #include "tests/video/sounding_clip.hpp"
 
@@ -198,6 +206,231 @@ TEST(ContainerEnd, AClipInALargerFileIsTheSameClip) {
     for (auto packet = (*stored)->next(1000); packet && *packet; packet = (*stored)->next(1000)) ++packets;
     EXPECT_GT(packets, 0);
     alarm(0);
+}
+
+// Clips whose disk becomes full: whoever stops when that is said has a whole one.
+
+namespace fs = std::filesystem;
+
+TEST(ReservedOutput, AClipThatStopsWhenItsDiskIsFullIsWholeUpToThere) {
+    const TemporaryFolder folder;
+    constexpr std::uintmax_t room = 600'000;
+    const fs::path file = folder / "clip.mkv";
+    const Scene scene = small_scene(64, 48, 16);
+    std::int64_t written = 0;
+    {
+        const FullDisk full(room);
+        const auto clip = create_clip(file, scene);
+        ASSERT_TRUE(clip) << clip.error().message;
+        while (!(*clip)->is_full()) {
+            const auto done = (*clip)->write(test_frame(scene, written, {}));
+            ASSERT_TRUE(done) << "after " << written << " frames: " << done.error().message;
+            ASSERT_LT(++written, 1000) << "the disk is larger than it is";
+        }
+        const auto finished = (*clip)->finish();
+        ASSERT_TRUE(finished) << finished.error().message;
+    }
+    EXPECT_LE(fs::file_size(file), room);
+    EXPECT_GT(fs::file_size(file), room / 2) << "most of the room is for pictures";
+    const auto reader = open_clip(file);
+    ASSERT_TRUE(reader) << reader.error().message;
+    for (std::int64_t number = 0; number < written; ++number) {
+        const auto frame = (*reader)->next();
+        ASSERT_TRUE(frame && frame->has_value()) << number;
+    }
+    EXPECT_FALSE((*reader)->next()->has_value()) << "and no more";
+}
+
+TEST(ReservedOutput, LeavesNothingBehindAWholeFile) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(8, 8);
+    const auto clip = create_clip(folder / "clip.mkv", scene);
+    ASSERT_TRUE(clip);
+    ASSERT_TRUE((*clip)->write(test_frame(scene, 0, {})));
+    EXPECT_FALSE((*clip)->is_full());
+    ASSERT_TRUE((*clip)->finish());
+    EXPECT_LT(fs::file_size(folder / "clip.mkv"), 4096U) << "what was reserved is given back";
+}
+
+// A clip read from any frame gives what reading up to there gives.
+
+constexpr int seek_frames = 40;
+
+/// Reads two frames from each of many places, in an order that goes to and fro; the last place is the end.
+void expect_same_from_everywhere(const std::filesystem::path& file) {
+    auto reader = open_clip(file);
+    ASSERT_EQ(message(reader), "");
+    const auto whole = read_all(**reader);
+    ASSERT_EQ(message(whole), "");
+    ASSERT_EQ(whole->size(), static_cast<std::size_t>(seek_frames));
+    for (const std::int64_t from : {7, 0, 1, 14, 15, 39, 16, 30, 29, 31, 3, 38}) {
+        ASSERT_EQ(message((*reader)->seek(from)), "") << from;
+        for (std::int64_t n = from; n < std::min<std::int64_t>(from + 2, seek_frames); ++n) {
+            const auto frame = (*reader)->next();
+            ASSERT_EQ(message(frame), "") << n;
+            ASSERT_TRUE(frame->has_value()) << n;
+            EXPECT_TRUE(same_frame(**frame, (*whole)[static_cast<std::size_t>(n)])) << from << " " << n;
+        }
+    }
+    ASSERT_EQ(message((*reader)->next()), "");
+    EXPECT_FALSE((*reader)->next()->has_value());  // after 38 and 39 the end
+}
+
+TEST(Seek, IsExactInBothArchives) {
+    const TemporaryFolder folder;
+    for (const Archive archive : {Archive::fast, Archive::small})
+        for (const int width : {40, 320}) {  // on the caller's thread, and on one for each track
+            const auto file = folder / "clip.mkv";
+            ASSERT_EQ(message(write_clip(file, small_scene(width, 160, 16), seek_frames,
+                                         {true, true, true, false}, {archive, true})),
+                      "");
+            expect_same_from_everywhere(file);
+        }
+}
+
+TEST(Seek, IsExactAtRatesThatMatroskaRounds) {
+    const TemporaryFolder folder;
+    for (const FrameRate& rate : {FrameRate{30000, 1001}, {997, 1}, {1, 7}}) {
+        Scene scene = small_scene(16, 16, 10);
+        scene.rate = rate;
+        ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, seek_frames, all_planes)), "");
+        expect_same_from_everywhere(folder / "clip.mkv");
+    }
+}
+
+/// Frames from one to several milliseconds apart, at no whole ones.
+TEST(Seek, IsExactWhereEachFrameHasItsOwnTime) {
+    const TemporaryFolder folder;
+    std::vector<std::int64_t> times_ns;
+    for (std::int64_t n = 0; n < seek_frames; ++n)
+        times_ns.push_back(1'000'001 * n + 300'000'000 * (n / 7) + n * n * 777);
+    Scene scene = small_scene(16, 16, 10);
+    scene.rate = *rate_of_own_times(times_ns);
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, seek_frames, all_planes)), "");
+    expect_same_from_everywhere(folder / "clip.mkv");
+    auto reader = open_clip(folder / "clip.mkv");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ(*(*reader)->scene().rate.own_times, times_ns);
+    EXPECT_EQ((*reader)->frame_count(), seek_frames);
+    EXPECT_EQ(read_all(**reader)->back().time_ns, times_ns.back());
+}
+
+/// As the first version of the format had it: every picture on its own, no additions.
+TEST(Seek, IsExactWithoutAccessPoints) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), seek_frames, {true})), "");
+    remux(folder / "clip.mkv", folder / "mjpeg.mkv",
+          {.transcoded = {{"depth", "mjpeg"}, {"colour", "mjpeg"}}});
+    expect_same_from_everywhere(folder / "mjpeg.mkv");
+}
+
+/// The index becomes an element that readers pass over.
+std::string without_index(std::string bytes) {
+    const auto cues = bytes.rfind("\x1C\x53\xBB\x6B");
+    EXPECT_NE(cues, std::string::npos);
+    const std::size_t rest = bytes.size() - cues;  // the index is the file's end
+    constexpr std::size_t head = 9;                // an identifier of one byte and a size of eight
+    bytes[cues] = '\xEC';
+    bytes[cues + 1] = '\x01';
+    for (std::size_t k = 0; k < 7; ++k)
+        bytes[cues + 2 + k] = static_cast<char>((rest - head) >> (8 * (6 - k)) & 0xFF);
+    return bytes;
+}
+
+TEST(Seek, NeedsNoIndex) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30, 16), seek_frames, all_planes)), "");
+    write_bytes(folder / "bare.mkv", without_index(read_bytes(folder / "clip.mkv")));
+    expect_same_from_everywhere(folder / "bare.mkv");
+}
+
+TEST(Seek, BeyondTheClipIsRefused) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(16, 16), 20, all_planes)), "");
+    auto reader = open_clip(folder / "clip.mkv");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_TRUE(is_refused((*reader)->seek(21), "has no frame 21: its last is 19"));
+    EXPECT_TRUE(is_refused((*reader)->seek(-1), "frame -1 is before the clip's first"));
+    ASSERT_EQ(message((*reader)->seek(19)), "");
+    EXPECT_EQ((*(*reader)->next())->number, 19);
+}
+
+/// What lies before the place, or far behind it, does not matter; damage at the place is told.
+TEST(Seek, PassesOverDamageElsewhere) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(64, 48), seek_frames, {})), "");
+    const auto payloads = packets(folder / "clip.mkv");
+    std::string bytes = read_bytes(folder / "clip.mkv");
+    const auto at = bytes.find(payloads[20]);
+    ASSERT_NE(at, std::string::npos);
+    bytes[at + payloads[20].size() / 2] ^= 0x10;
+    write_bytes(folder / "damaged.mkv", bytes);
+    auto reader = open_clip(folder / "damaged.mkv");
+    ASSERT_EQ(message(reader), "");
+    for (const std::int64_t whole : {19, 30, 2, 39}) {
+        ASSERT_EQ(message((*reader)->seek(whole)), "") << whole;
+        EXPECT_EQ((*(*reader)->next())->number, whole);
+    }
+    EXPECT_TRUE(is_refused((*reader)->seek(25), "track depth, frame 20: is damaged"));
+    EXPECT_EQ(message((*reader)->seek(5)), "");
+}
+
+TEST(FrameTimesText, ComesBackToTheNanosecond) {
+    const std::vector<std::int64_t> times_ns{0, 1'000'000, 33'366'667, 4'000'000'000'000'001};
+    const std::string text = frame_times_text(*rate_of_own_times(times_ns));
+    EXPECT_EQ(text, "# timestamp format v2\n0.000000\n1.000000\n33.366667\n4000000000.000001\n");
+    const auto back = parse_frame_times(text, "x");
+    ASSERT_EQ(message(back), "");
+    EXPECT_EQ(*back->own_times, times_ns);
+}
+
+TEST(FrameTimesText, IsReadAsOtherProgramsWriteIt) {
+    const auto rate = parse_frame_times("# timecode format v2\r\n40\r\n\r\n# cut here\r\n80.5\r\n100", "x");
+    ASSERT_EQ(message(rate), "");
+    EXPECT_EQ(*rate->own_times, (std::vector<std::int64_t>{0, 40'500'000, 60'000'000}));
+}
+
+TEST(FrameTimesText, IsRefusedByLine) {
+    const std::string head = "# timestamp format v2\n";
+    const std::pair<std::string, const char*> bad[] = {
+        {"", "must be a line \"# timestamp format v2\""},
+        {"# timestamp format v1\n1\n2\n", "must be a line"},
+        {head, "of 0 frames"},
+        {head + "1\n", "of 1 frames"},
+        {head + "1\nx\n", "x.txt, line 3: is \"x\": must be the time of a frame"},
+        {head + "1 2\n3\n", "line 2"},
+        {head + "1\nnan\n", "line 3"},
+        {head + "1\n1e300\n", "line 3"},
+        {head + "1\n1.5\n", "line 3: is \"1.5\": must be 1 ms or more after"},
+        {head + "2\n1\n", "line 3"},
+        {head + "-4e12\n4e12\n", "126 years"},
+    };
+    for (const auto& [text, words] : bad)
+        EXPECT_NE(message(parse_frame_times(text, "x.txt")).find(words), std::string::npos)
+            << text << message(parse_frame_times(text, "x.txt"));
+}
+
+/// A clip of `frames` frames with the times of `listed`, 40 ms apart.
+std::string refusal_with_times(int listed, int frames) {
+    const TemporaryFolder folder;
+    std::vector<std::int64_t> times_ns;
+    for (int n = 0; n < listed; ++n) times_ns.push_back(40'000'000L * n + (n % 2) * 3'000'000L);
+    Scene scene = small_scene(16, 16, 10);
+    scene.rate = *rate_of_own_times(times_ns);
+    if (auto written = write_clip(folder / "clip.mkv", scene, frames, {}); !written) return message(written);
+    const auto reader = open_clip(folder / "clip.mkv");
+    return message(reader);
+}
+
+TEST(FrameTimesText, MustBeAsManyAsTheClipHasPictures) {
+    EXPECT_EQ(refusal_with_times(10, 10), "");
+    for (const auto& [listed, words] :
+         {std::pair{
+              4, "its timestamps.txt has the times of 4 frames, but depth has 10 pictures: must be one time"},
+          {9, "the times of 9 frames, but depth has 10 pictures"},
+          {13, "the times of 13 frames, but depth has 10 pictures"}})
+        EXPECT_NE(refusal_with_times(listed, 10).find(words), std::string::npos)
+            << refusal_with_times(listed, 10);
 }
 
 }  // namespace

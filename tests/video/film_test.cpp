@@ -1,15 +1,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "engine/clip/clip_file.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/picture/sound.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/film_reader.hpp"
+#include "tests/video/sounding_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -150,6 +154,183 @@ TEST(Film, IsRefusedUnderOtherNamesAndWhereOneIs) {
     ASSERT_TRUE(empty);
     EXPECT_FALSE((*empty)->finish(3));
     EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
+}
+
+// The sound a clip has beside its pictures.
+
+class Sounding : public ::testing::Test {
+protected:
+    std::filesystem::path file() const { return folder_ / "sound.mkv"; }
+    /// `count` samples from `first` on.
+    std::vector<StereoSample> heard(std::int64_t first, std::size_t count) {
+        auto track = SoundTrack::open(file());
+        EXPECT_EQ(message(track), "");
+        std::vector<StereoSample> samples(count);
+        if (!track || !*track) return samples;
+        (*track)->seek(first);
+        (*track)->read(samples);
+        return samples;
+    }
+    static double difference(const std::vector<StereoSample>& heard, const std::vector<StereoSample>& wanted,
+                             std::int64_t first) {
+        double most = 0;
+        for (std::size_t k = 0; k < heard.size(); ++k) {
+            const std::int64_t at = first + static_cast<std::int64_t>(k);
+            const bool is_there = at >= 0 && at < std::ssize(wanted);
+            const StereoSample sample = is_there ? wanted[static_cast<std::size_t>(at)] : StereoSample{};
+            most = std::max<double>(
+                {most, std::abs(heard[k].left - sample.left), std::abs(heard[k].right - sample.right)});
+        }
+        return most;
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(Sounding, IsTheSameFromAnywhereSilentBeforeAndAfter) {
+    const auto sound = tone(440, 1.5);
+    write_sounding_clip(file(), sound);
+    for (const std::int64_t first : {0, 30'000, 1, 999, 71'000, 60'123, 90'000, -500})
+        EXPECT_EQ(difference(heard(first, 3000), sound, first), 0) << first;
+}
+
+TEST_F(Sounding, GoesOnWhereItWasRead) {
+    const auto sound = tone(300, 1);
+    write_sounding_clip(file(), sound);
+    auto track = SoundTrack::open(file());
+    ASSERT_EQ(message(track), "");
+    std::vector<StereoSample> samples(777);
+    for (std::int64_t first = 0; first < 50'000; first += 777) {
+        (*track)->read(samples);
+        ASSERT_EQ(difference(samples, sound, first), 0) << first;
+    }
+}
+
+TEST_F(Sounding, OfAnotherRateIsResampled) {
+    write_sounding_clip(file(), tone(440, 1, 44'100), {}, 44'100);
+    EXPECT_LT(difference(heard(4800, 20'000), tone(440, 1), 4800), 0.01);
+    EXPECT_LT(difference(heard(20'000, 20'000), tone(440, 1), 20'000), 0.01);
+}
+
+TEST_F(Sounding, BeginsWithTheFirstPicture) {
+    const auto pictures = folder_ / "clip.mkv";
+    ASSERT_EQ(message(write_clip(pictures, small_scene(40, 30, 16), 20, {true, true, true, false},
+                                 {Archive::fast, true})),
+              "");
+    const auto sound = tone(440, 0.6);
+    write_sounding_clip(file(), sound, pictures, SoundTrack::rate, 100,
+                        0);  // sound is a tenth of a second late
+    EXPECT_EQ(difference(heard(0, 9600), sound, -4800), 0);
+    write_sounding_clip(file(), sound, pictures, SoundTrack::rate, 0, 100);
+    EXPECT_EQ(difference(heard(0, 9600), sound, 4800), 0);
+    EXPECT_TRUE(open_clip(file())) << "a clip with sound is a clip";
+}
+
+TEST_F(Sounding, LongerThanThePicturesMakesAClipNoLonger) {
+    const auto pictures = folder_ / "clip.mkv";
+    ASSERT_EQ(message(write_clip(pictures, small_scene(40, 30, 16), 20, {true, true, true, false},
+                                 {Archive::fast, true})),
+              "");
+    write_sounding_clip(file(), tone(440, 2), pictures);
+    auto reader = open_clip(file());
+    ASSERT_EQ(message(reader), "");
+    EXPECT_EQ((*reader)->frame_count(), 20);
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    EXPECT_EQ(frames->size(), 20U);
+}
+
+TEST_F(Sounding, IsNotThereWhereThereIsNone) {
+    ASSERT_EQ(message(write_clip(file(), small_scene(40, 30, 16), 2, {true, true, true, false},
+                                 {Archive::fast, true})),
+              "");
+    std::ofstream(folder_ / "words.mkv") << "this is no film";
+    for (const auto& path : {file(), folder_ / "words.mkv", folder_ / "missing", folder_.path()}) {
+        const auto track = SoundTrack::open(path);
+        ASSERT_EQ(message(track), "") << path;
+        EXPECT_EQ(*track, nullptr) << path;
+    }
+}
+
+TEST_F(Sounding, OfAnImpossibleRateIsRefusedBeforeItTakesMemory) {
+    std::string wav =
+        read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/sound/s16.wav");
+    const auto with_rate = [&](std::uint32_t rate) {
+        std::memcpy(wav.data() + 24, &rate, sizeof rate);
+        std::ofstream(file(), std::ios::binary) << wav;
+        return message(SoundTrack::open(file()));
+    };
+    EXPECT_EQ(with_rate(768'000), "");
+    EXPECT_NE(with_rate(100'000'007).find("it has 100000007 samples a second"), std::string::npos);
+}
+
+TEST_F(Sounding, ThatIsCutIsSilentFromThere) {
+    const auto sound = tone(440, 1);
+    write_sounding_clip(file(), sound);
+    std::filesystem::resize_file(file(), std::filesystem::file_size(file()) / 2);
+    EXPECT_EQ(difference(heard(0, 10'000), sound, 0), 0);
+    EXPECT_EQ(difference(heard(40'000, 8000), {}, 40'000), 0);
+}
+
+// Sound that is kept as it is stored.
+
+/// Frames `first` to `last` of a sounding clip of 30, with their sound.
+void write_stretch(const std::filesystem::path& from, const std::filesystem::path& to, std::int64_t first,
+                   std::int64_t last) {
+    const auto frames = read_clip(from);
+    ASSERT_EQ(message(frames), "");
+    auto reader = open_clip(from);
+    const Scene scene = (*reader)->scene();
+    const SoundPart sound{from, scene.rate.time_ns(first), scene.rate.time_ns(last + 1)};
+    auto writer = create_clip(to, scene, exact_clip, Existing::keep, sound);
+    ASSERT_EQ(message(writer), "");
+    for (std::int64_t n = first; n <= last; ++n) {
+        RawFrame frame = (*frames)[static_cast<std::size_t>(n)];
+        frame.number = n - first;
+        ASSERT_EQ(message((*writer)->write(frame)), "");
+    }
+    ASSERT_EQ(message((*writer)->finish()), "");
+}
+
+TEST(StoredSound, IsHeardWithTheSameFrames) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(16, 12);
+    ASSERT_EQ(message(write_clip(folder / "mute.mkv", scene, 30, {})), "");
+    const auto sound = tone(20, 1.0);
+    write_sounding_clip(folder / "clip.mkv", sound, folder / "mute.mkv", SoundTrack::rate, 0, 0);
+    const auto facts = sound_of(folder / "clip.mkv");
+    ASSERT_TRUE(facts.has_value());
+    EXPECT_TRUE(facts->storable);
+    for (const auto& [first, last] : {std::pair<std::int64_t, std::int64_t>{0, 29}, {12, 23}}) {
+        const auto file = folder / ("part" + std::to_string(first) + ".mkv");
+        write_stretch(folder / "clip.mkv", file, first, last);
+        const auto frames = read_clip(file);
+        ASSERT_EQ(message(frames), "");
+        EXPECT_EQ(std::ssize(*frames), last - first + 1);
+        auto track = SoundTrack::open(file);
+        ASSERT_EQ(message(track), "");
+        ASSERT_TRUE(*track);
+        // All but the packets at the ends, which begin before or end after.
+        const std::int64_t offset = first * SoundTrack::rate / 30;
+        std::vector<StereoSample> heard(static_cast<std::size_t>((last - first + 1) * SoundTrack::rate / 30));
+        (*track)->read(heard);
+        double largest = 0;
+        constexpr std::size_t packet = 2048;
+        for (std::size_t k = packet; k + packet < heard.size(); ++k)
+            largest = std::max<double>(
+                largest, std::abs(heard[k].left - sound[k + static_cast<std::size_t>(offset)].left));
+        // Matroska's times are whole milliseconds: half of one, of 20 Hz.
+        EXPECT_LE(largest, 2 * 3.15 * 20 * 0.0005) << first;
+    }
+}
+
+TEST(StoredSound, IsRefusedWhereThereIsNone) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "mute.mkv", small_scene(16, 12), 2, {})), "");
+    EXPECT_FALSE(sound_of(folder / "mute.mkv").has_value());
+    EXPECT_FALSE(sound_of(folder.path()).has_value());
+    EXPECT_NE(message(create_clip(folder / "out.mkv", small_scene(16, 12), {}, Existing::keep,
+                                  SoundPart{folder / "mute.mkv", 0, 1'000'000'000})),
+              "");
 }
 
 }  // namespace

@@ -1,12 +1,23 @@
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "engine/content/seeded_noise.hpp"
+#include "engine/gpu/surface_kernels.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "player/draw/drawn_surface.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
+#include "tests/gpu/gpu_fixture.hpp"
+#include "tests/view/coded_frames.hpp"
+#include "tests/view/plain_picture.hpp"
+#include "tests/view/shown.hpp"
 
 namespace touchable {
 namespace {
@@ -192,3 +203,397 @@ TEST(Viewpoint, RefusesWhatItDoesNotKnowAndSaysWhatWouldBeRight) {
 
 }  // namespace
 }  // namespace touchable
+
+namespace touchable::test {
+namespace {
+
+// What is under a place of a picture, against the plain picture.
+
+ViewCamera view_from(const Shown& shown, const HeightField& field, const char* from) {
+    return make_view(*parse_viewpoint(from), shown.scene, subject_of(field).middle, 160, 100);
+}
+
+/// Places whose pixel is drawn as its neighbours are, at about one depth: where the picture has no edge.
+bool is_inside(const PicturePlanes& planes, int x, int y) {
+    const float here = planes.z[planes.index(x, y)];
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            const float there = planes.z[planes.index(x + dx, y + dy)];
+            if ((there > 0) != (here > 0) || std::fabs(there - here) > 0.02F * here) return false;
+        }
+    return true;
+}
+
+struct Compared {
+    int drawn = 0, walls = 0, nothing = 0, backs = 0;
+};
+
+Compared compare(const Shown& shown, const HeightField& field, const ViewCamera& camera) {
+    const ViewSurface surface = make_view_surface(field, {});
+    const PicturePlanes planes = plain_picture(surface, camera);
+    Compared counts;
+    for (int y = 1; y + 1 < camera.height; y += 2)
+        for (int x = 1; x + 1 < camera.width; x += 2) {
+            if (!is_inside(planes, x, y)) continue;
+            const double z = static_cast<double>(planes.z[planes.index(x, y)]);
+            const auto found = pick(field, camera, x + 0.5, y + 0.5);
+            EXPECT_EQ(found && found->drawn, z > 0) << x << ", " << y;
+            if (found && !found->drawn) ++counts.walls;
+            if (!found) ++counts.nothing;
+            if (!found || !found->drawn || !(z > 0)) continue;
+            ++counts.drawn;
+            counts.backs += !found->from_front;
+            const glm::dvec3 drawn = camera.unproject(x + 0.5, y + 0.5, z);
+            const double distance = glm::length(drawn - camera.eye);
+            // Painters round screen places to 1/256 pixel: on a steep slope that is some depth.
+            EXPECT_LT(glm::length(found->point - drawn), 2e-3 * distance) << x << ", " << y;
+            EXPECT_LT(glm::length(camera.eye + distance * found->direction - drawn), 1e-6 * distance);
+            const auto seen = project(shown.scene.camera, found->point);
+            EXPECT_NEAR(seen->x, found->x, 1e-6);
+            EXPECT_NEAR(seen->y, found->y, 1e-6);
+            EXPECT_NEAR(seen->planar_depth, found->depth, 1e-9 * found->depth);
+        }
+    return counts;
+}
+
+TEST(SurfacePick, IsWhatIsDrawn) {
+    const char* views[] = {"own", "orbit:az=20,el=15", "orbit:az=-75,el=-30,zoom=2", "orbit:az=170,el=20",
+                           "orbit:az=0,el=89,fov=90"};
+    for (const char* scene : {"globe", "rough"}) {
+        const auto shown = shown_scene(scene, 120, 80);
+        for (const std::string from : views) {
+            if (std::string(scene) == "rough" && from.size() > 20) continue;  // it is all edges from aside
+            SCOPED_TRACE(scene + (" " + from));
+            const HeightField field = shown->field(0.4);
+            const Compared counts = compare(*shown, field, view_from(*shown, field, from.c_str()));
+            EXPECT_GT(counts.drawn, 200);
+            if (from == "orbit:az=170,el=20") {
+                EXPECT_GT(counts.backs, counts.drawn / 2);
+            } else if (from == "own") {
+                EXPECT_EQ(counts.backs, 0);
+            }
+        }
+    }
+}
+
+/// Also on walls, which the clip's own view shows: there a rounding of a place is some depth.
+TEST(SurfacePick, OfTheClipsOwnViewIsEveryPixelOfIt) {
+    for (const char* scene : {"globe", "cliffs"}) {
+        const auto shown = shown_scene(scene, 120, 80);
+        const HeightField field = shown->field();
+        const ViewCamera camera = own_view(shown->scene, 480, 320, 1);
+        const ViewSurface surface = make_view_surface(field, {});
+        const PicturePlanes planes = plain_picture(surface, camera);
+        int walls = 0;
+        for (int y = 4; y + 4 < camera.height; ++y)
+            for (int x = 4; x + 4 < camera.width; ++x) {
+                const auto z = [&](int i, int j) {
+                    return static_cast<double>(planes.z[planes.index(i, j)]);
+                };
+                const auto found = pick(field, camera, x + 0.5, y + 0.5);
+                ASSERT_EQ(found && found->drawn, z(x, y) > 0) << scene << " " << x << ", " << y;
+                if (!found || !found->drawn) continue;
+                const double steep =
+                    std::max(std::fabs(z(x + 1, y) - z(x - 1, y)), std::fabs(z(x, y + 1) - z(x, y - 1)));
+                walls += steep > 0.06 * z(x, y);
+                ASSERT_NEAR(1 / found->depth, z(x, y), 1e-5 * z(x, y) + 0.05 * steep)
+                    << scene << " " << x << ", " << y;
+            }
+        EXPECT_GT(walls, 500) << scene;
+    }
+}
+
+TEST(SurfacePick, LooksNoFartherThanItIsTold) {
+    const auto shown = shown_scene("globe", 120, 80);
+    const HeightField field = shown->field();
+    const ViewCamera camera = view_from(*shown, field, "orbit:az=-75,el=-30,zoom=2");
+    int met = 0;
+    for (int y = 5; y < camera.height; y += 10)
+        for (int x = 5; x < camera.width; x += 10) {
+            const auto found = pick(field, camera, x, y);
+            if (!found || !found->drawn) continue;
+            ++met;
+            const double distance = glm::length(found->point - camera.eye);
+            const auto nearer = pick(field, camera, x, y, 0.999 * distance),
+                       farther = pick(field, camera, x, y, 1.001 * distance);
+            EXPECT_FALSE(nearer && nearer->drawn) << x << ", " << y;
+            ASSERT_TRUE(farther && farther->drawn) << x << ", " << y;
+            EXPECT_LT(glm::length(farther->point - found->point), 1e-9 * distance);
+        }
+    EXPECT_GT(met, 30);
+}
+
+TEST(SurfacePick, IsExactWhereRoundingsOfPicturesAreNot) {
+    const auto shown = shown_scene("globe", 120, 80);
+    const HeightField field = shown->field();
+    const ViewCamera camera = view_from(*shown, field, "orbit:az=20,el=15");
+    int inside = 0;
+    for (int k = 0; k < 200; ++k) {
+        const auto found = pick(field, camera, 30 + 0.5 * k, 50 + 0.1 * k);
+        if (!found) continue;
+        // The point is on the triangle of its cell, and on the line of sight. Vertices at edges are drawn
+        // elsewhere.
+        const double i = std::floor(found->x), j = std::floor(found->y);
+        if (DrawnLattice(field, true).is_near_edges(static_cast<int>(i), static_cast<int>(j))) continue;
+        ++inside;
+        const double a = found->x - i, b = found->y - j;
+        const auto q = [&](double di, double dj) {
+            const auto x = static_cast<std::int64_t>(i + di), y = static_cast<std::int64_t>(j + dj);
+            return 1 / planar_depth(shown->scene.camera, shown->scene.depth.semantics, i + di, j + dj,
+                                    field.vertex(x, y).depth);
+        };
+        const double on = a >= b ? q(0, 0) + a * (q(1, 0) - q(0, 0)) + b * (q(1, 1) - q(1, 0))
+                                 : q(0, 0) + b * (q(0, 1) - q(0, 0)) + a * (q(1, 1) - q(0, 1));
+        EXPECT_NEAR(on * found->depth, 1, 1e-9);
+        const glm::dvec3 way = found->point - camera.eye;
+        EXPECT_LT(glm::length(glm::cross(way, found->direction)), 1e-9 * glm::length(way));
+    }
+    EXPECT_GT(inside, 100);
+}
+
+TEST(SurfacePick, AWallIsDrawnInTheClipsOwnViewAndAHoleInNone) {
+    auto shown = shown_scene("plane", 60, 40);
+    std::vector<double> depths(60 * 40);
+    for (std::size_t k = 0; k < depths.size(); ++k)
+        depths[k] = k % 60 < 20 ? NAN : k % 60 < 40 ? 0.5 * shown->scene.depth.far : shown->scene.depth.near;
+    shown->prev.vertices = std::make_unique<ExactVertices>(60, 40, depths);
+    const HeightField field = shown->field();
+    const ViewCamera camera = own_view(shown->scene, 600, 400, 1e-3 * shown->scene.depth.near);
+    const auto hole = pick(field, camera, 10 * 10 + 5, 205);
+    ASSERT_TRUE(hole);
+    EXPECT_FALSE(hole->drawn);
+    EXPECT_NEAR(hole->x, 10, 1e-6);
+    EXPECT_NEAR(hole->y, 20, 1e-6);
+    const auto ground = pick(field, camera, 305, 205), near = pick(field, camera, 505, 205);
+    ASSERT_TRUE(ground && near);
+    EXPECT_TRUE(ground->drawn && near->drawn);
+    EXPECT_TRUE(ground->from_front);
+    const auto wall = pick(field, camera, 395 + 4, 205);  // between columns 39 and 40
+    ASSERT_TRUE(wall);
+    EXPECT_TRUE(wall->drawn) << "the clip's own view shows walls";
+    EXPECT_GT(wall->depth, ground->depth + 10);
+    EXPECT_LT(wall->depth, near->depth - 10);
+    EXPECT_FALSE(pick(field, camera, -50, 205)) << "beside the picture";
+    // From the right, the wall between near and ground hides nothing that is drawn.
+    const ViewCamera aside = view_from(*shown, field, "orbit:az=-60,el=0");
+    int through = 0;
+    for (int x = 0; x < 160; ++x)
+        if (const auto found = pick(field, aside, x + 0.5, 50); found && found->drawn) ++through;
+    EXPECT_GT(through, 10);
+}
+
+TEST(PixelValues, AreInUnitsOfTheSceneAndMillimetres) {
+    const auto shown = shown_scene("globe", 120, 80);
+    const FramePair pair = shown->pair(0.25);
+    const HeightField field = shown->field(0.25);
+    const double millimetres = 1000 * shown->scene.metres_per_unit;
+    double highest = 0;
+    for (int y = 0; y < 80; ++y)
+        for (int x = 0; x < 120; ++x) {
+            const PixelValues values = values_at(field, pair, x, y);
+            EXPECT_EQ(values.depth, field.vertex(x, y).depth);
+            EXPECT_DOUBLE_EQ(values.depth_mm, values.depth * millimetres);
+            EXPECT_DOUBLE_EQ(values.height_mm, values.height * millimetres);
+            // The height is what the depth would have without it.
+            const double bare =
+                0.75 * sample_of(shown->prev, x, y).depth + 0.25 * sample_of(shown->next, x, y).depth;
+            EXPECT_NEAR(values.depth + values.height, bare, 1e-9 * bare);
+            EXPECT_EQ(values.properties.stiffness, field.properties(x, y, 0, 0).stiffness);
+            highest = std::max(highest, values.height);
+        }
+    EXPECT_GT(highest, 0);
+}
+
+/// Planar depth of the surface under a place of the picture, by the cell's two triangles.
+double plain_depth_at(const HeightField& field, double x, double y) {
+    const int i = std::min(static_cast<int>(x), field.width() - 2),
+              j = std::min(static_cast<int>(y), field.height() - 2);
+    const auto q = [&](int di, int dj) {
+        return 1 / planar_depth(field.scene().camera, field.scene().depth.semantics, i + di, j + dj,
+                                field.vertex(i + di, j + dj).depth);
+    };
+    const double a = x - i, b = y - j;
+    return 1 / (a >= b ? q(0, 0) + a * (q(1, 0) - q(0, 0)) + b * (q(1, 1) - q(1, 0))
+                       : q(0, 0) + b * (q(0, 1) - q(0, 0)) + a * (q(1, 1) - q(0, 1)));
+}
+
+TEST(SurfaceOnWay, IsWhatManyPlacesOfItSay) {
+    const auto shown = shown_scene("globe", 90, 60);
+    const HeightField field = shown->field();
+    const Camera& camera = field.scene().camera;
+    const std::array<glm::dvec2, 6> places{
+        {{3.2, 5.7}, {80.1, 55.5}, {45, 30}, {12.5, 50.25}, {70, 4}, {45, 2}}};
+    int behind = 0;
+    for (const glm::dvec2& a : places)
+        for (const glm::dvec2& b : places)
+            for (const double lift : {0.0, 2.0}) {
+                if (a == b) continue;
+                const glm::dvec3 from = unproject(camera, a.x, a.y, plain_depth_at(field, a.x, a.y) - lift),
+                                 to = unproject(camera, b.x, b.y, plain_depth_at(field, b.x, b.y) - lift);
+                const auto found = surface_on_way(field, from, to);
+                ASSERT_TRUE(found);
+                double most_behind = -1e9, nearest = 1e9;
+                constexpr int steps = 20'000;
+                for (int k = 0; k <= steps; ++k) {
+                    const glm::dvec3 at = from + (to - from) * (k / static_cast<double>(steps));
+                    const auto seen = project(camera, at);
+                    const double depth = plain_depth_at(field, seen->x, seen->y);
+                    most_behind = std::max(most_behind, -at.z - depth);
+                    nearest = std::min(nearest, depth);
+                }
+                EXPECT_GE(found->behind, most_behind - 1e-9);
+                EXPECT_NEAR(found->behind, most_behind, 0.05);
+                EXPECT_LE(found->nearest, nearest + 1e-9);
+                EXPECT_NEAR(found->nearest, nearest, 0.05);
+                behind += found->behind > 1;
+            }
+    EXPECT_GT(behind, 10) << "nothing was in any way";
+}
+
+TEST(SurfaceOnWay, IsThatOfThePictureAlone) {
+    const auto shown = shown_scene("globe", 90, 60);
+    const HeightField field = shown->field();
+    const Camera& camera = field.scene().camera;
+    const double depth = 0.5 * plain_depth_at(field, 45, 30);
+    const auto across =
+        surface_on_way(field, unproject(camera, -50, 30, depth), unproject(camera, 140, 30, depth));
+    const auto inside =
+        surface_on_way(field, unproject(camera, 0, 30, depth), unproject(camera, 89, 30, depth));
+    ASSERT_TRUE(across && inside);
+    EXPECT_NEAR(across->behind, inside->behind, 1e-9);
+    EXPECT_NEAR(across->nearest, inside->nearest, 1e-9);
+    EXPECT_LT(across->behind, 0);
+    EXPECT_FALSE(surface_on_way(field, unproject(camera, -50, 30, depth), unproject(camera, -2, 30, depth)));
+    EXPECT_FALSE(surface_on_way(field, {0, 0, 1}, unproject(camera, 45, 30, depth))) << "behind the camera";
+}
+
+class Unproject : public GpuTest {
+protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        lattices.emplace(gpu);
+    }
+    void TearDown() override {
+        lattices.reset();
+        GpuTest::TearDown();
+    }
+
+    /// q and tiles of the kernels against their twins.
+    void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
+        FramePair pair;
+        pair.prev = {0, 0, &prev};
+        pair.next = {1, 1'000'000, &next};
+        pair.blend = blend;
+        const HeightField field(scene, pair);
+        const ViewSurface surface = must(lattices->surface_of(field, pair, {}));
+        const std::vector<float> twin = q_of(field), &made = surface.q;
+        ASSERT_TRUE(surface.on_gpu);
+        EXPECT_EQ(surface.tiles, classify_tiles(scene.width, scene.height, made));
+        expect_close(field, prev, twin, made);
+    }
+
+    std::optional<GpuLattices> lattices;
+};
+
+TEST_F(Unproject, AgreesWithItsTwinForEveryCoding) {
+    for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse,
+                                       DepthCodingKind::metric, DepthCodingKind::hue, DepthCodingKind::log})
+        for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
+            for (const bool near_is_high : {true, false})
+                for (const bool heights : {false, true}) {
+                    const Codes codes(coding_of(kind, semantics, near_is_high), 171, 93, heights);
+                    for (const double blend : {0.0, 0.25, 0.5, 0.9})
+                        compare(codes.scene, codes.prev, codes.next, blend);
+                }
+}
+
+TEST_F(Unproject, AgreesForPicturesOfAnySize) {
+    const DepthCoding coding = coding_of(DepthCodingKind::linear, DepthSemantics::range, true);
+    for (const int width : {1, 2, 7, 8, 9, 31, 32, 33, 260})
+        for (const int height : {1, 2, 5}) {
+            const Codes codes(coding, width, height, false);
+            compare(codes.scene, codes.prev, codes.next, 0.6);
+        }
+}
+
+TEST_F(Unproject, AgreesOnTheGlobe) {
+    const auto globe = shown_scene("globe", 360, 240);
+    for (const double blend : {0.0, 0.37}) compare(globe->scene, globe->prev, globe->next, blend);
+}
+
+TEST_F(Unproject, AgreesOnWhatACameraStores) {
+    const auto castel = shown_stand_in("castel_sr300");
+    ASSERT_TRUE(castel);
+    compare(castel->scene, castel->prev, castel->next, 0.6);
+}
+
+TEST_F(Unproject, AgreesOnARecording) {
+    TOUCHABLE_NEEDS_DATA(real_data("castel_sr300"));
+    const auto castel = shown_recording("castel_sr300", "castel_sr300");
+    ASSERT_TRUE(castel);
+    compare(castel->scene, castel->prev, castel->next, 0.6);
+}
+
+TEST_F(Unproject, HoldsTheEarlierFrameWhereTheSceneDoes) {
+    Codes codes(coding_of(DepthCodingKind::linear, DepthSemantics::planar, true), 64, 20, false);
+    codes.scene.interpolation = FrameInterpolation::hold;
+    compare(codes.scene, codes.prev, codes.next, 0.9);
+}
+
+TEST_F(Unproject, AsksTheVerticesWhereThereAreNoCodes) {
+    const auto globe = shown_scene("globe", 96, 64);
+    SurfaceFrame lazy;
+    ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy));
+    FramePair pair;
+    pair.prev = pair.next = {0, 0, &lazy};
+    const HeightField field(globe->scene, pair);
+    const ViewSurface surface = must(lattices->surface_of(field, pair, {}));
+    EXPECT_FALSE(surface.on_gpu);
+    EXPECT_EQ(surface.q, q_of(globe->field()));
+    EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
+}
+
+TEST_F(Unproject, ReadsFramesOfTheVulkanBuilderWhereTheyAre) {
+    const auto globe = shown_scene("globe", 171, 93);
+    for (const bool copies : {false, true}) {
+        auto builder = must(make_vulkan_builder(globe->scene, std::make_shared<SurfaceKernels>(gpu),
+                                                SurfacePlan{8, 0, false, copies}));
+        SurfaceFrame prev, next;
+        must(builder->build(globe->raw_prev, prev));
+        must(builder->build(globe->raw_next, next));
+        compare(globe->scene, prev, next, 0.4);
+        if (!copies) continue;
+        // What the CPU has read back of them is another matter.
+        const FramePair pair{{0, 0, &prev}, {1, 1, &next}, 0.4};
+        const HeightField field(globe->scene, pair);
+        const std::vector<float> q = must(lattices->surface_of(field, pair, {})).q;
+        prev.codes.assign(prev.codes.size(), 0);
+        prev.validity.assign(prev.validity.size(), 0);
+        EXPECT_EQ(must(lattices->surface_of(field, pair, {})).q, q);
+    }
+}
+
+TEST_F(Unproject, FramesLargerThanTheDeviceReadsAreItsFaultSoThatAnotherPainterMayDraw) {
+    const auto globe = shown_scene("globe", 96, 64);
+    SurfaceFrame frame;
+    must(make_cpu_builder(globe->scene)->build(globe->raw_prev, frame));
+    const FramePair still{{0, 0, &frame}, {0, 0, &frame}, 0};
+    gpu->vulkan()->facts.limits.max_texel_buffer_elements = 96 / 8 * 64 - 1;
+    const auto surface = lattices->surface_of(HeightField(globe->scene, still), still, {});
+    ASSERT_FALSE(surface);
+    EXPECT_EQ(surface.error().kind, ErrorKind::gpu);
+    EXPECT_NE(surface.error().message.find("kernel unproject"), std::string::npos) << surface.error().message;
+}
+
+TEST_F(Unproject, UploadsFramesOfAnotherDevice) {
+    const auto globe = shown_scene("globe", 70, 45);
+    const auto other = must(GpuDevice::open());
+    auto builder = must(make_vulkan_builder(globe->scene, other));
+    SurfaceFrame prev, next;
+    must(builder->build(globe->raw_prev, prev));
+    must(builder->build(globe->raw_next, next));
+    compare(globe->scene, prev, next, 0.4);
+}
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,14 +1,17 @@
 // What a surface is coloured by, against plain code that asks the field for every pixel.
-#include "player/draw/overlays.hpp"
 
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <limits>
+
+#include "player/draw/finger_marks.hpp"
+#include "player/draw/legends.hpp"
 #include "player/draw/overlay_rows.hpp"
+#include "player/draw/overlays.hpp"
 #include "player/draw/view.hpp"
 #include "tests/view/coded_frames.hpp"
 #include "tests/view/plain_surface.hpp"
@@ -481,6 +484,131 @@ TEST(Overlays, OfDepthAreDrawnWithoutLightAndThoseOfPropertiesInAWeakOne) {
             for (int c = 0; c < 3; ++c) ASSERT_NEAR(drawn[c], 0.5 * (flat[c] + in_light[c]), 1);
         }
     }
+}
+
+// The panel that explains fingers in a picture.
+
+Image grey(int width, int height) {
+    Image image{width, height, 1, 3, {}};
+    image.samples.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, 100);
+    return image;
+}
+
+bool has_colour(const Image& image, PackedColour colour) {
+    for (std::size_t k = 0; k < image.samples.size(); k += 3)
+        if (pack_colour(image.samples[k], image.samples[k + 1], image.samples[k + 2]) == colour) return true;
+    return false;
+}
+
+TEST(Legend, TheScaleIsARoundNumberOfNewtonsThatFits) {
+    EXPECT_DOUBLE_EQ(scale_newtons(50, 76), 1);
+    EXPECT_DOUBLE_EQ(scale_newtons(30, 76), 2);
+    EXPECT_DOUBLE_EQ(scale_newtons(15.2, 76), 5);
+    EXPECT_DOUBLE_EQ(scale_newtons(800, 76), 0.05);
+    EXPECT_DOUBLE_EQ(scale_newtons(0.3, 76), 200);
+    for (double pixels = 0.01; pixels < 1e4; pixels *= 1.07) {
+        const double length = scale_newtons(pixels, 76) * pixels;
+        EXPECT_LE(length, 76 * (1 + 1e-12));
+        EXPECT_GT(length, 76 / 2.6);
+    }
+}
+
+TEST(Legend, NamesTheColoursOfTheFingersThatAreThere) {
+    for (const std::size_t fingers : {1U, 5U, 10U, 200U}) {
+        Image image = grey(1280, 720);
+        ASSERT_TRUE(draw_legend({fingers, 60}, image));
+        for (std::size_t k = 0; k < 10; ++k) EXPECT_EQ(has_colour(image, finger_colour(k)), k < fingers) << k;
+    }
+}
+
+TEST(Legend, StaysInItsCornerAtEverySize) {
+    for (const auto& [width, height] :
+         {std::pair(480, 270), std::pair(1280, 720), std::pair(3840, 2160), std::pair(600, 1800)}) {
+        Image image = grey(width, height);
+        ASSERT_TRUE(draw_legend({10, 60}, image));
+        EXPECT_FALSE(std::all_of(image.samples.begin(), image.samples.end(), [](int s) { return s == 100; }));
+        for (int y = 0; y < height / 3; ++y) EXPECT_EQ(image.view().sample(5, y, 0), 100);
+        for (int y = 0; y < height; ++y)
+            for (const int x : {0, width - 1}) ASSERT_EQ(image.view().sample(x, y, 0), 100) << x << ", " << y;
+    }
+}
+
+TEST(Legend, IsLeftOutWhereItWouldHideTheScene) {
+    Image image = grey(479, 300);
+    ASSERT_TRUE(draw_legend({3, 60}, image));
+    EXPECT_EQ(image.samples, grey(479, 300).samples);
+}
+
+Image even_image(int width, int height) {
+    Image image{width, height, 1, 3, {}};
+    image.samples.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, 100);
+    return image;
+}
+
+std::string joined(const std::vector<ScaleMark>& marks) {
+    std::string words;
+    for (const ScaleMark& mark : marks) words += mark.text + " ";
+    return words;
+}
+
+TEST(ScaleBar, NamesRoundValuesAsManyAsFit) {
+    const auto five = [](const auto& marks) { return marks.size() <= 5; };
+    EXPECT_EQ(joined(scale_marks({64, 96}, five)), "70 80 90 ");
+    EXPECT_EQ(joined(scale_marks({0, 0.55}, five)), "0.0 0.2 0.4 ");
+    EXPECT_EQ(joined(scale_marks({-1, 1}, five)), "-1.0 -0.5 0.0 0.5 1.0 ");
+    EXPECT_EQ(joined(scale_marks({1234.21, 1234.24}, five)), "1234.21 1234.22 1234.23 1234.24 ");
+    EXPECT_EQ(scale_marks({3, 8}, [](const auto&) { return false; }).size(), 1U);
+    for (double size = 1e-3; size < 1e6; size *= 1.37) {
+        const Overlays::Range range{0.7 * size, 1.7 * size};
+        const auto marks = scale_marks(range, five);
+        EXPECT_GE(marks.size(), 2U) << size;
+        for (const ScaleMark& mark : marks) {
+            EXPECT_GE(mark.value, range.least * (1 - 1e-6));
+            EXPECT_LE(mark.value, range.greatest * (1 + 1e-6));
+            EXPECT_NEAR(std::stod(mark.text), mark.value, 1e-6 * size);
+        }
+    }
+}
+
+bool shows(const Image& image, PackedColour colour) {
+    for (std::size_t k = 0; k < image.samples.size(); k += 3)
+        if (pack_colour(image.samples[k], image.samples[k + 1], image.samples[k + 2]) == colour) return true;
+    return false;
+}
+
+TEST(ScaleBar, ShowsItsColours) {
+    Overlays::Scale scale{.name = "depth", .unit = "mm", .range = {64, 96}, .least_is_light = true};
+    Image image = even_image(1280, 720);
+    ASSERT_TRUE(draw_scale_bar(scale, image));
+    for (std::size_t k = 0; k < 256; k += 5) EXPECT_TRUE(shows(image, colour_ramp()[k])) << k;
+    image = even_image(1280, 720);
+    scale.range = {3, 3};
+    ASSERT_TRUE(draw_scale_bar(scale, image));
+    EXPECT_TRUE(shows(image, ramp_colour(0.5)));
+    EXPECT_FALSE(shows(image, ramp_colour(0)));
+    image = even_image(1280, 720);
+    scale.classes = {{pack_colour(1, 2, 3), "this"}, {pack_colour(250, 3, 4), "that"}};
+    ASSERT_TRUE(draw_scale_bar(scale, image));
+    for (const auto& one : scale.classes) EXPECT_TRUE(shows(image, one.colour));
+}
+
+TEST(ScaleBar, StaysInItsCornerAtEverySizeAndOutOfSmallPictures) {
+    const Overlays::Scale scale{.name = "dynamic friction", .range = {-1234.5, 98765.4}};
+    for (const auto& [width, height] :
+         {std::pair(480, 270), std::pair(1280, 720), std::pair(3840, 2160), std::pair(600, 1800)}) {
+        Image image = even_image(width, height);
+        ASSERT_TRUE(draw_scale_bar(scale, image));
+        EXPECT_FALSE(std::all_of(image.samples.begin(), image.samples.end(), [](int s) { return s == 100; }));
+        for (int y = 0; y < height; ++y)
+            for (const int x : {0, width / 5, width - 1})
+                ASSERT_EQ(image.view().sample(x, y, 0), 100) << x << ", " << y;
+        for (int x = 0; x < width; ++x)
+            for (const int y : {0, height / 2, height - 1})
+                ASSERT_EQ(image.view().sample(x, y, 0), 100) << x << ", " << y;
+    }
+    Image small = even_image(479, 300);
+    ASSERT_TRUE(draw_scale_bar(scale, small));
+    EXPECT_EQ(small.samples, even_image(479, 300).samples);
 }
 
 }  // namespace

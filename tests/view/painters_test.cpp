@@ -1,15 +1,28 @@
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
-#include <glm/geometric.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "engine/content/seeded_noise.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/draw/cpu_painting.hpp"
+#include "player/draw/drawn_surface.hpp"
 #include "player/draw/gpu_painting.hpp"
+#include "shaders/cut_rule.h"
+#include "shaders/tile_lists.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/real_data.hpp"
+#include "tests/view/coded_frames.hpp"
+#include "tests/view/many_colours.hpp"
 #include "tests/view/plain_picture.hpp"
+#include "tests/view/plain_surface.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -382,6 +395,383 @@ TEST_F(Painters, TellWhatIsTooLargeOrLost) {
         ASSERT_FALSE(lost);
         EXPECT_EQ(lost.error().kind, ErrorKind::gpu);
     }
+}
+
+// A surface that the CPU draws for a window, from the clip's own view and from any other.
+
+/// Lattices are a device's.
+class LatticePicture : public GpuTest {};
+
+MappedLattice mapped(const GpuLattice& lattice) {
+    return {lattice.q.mapped<float>().data(), lattice.colours.mapped<PackedColour>().data(), lattice.width,
+            lattice.height, lattice.pitch};
+}
+
+TEST_F(LatticePicture, OwnViewIsTheSameByAllVectors) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const HeightField field = shown->field();
+    const ViewCamera camera =
+        make_view(*parse_viewpoint("own"), shown->scene, subject_of(field).middle, 301, 200);
+    ASSERT_TRUE(OwnViewPicture::draws(camera));
+    GpuLattices lattices(gpu);
+    const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown->raw_prev.colour)));
+    const std::vector<PackedColour> background(200, 7);
+    std::vector<PackedColour> first;
+    std::vector<float> first_z;
+    for (const VectorUnit unit : usable_vector_units()) {
+        std::vector<PackedColour> colours(304 * 200);
+        std::vector<float> z(colours.size());
+        OwnViewPicture(unit).draw(mapped(lattice), camera, background, 304, colours, z);
+        if (first.empty()) {
+            first = colours;
+            first_z = z;
+        }
+        EXPECT_EQ(colours, first);
+        EXPECT_EQ(z, first_z);
+    }
+    EXPECT_GT(std::count(first.begin(), first.end(), 7U), 1000);
+    EXPECT_GT(std::count_if(first_z.begin(), first_z.end(), [](float z) { return z > 0; }), 10'000);
+}
+
+TEST_F(LatticePicture, OwnViewIsThePlainOneAcrossDepthSteps) {
+    for (const char* scene : {"globe", "cliffs", "noise"}) {
+        const auto shown = shown_scene(scene, 203, 133);
+        const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
+        GpuLattices lattices(gpu);
+        const GpuLattice lattice = must(lattices.lattice_of(surface));
+        const ViewCamera camera = own_view(shown->scene, 301, 200, 1);
+        ASSERT_TRUE(OwnViewPicture::draws(camera));
+        const PicturePlanes expected = plain_picture(surface, camera);
+        std::vector<PackedColour> colours(304 * 200);
+        std::vector<float> z(colours.size());
+        OwnViewPicture().draw(mapped(lattice), camera, std::vector<PackedColour>(200, 7), 304, colours, z);
+        std::size_t drawn = 0, others = 0;
+        for (int y = 0; y < 200; ++y)
+            for (int x = 0; x < 301; ++x) {
+                const std::size_t at = static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
+                const std::size_t pixel = expected.index(x, y);
+                drawn += z[at] > 0;
+                others += (z[at] > 0) != (expected.z[pixel] > 0);
+                if (!(z[at] > 0) || !(expected.z[pixel] > 0)) continue;
+                others += std::fabs(z[at] - expected.z[pixel]) > 1e-4F * z[at];
+                for (const unsigned shift : {0U, 8U, 16U})
+                    others += std::abs(static_cast<int>(colours[at] >> shift & 255U) -
+                                       static_cast<int>(expected.colours[pixel] >> shift & 255U)) > 1;
+            }
+        EXPECT_EQ(others, 0U) << scene;
+        EXPECT_GT(drawn, 10'000U) << scene;
+    }
+}
+
+/// From the side, from behind, from so near that cells are large and reach before the eye.
+TEST_F(LatticePicture, AnyViewIsThePlainOneToTheBit) {
+    for (const char* scene : {"globe", "cliffs", "noise", "rows without surface"}) {
+        const bool has_gap = std::string_view(scene) == "rows without surface";
+        const auto shown = shown_scene(has_gap ? "globe" : scene, 203, 133);
+        const HeightField field = shown->field();
+        const Viewpoint::Subject subject = subject_of(field);
+        ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
+        if (has_gap) std::fill(surface.q.begin() + 40 * 203, surface.q.begin() + 60 * 203, 0.0F);
+        GpuLattices lattices(gpu);
+        const GpuLattice lattice = must(lattices.lattice_of(surface));
+        for (const char* words :
+             {"own", "orbit:az=7,el=3", "orbit:az=70,el=5", "orbit:az=-60,el=30,zoom=2", "orbit:az=180,el=0",
+              "orbit:az=25,el=10,zoom=8", "orbit:az=80,el=0,zoom=20"}) {
+            const ViewCamera camera =
+                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 301, 200);
+            const PicturePlanes expected = plain_picture(surface, camera);
+            SurfaceEdges edges(1);
+            if (!is_own_view(camera))
+                edges.find(surface.q.data(), surface.width, surface.height, surface.width);
+            const std::vector<PackedColour> background(200, 7);
+            std::vector<std::pair<int, VectorUnit>> ways{{2, usable_vector_units().front()}};
+            for (const VectorUnit unit : usable_vector_units()) ways.emplace_back(1, unit);
+            for (const auto& [threads, unit] : ways) {
+                std::vector<PackedColour> colours(304 * 200);
+                std::vector<float> z(colours.size(), 9);
+                LatticeRaster(threads, unit)
+                    .draw(mapped(lattice), edges, camera, background, 304, colours, z);
+                std::size_t others = 0;
+                for (int y = 0; y < 200; ++y)
+                    for (int x = 0; x < 301; ++x) {
+                        const std::size_t at =
+                            static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
+                        const std::size_t pixel = expected.index(x, y);
+                        const bool is_empty = !(expected.z[pixel] > 0);
+                        others += z[at] != expected.z[pixel] ||
+                                  colours[at] != (is_empty ? 7U : expected.colours[pixel]);
+                    }
+                EXPECT_EQ(others, 0U) << scene << ", " << words << ", by " << threads;
+            }
+            EXPECT_GT(std::count_if(expected.z.begin(), expected.z.end(), [](float z) { return z > 0; }), 50)
+                << scene << ", " << words;
+        }
+    }
+}
+
+/// As before the first frame of a camera.
+TEST(LatticeRaster, WithoutVerticesDrawsTheBackground) {
+    const auto shown = shown_scene("globe", 203, 133);
+    const ViewCamera camera = make_view(*parse_viewpoint("orbit:az=70,el=5"), shown->scene,
+                                        subject_of(shown->field()).middle, 20, 10);
+    const std::vector<PackedColour> background(10, 7);
+    std::vector<PackedColour> colours(20 * 10);
+    std::vector<float> z(colours.size(), 9);
+    LatticeRaster(1).draw({nullptr, nullptr, 0, 0, 0}, SurfaceEdges(1), camera, background, 20, colours, z);
+    EXPECT_EQ(std::ranges::count(colours, PackedColour{7}), 200);
+    EXPECT_EQ(std::ranges::count(z, 0.0F), 200);
+}
+
+/// What a wider lattice left beyond the width of the next is not drawn.
+TEST_F(LatticePicture, AnyViewIsTheSameAfterAWiderLattice) {
+    GpuLattices lattices(gpu);
+    const auto wide = shown_scene("globe", 230, 133), narrow = shown_scene("globe", 203, 133);
+    const std::vector<PackedColour> background(200, 7);
+    struct Picture {
+        std::vector<PackedColour> colours = std::vector<PackedColour>(304 * 200);
+        std::vector<float> z = std::vector<float>(304 * 200);
+    };
+    const auto draw = [&](LatticeRaster& raster, const Shown& shown) {
+        const HeightField field = shown.field();
+        const ViewCamera camera = make_view(*parse_viewpoint("orbit:az=30,el=5,zoom=0.5"), shown.scene,
+                                            subject_of(field).middle, 301, 200);
+        const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown.raw_prev.colour)));
+        SurfaceEdges edges(1);
+        edges.find(lattice.q.mapped<float>().data(), lattice.width, lattice.height, lattice.pitch);
+        Picture picture;
+        raster.draw(mapped(lattice), edges, camera, background, 304, picture.colours, picture.z);
+        return picture;
+    };
+    for (const VectorUnit unit : usable_vector_units()) {
+        LatticeRaster fresh(1, unit), used(1, unit);
+        const Picture wanted = draw(fresh, *narrow);
+        draw(used, *wide);
+        const Picture is = draw(used, *narrow);
+        EXPECT_EQ(is.z, wanted.z);
+        EXPECT_EQ(is.colours, wanted.colours);
+    }
+}
+
+/// Against the twins, and the same bits with any vectors and threads.
+void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
+    FramePair pair;
+    pair.prev = {0, 0, &prev};
+    pair.next = {1, 1'000'000, &next};
+    pair.blend = blend;
+    const HeightField field(scene, pair);
+    std::vector<float> first;
+    for (const VectorUnit unit : usable_vector_units())
+        for (const int threads : {1, 3}) {
+            CpuLattices lattices(threads, unit);
+            std::vector<float> q;
+            lattices.q_of(field, pair, q);
+            if (first.empty()) first = q;
+            ASSERT_EQ(q, first) << threads << " threads";
+            EXPECT_EQ(lattices.tiles_of(scene.width, scene.height, q),
+                      classify_tiles(scene.width, scene.height, q));
+        }
+    expect_close(field, prev, q_of(field), first);
+}
+
+/// Light of the same q against `lit_colours`, and the same bits with any vectors and threads.
+void compare_light(const HeightField& field, const FramePair& pair, const PlaneView& colour) {
+    ViewSurface surface;
+    surface.width = field.width();
+    surface.height = field.height();
+    CpuLattices(1).q_of(field, pair, surface.q);
+    const int pitch = surface.width + 5;
+    std::vector<float> q(static_cast<std::size_t>(pitch * surface.height), NAN);
+    CpuLattices(2).q_of(field, pair, q.data(), pitch);
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < pitch; ++x)
+            ASSERT_EQ(q[static_cast<std::size_t>(y * pitch + x)],
+                      x < surface.width ? surface.q[surface.index(x, y)] : 0.0F);
+    const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour);
+    std::vector<PackedColour> first;
+    for (const VectorUnit unit : usable_vector_units())
+        for (const int threads : {1, 3}) {
+            std::vector<PackedColour> lit(q.size(), 7);
+            CpuLattices(threads, unit).light(field, q.data(), pitch, colour, Lighting::lit, lit.data());
+            if (first.empty()) first = lit;
+            ASSERT_EQ(lit, first) << threads << " threads";
+        }
+    int worst = 0;
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < pitch; ++x) {
+            const PackedColour lit = first[static_cast<std::size_t>(y * pitch + x)];
+            if (x >= surface.width) {
+                ASSERT_EQ(lit, 7U) << "beyond the width";
+                continue;
+            }
+            const PackedColour wanted = twin[surface.index(x, y)];
+            ASSERT_EQ(lit >> 24, 255U);
+            for (const unsigned shift : {0U, 8U, 16U})
+                worst = std::max(worst, std::abs(static_cast<int>(lit >> shift & 255U) -
+                                                 static_cast<int>(wanted >> shift & 255U)));
+        }
+    EXPECT_LE(worst, 2) << surface.width << "x" << surface.height;
+}
+
+TEST(CpuLattices, LightAsTheirTwin) {
+    for (const char* name : {"globe", "step", "noise"}) {
+        SCOPED_TRACE(name);
+        const auto shown = shown_scene(name, 171, 133);
+        const ManyColours colours(171, 133);
+        for (const double blend : {0.0, 0.4}) {
+            compare_light(shown->field(blend), shown->pair(blend), colours.view());
+            compare_light(shown->field(blend), shown->pair(blend), {});
+        }
+    }
+}
+
+TEST(CpuLattices, LightSurfacesOfAnySizeWithTrianglesHereAndThere) {
+    const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {3, 2}, {7, 65}, {33, 17}, {24, 130}, {90, 70}};
+    for (const auto& [width, height] : sizes)
+        for (const bool heights : {false, true}) {
+            const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), width, height,
+                              heights);
+            const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0.3};
+            const ManyColours colours(width, height);
+            compare_light(HeightField(codes.scene, pair), pair, colours.view());
+        }
+}
+
+TEST(CpuLattices, LeavePlainColoursAsTheyAre) {
+    const auto shown = shown_scene("globe", 67, 45);
+    const ManyColours colours(67, 45);
+    std::vector<float> q;
+    CpuLattices lattices(2);
+    lattices.q_of(shown->field(), shown->pair(), q);
+    std::vector<PackedColour> plain(q.size());
+    lattices.light(shown->field(), q.data(), 67, colours.view(), Lighting::plain, plain.data());
+    for (std::size_t k = 0; k < plain.size(); ++k)
+        ASSERT_EQ(plain[k],
+                  pack_colour(colours.bytes[3 * k], colours.bytes[3 * k + 1], colours.bytes[3 * k + 2]));
+}
+
+TEST(CpuLattices, AgreeWithTheirTwinForEveryCoding) {
+    for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse,
+                                       DepthCodingKind::metric, DepthCodingKind::hue, DepthCodingKind::log})
+        for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
+            for (const bool near_is_high : {true, false})
+                for (const bool heights : {false, true}) {
+                    const Codes codes(coding_of(kind, semantics, near_is_high), 171, 53, heights);
+                    for (const double blend : {0.0, 0.25, 0.5, 0.9})
+                        compare(codes.scene, codes.prev, codes.next, blend);
+                }
+}
+
+TEST(CpuLattices, AgreeForPicturesOfAnySize) {
+    const DepthCoding coding = coding_of(DepthCodingKind::linear, DepthSemantics::range, true);
+    for (const int width : {1, 2, 7, 17, 31, 32, 33, 260})
+        for (const int height : {1, 2, 5, 17, 33}) {
+            const Codes codes(coding, width, height, false);
+            compare(codes.scene, codes.prev, codes.next, 0.6);
+        }
+}
+
+TEST(CpuLattices, ListTheTilesOfTheirTwinAtTheEdgeOfTheRule) {
+    const float edge = 0.01F * CUT_RULE_RATIO;
+    const std::vector<float> about_the_edge{0.01F, edge, std::nextafter(edge, 0.0F),
+                                            std::nextafter(edge, 1.0F), 0.0F};
+    SplitMix64 random(5);
+    for (const double holes : {0.0, 0.01, 0.9}) {
+        std::vector<float> q(static_cast<std::size_t>(100 * 70));
+        for (float& value : q)
+            value =
+                random.unit() < holes ? 0.0F : about_the_edge[static_cast<std::size_t>(random.within(0, 4))];
+        for (const VectorUnit unit : usable_vector_units())
+            EXPECT_EQ(CpuLattices(2, unit).tiles_of(100, 70, q), classify_tiles(100, 70, q)) << holes;
+    }
+}
+
+TEST(CpuLattices, AskTheVerticesWhereThereAreNoCodes) {
+    const auto globe = shown_scene("globe", 96, 64);
+    SurfaceFrame lazy;
+    ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy));
+    FramePair pair;
+    pair.prev = pair.next = {0, 0, &lazy};
+    const ViewSurface surface = CpuLattices(1).surface_of(HeightField(globe->scene, pair), pair, {});
+    EXPECT_EQ(surface.q, q_of(HeightField(globe->scene, pair)));
+    EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
+}
+
+class TileListsOnGpu : public GpuTest {
+protected:
+    /// Lists by the kernels and by their twin, which are the same.
+    ViewSurface::Tiles compare(int width, int height, const std::function<float()>& next_q) {
+        GpuLattice lattice;
+        lattice.width = width;
+        lattice.height = height;
+        lattice.pitch = SurfaceUnproject::pitch(width);
+        lattice.q =
+            must(GpuBuffer::create(*gpu, "q", SurfaceUnproject::q_bytes(width, height), GpuMemory::shared));
+        lattice.tiles = must(
+            GpuBuffer::create(*gpu, "tiles", GpuLattices::tile_list_bytes(width, height), GpuMemory::shared));
+        std::vector<float> q;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < lattice.pitch; ++x) {
+                float& stored = lattice.q.mapped<float>()[static_cast<std::size_t>(y * lattice.pitch + x)];
+                stored = x < width ? next_q() : NAN;  // nothing depends on what lies beyond the width
+                if (x < width) q.push_back(stored);
+            }
+        GpuLattices lattices(gpu);
+        auto commands = must(GpuCommands::begin(gpu, "tile lists"));
+        must(lattices.record_tiles(commands, lattice));
+        must(must(std::move(commands).submit()).wait());
+        const ViewSurface::Tiles tiles = read_tiles(lattice.tiles);
+        EXPECT_EQ(tiles, classify_tiles(width, height, q)) << width << "x" << height;
+        return tiles;
+    }
+
+    SplitMix64 random{11};
+};
+
+TEST_F(TileListsOnGpu, AreThoseOfTheirTwinWhateverTheQ) {
+    const float edge = 0.01F * CUT_RULE_RATIO;
+    const std::vector<float> about_the_edge{0.01F,
+                                            edge,
+                                            std::nextafter(edge, 0.0F),
+                                            std::nextafter(edge, 1.0F),
+                                            std::nextafter(0.01F, 0.0F),
+                                            std::nextafter(0.01F, 1.0F)};
+    ViewSurface::Tiles all;
+    for (const double holes : {0.0, 0.0005, 0.3, 1.0})
+        for (const double odd : {0.0, 0.002, 0.5}) {
+            const ViewSurface::Tiles tiles = compare(331, 203, [&] {
+                if (random.unit() < holes) return 0.0F;
+                return random.unit() < odd ? about_the_edge[random.next() % about_the_edge.size()] : 0.01F;
+            });
+            all.whole.insert(all.whole.end(), tiles.whole.begin(), tiles.whole.end());
+            all.mixed.insert(all.mixed.end(), tiles.mixed.begin(), tiles.mixed.end());
+        }
+    EXPECT_GT(all.whole.size(), 500U);
+    EXPECT_GT(all.mixed.size(), 500U);
+}
+
+TEST_F(TileListsOnGpu, AreThoseOfTheirTwinAtAnySize) {
+    for (const int width : {1, 2, 15, 16, 17, 18, 31, 32, 33, 34, 49, 64, 65, 66})
+        for (const int height : {1, 2, 16, 17, 18, 33, 40})
+            compare(width, height, [&] {
+                const double u = random.unit();
+                return u < 0.001 ? 0.0F : (u < 0.003 ? 0.02F : 0.01F);
+            });
+}
+
+TEST_F(TileListsOnGpu, OfManyTiles) {
+    const ViewSurface::Tiles tiles = compare(1920, 1080, [&] { return random.unit() < 0.002 ? 0.0F : 1.0F; });
+    EXPECT_GT(tiles.whole.size(), 1000U);
+    EXPECT_GT(tiles.mixed.size(), 1000U);
+}
+
+TEST(TileListsHeader, HasAGroupForEveryTileAndRowsThatEveryDeviceTakes) {
+    for (const std::uint32_t whole : {0U, 1U, 5U, 32768U, 100'000U})
+        for (const std::uint32_t mixed : {0U, 1U, 32767U, 32768U, 162'144U}) {
+            const TileListsHeader header = tile_lists_header(whole, mixed);
+            EXPECT_LE(header.groups_x, 65535U);
+            EXPECT_GE(header.groups_x * header.groups_y, whole + mixed);
+            EXPECT_LE(header.groups_y, 1 + (whole + mixed) / 32768);
+        }
 }
 
 }  // namespace

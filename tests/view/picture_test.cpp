@@ -1,11 +1,29 @@
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 
 #include <algorithm>
-#include <glm/geometric.hpp>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
+#include "engine/content/seeded_noise.hpp"
+#include "haptics_cpu/touch_solver.hpp"
+#include "player/draw/drawn_surface.hpp"
 #include "player/draw/finger_marks.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
 #include "player/draw/pictures.hpp"
+#include "player/draw/view.hpp"
+#include "shaders/cut_rule.h"
+#include "tests/gpu/gpu_fixture.hpp"
+#include "tests/view/coded_frames.hpp"
+#include "tests/view/many_colours.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {
@@ -188,6 +206,334 @@ TEST(LightPicture, DevelopsEveryByteToItself) {
 TEST(LightPicture, AveragesLightAndNotBrightness) {
     LightPicture picture{2, 2, {}, {glm::vec3(0), glm::vec3(1), glm::vec3(1), glm::vec3(0)}};
     EXPECT_EQ(developed(picture, 2).samples[0], 188);  // sRGB of half the light; brightness would be 128
+}
+
+class SurfaceLight : public GpuTest {
+protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        lattices.emplace(gpu);
+        kernel.emplace(gpu);
+    }
+    void TearDown() override {
+        lattices.reset();
+        kernel.reset();
+        GpuTest::TearDown();
+    }
+
+    /// Rows of 4 bytes a vertex, without what lies beyond the width.
+    template <class T>
+    static std::vector<T> rows_in(const GpuLattice& lattice, const GpuBuffer& buffer) {
+        std::vector<T> values;
+        for (int y = 0; y < lattice.height; ++y) {
+            const auto row = buffer.mapped<T>().subspan(static_cast<std::size_t>(y * lattice.pitch),
+                                                        static_cast<std::size_t>(lattice.width));
+            values.insert(values.end(), row.begin(), row.end());
+        }
+        return values;
+    }
+
+    struct Lit {
+        std::vector<float> q;
+        std::vector<PackedColour> colours;
+    };
+    Lit light(const HeightField& field, const FramePair& pair, const PlaneView& colour, Lighting lighting) {
+        GpuLattice lattice;
+        auto commands = must(GpuCommands::begin(gpu, "light"));
+        must(lattices->record(commands, field, pair, lattice));
+        must(lattices->reserve_colours(lattice));
+        must(kernel->record(commands, field, lattice, colour, lighting));
+        commands.barrier(GpuStage::compute, GpuStage::transfer);
+        const auto back = [&](const GpuBuffer& buffer) {
+            auto made = must(GpuBuffer::create(*gpu, "back", buffer.bytes(), GpuMemory::readback));
+            commands.copy(buffer, 0, made, 0, buffer.bytes());
+            return made;
+        };
+        const GpuBuffer q = back(lattice.q), colours = back(lattice.colours);
+        must(must(std::move(commands).submit()).wait());
+        return {rows_in<float>(lattice, q), rows_in<PackedColour>(lattice, colours)};
+    }
+
+    /// Against `lit_colours` of the same q.
+    void compare(const HeightField& field, const FramePair& pair, const PlaneView& colour) {
+        Lit lit = light(field, pair, colour, Lighting::lit);
+        ViewSurface surface;
+        surface.width = field.width();
+        surface.height = field.height();
+        surface.q = std::move(lit.q);
+        const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour);
+        int worst = 0;
+        for (std::size_t k = 0; k < twin.size(); ++k) {
+            ASSERT_EQ(lit.colours[k] >> 24, 255U) << "vertex " << k;
+            for (const unsigned shift : {0U, 8U, 16U})
+                worst = std::max(worst, std::abs(static_cast<int>(lit.colours[k] >> shift & 255U) -
+                                                 static_cast<int>(twin[k] >> shift & 255U)));
+        }
+        EXPECT_LE(worst, 2) << field.width() << "x" << field.height();
+    }
+
+    std::optional<GpuLattices> lattices;
+    std::optional<SurfaceLighting> kernel;
+};
+
+TEST_F(SurfaceLight, AgreesWithItsTwinOnScenes) {
+    for (const char* name : {"globe", "step", "noise"}) {
+        SCOPED_TRACE(name);
+        const auto shown = shown_scene(name, 171, 133);
+        const ManyColours colours(171, 133);
+        for (const double blend : {0.0, 0.4}) {
+            compare(shown->field(blend), shown->pair(blend), colours.view());
+            compare(shown->field(blend), shown->pair(blend), {});
+        }
+    }
+}
+
+TEST_F(SurfaceLight, AgreesWhereThereIsATriangleHereAndThere) {
+    const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), 90, 70, true);
+    const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0.3};
+    const ManyColours colours(90, 70);
+    compare(HeightField(codes.scene, pair), pair, colours.view());
+}
+
+TEST_F(SurfaceLight, AgreesOnSurfacesOfAnySize) {
+    const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {3, 2}, {7, 65}, {8, 64}, {33, 17}, {24, 130}};
+    for (const auto& [width, height] : sizes) {
+        const Codes codes(coding_of(DepthCodingKind::linear, DepthSemantics::planar, true), width, height,
+                          false);
+        const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0};
+        const ManyColours colours(width, height);
+        compare(HeightField(codes.scene, pair), pair, colours.view());
+    }
+}
+
+TEST_F(SurfaceLight, LeavesPlainColoursAsTheyAre) {
+    const auto shown = shown_scene("globe", 67, 45);
+    const ManyColours colours(67, 45);
+    const Lit lit = light(shown->field(), shown->pair(), colours.view(), Lighting::plain);
+    for (std::size_t k = 0; k < lit.colours.size(); ++k)
+        ASSERT_EQ(lit.colours[k],
+                  pack_colour(colours.bytes[3 * k], colours.bytes[3 * k + 1], colours.bytes[3 * k + 2]));
+}
+
+TEST_F(SurfaceLight, LightsFramesWithoutCodes) {
+    auto shown = shown_scene("globe", 96, 64);
+    std::vector<double> depths(96 * 64, 0.8 * shown->scene.depth.far);
+    depths[1000] = NAN;
+    shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, depths);
+    shown->prev.codes.clear();
+    compare(shown->field(), shown->pair(), {});
+}
+
+TEST_F(SurfaceLight, RefusesColoursOfAnotherSize) {
+    const auto shown = shown_scene("globe", 67, 45);
+    const ManyColours colours(67, 44);
+    EXPECT_THROW(light(shown->field(), shown->pair(), colours.view(), Lighting::lit), std::runtime_error);
+}
+
+TEST(ViewSurface, QIsThatOfTheFieldTheHandTouches) {
+    const auto shown = shown_scene("globe", 96, 64);
+    for (const double blend : {0.0, 0.3, 0.8}) {
+        const HeightField field = shown->field(blend);
+        const std::vector<float> q = q_of(field);
+        ASSERT_EQ(q.size(), 96U * 64U);
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 96; ++x) {
+                const double depth = planar_depth(shown->scene.camera, shown->scene.depth.semantics, x, y,
+                                                  field.vertex(x, y).depth);
+                EXPECT_EQ(q[static_cast<std::size_t>(y * 96 + x)], static_cast<float>(1 / depth));
+            }
+    }
+}
+
+/// Depths of two frames at random, in steps so that some triangles are cut and some not, with holes.
+class RandomDepths {
+public:
+    RandomDepths(std::uint64_t seed, DepthSemantics semantics, double step) {
+        scene.width = 53;
+        scene.height = 38;
+        scene.camera = {30, 30, 20, 25};
+        scene.depth.semantics = semantics;
+        scene.depth.near = 40;
+        scene.depth.far = 400;
+        SplitMix64 random(seed);
+        for (SurfaceFrame* frame : {&prev, &next}) {
+            frame->width = scene.width;
+            frame->height = scene.height;
+            std::vector<double> depths;
+            for (int k = 0; k < scene.width * scene.height; ++k)
+                depths.push_back(random.unit() < 0.01 ? NAN : 100 + step * random.unit());
+            frame->vertices = std::make_unique<ExactVertices>(scene.width, scene.height, depths);
+        }
+    }
+    HeightField field(double blend) const {
+        FramePair pair;
+        pair.prev = {0, 0, &prev};
+        pair.next = {1, 1, &next};
+        pair.blend = blend;
+        return {scene, pair};
+    }
+    Scene scene;
+    SurfaceFrame prev, next;
+};
+
+TEST(ViewTiles, WholeOnesKeepAllTheirTrianglesMixedOnesSomeInSomeView) {
+    std::size_t whole = 0, mixed = 0, all_cut = 0;
+    for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
+        for (const double step : {0.5, 5.0, 12.0, 900.0})
+            for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+                const RandomDepths depths(seed, semantics, step);
+                const HeightField field = depths.field(seed % 2 ? 0.4 : 0.0);
+                const std::vector<float> q = q_of(field);
+                const ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q);
+                whole += tiles.whole.size();
+                mixed += tiles.mixed.size();
+                const TileGrid grid = field.tiles();
+                std::map<std::uint32_t, std::set<bool>> cut_of, hole_of;  // of each tile's triangles
+                auto at = [&](int x, int y) { return q[static_cast<std::size_t>(y * field.width() + x)]; };
+                for (int y = 0; y + 1 < field.height(); ++y)
+                    for (int x = 0; x + 1 < field.width(); ++x) {
+                        const auto tile = static_cast<std::uint32_t>(grid.row_of_cell(y) * grid.tiles_x +
+                                                                     grid.column_of_cell(x));
+                        for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
+                            const float a = at(x, y), b = at(x + dx, y + dy), c = at(x + 1, y + 1);
+                            cut_of[tile].insert(triangle_is_cut(a, b, c));
+                            hole_of[tile].insert(!(a > 0 && b > 0 && c > 0));
+                        }
+                    }
+                ViewSurface::Tiles expected;
+                for (const auto& [tile, cut] : cut_of) {
+                    if (cut == std::set{false}) expected.whole.push_back(tile);
+                    // All may be cut: the clip's own view shows those without a hole.
+                    const bool has_surface = hole_of[tile].contains(false);
+                    if (cut.contains(true) && has_surface) expected.mixed.push_back(tile);
+                    all_cut += has_surface && !cut.contains(false);
+                }
+                EXPECT_EQ(tiles, expected) << "seed " << seed;
+            }
+    EXPECT_GT(whole, 0U);  // or the test says nothing
+    EXPECT_GT(mixed, 0U);
+    EXPECT_GT(all_cut, 0U);
+}
+
+TEST(ViewTiles, TilesWithoutAValidPixelAreLeftOut) {
+    RandomDepths depths(1, DepthSemantics::range, 1.0);
+    std::vector<double> with_hole(static_cast<std::size_t>(depths.scene.width * depths.scene.height), 100.0);
+    for (int y = 0; y <= 16; ++y)
+        for (int x = 16; x <= 32; ++x) with_hole[static_cast<std::size_t>(y * depths.scene.width + x)] = NAN;
+    depths.prev.vertices =
+        std::make_unique<ExactVertices>(depths.scene.width, depths.scene.height, with_hole);
+    const HeightField field = depths.field(0);
+    const ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q_of(field));
+    EXPECT_EQ(std::count(tiles.whole.begin(), tiles.whole.end(), 1U), 0);
+    EXPECT_EQ(std::count(tiles.mixed.begin(), tiles.mixed.end(), 1U), 0);
+    EXPECT_EQ(tiles.whole.size() + tiles.mixed.size(), 11U);
+}
+
+TEST(ViewSurface, AColourIsTheTracksInALightThatLeavesItsHue) {
+    const auto shown = shown_scene("globe", 96, 64);
+    const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
+    ASSERT_EQ(surface.colours.size(), surface.q.size());
+    for (std::size_t k = 0; k < surface.colours.size(); ++k) {
+        const std::uint8_t* rgb = shown->raw_prev.colour.row(static_cast<int>(k / 96)) + 3 * (k % 96);
+        const auto r = surface.colours[k] & 255U, b = surface.colours[k] >> 16 & 255U;
+        EXPECT_EQ(surface.colours[k] >> 24, 255U);
+        EXPECT_TRUE(rgb[0] <= rgb[2] + 2 || r >= b) << k;
+        EXPECT_TRUE(rgb[2] <= rgb[0] + 2 || b >= r) << k;
+    }
+}
+
+TEST(ViewSurface, TheMiddleIsOfWhatIsNotAtTheFarPlane) {
+    const auto shown = shown_scene("globe", 96, 64);
+    const glm::dvec3 middle = subject_of(shown->field()).middle;
+    EXPECT_NEAR(middle.x, 0, 3);
+    EXPECT_GT(middle.z, -140);
+    EXPECT_LT(middle.z, -50);
+
+    RandomDepths empty(1, DepthSemantics::range, 1.0);
+    const std::vector<double> none(static_cast<std::size_t>(empty.scene.width * empty.scene.height), NAN);
+    empty.prev.vertices = std::make_unique<ExactVertices>(empty.scene.width, empty.scene.height, none);
+    EXPECT_EQ(subject_of(empty.field(0)).middle, glm::dvec3(0, 0, -400));
+}
+
+// Samples along a cell's side; a power of two, so that every one is at a whole subpixel.
+constexpr int samples = 8;
+
+/// Pressed in at random places; proxies on the surface.
+std::vector<glm::dvec3> pressed(const Shown& shown, const HeightField& field, int count) {
+    TouchSettings settings;
+    settings.metres_per_scene_unit = 0.001;
+    const auto solver = TouchSolver::create(shown.scene, settings);
+    SplitMix64 random(7);
+    std::vector<glm::dvec3> proxies;
+    for (int k = 0; k < count; ++k) {
+        const auto x = static_cast<int>(random.within(2, field.width() - 3));
+        const auto y = static_cast<int>(random.within(2, field.height() - 3));
+        const double depth =
+            planar_depth(shown.scene.camera, shown.scene.depth.semantics, x, y, field.vertex(x, y).depth);
+        const glm::dvec3 surface = unproject(shown.scene.camera, x + random.unit(), y + random.unit(), depth);
+        FingerState finger;
+        Contact contact;
+        for (const double share : {0.8, 0.9, 1.02}) {
+            const glm::dvec3 goal = share * surface;
+            solver->tick(field, {&goal, 1}, {&finger, 1}, {&contact, 1});
+        }
+        if (contact.touching) proxies.push_back(contact.proxy);
+    }
+    return proxies;
+}
+
+/// q at a place, from three samples of the drawn picture within the triangle it lies in; nothing where that
+/// is cut.
+std::optional<double> drawn_q(const PicturePlanes& planes, const ViewSurface& surface, double near, double x,
+                              double y) {
+    const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
+    if (i < 0 || j < 0 || i + 1 >= surface.width || j + 1 >= surface.height) return std::nullopt;
+    auto q = [&](int di, int dj) { return surface.q[surface.index(i + di, j + dj)]; };
+    const bool lower = x - i >= y - j;
+    if (lower ? triangle_is_cut(q(0, 0), q(1, 0), q(1, 1)) : triangle_is_cut(q(0, 0), q(1, 1), q(0, 1)))
+        return std::nullopt;
+    // Sample (a, b) of the cell is at ((a + 0.5) / samples, ...) from its first corner: half a cell further
+    // on in the picture, whose pixels' centres are the lattice's corners.
+    auto sample = [&](int a, int b) {
+        const int px = i * samples + samples / 2 + a, py = j * samples + samples / 2 + b;
+        return static_cast<double>(planes.z[planes.index(px, py)]) / near;
+    };
+    const std::array<int, 2> start = lower ? std::array{6, 1} : std::array{1, 6};
+    const double here = sample(start[0], start[1]);
+    const int step_x = lower ? -4 : 4, step_y = lower ? 4 : -4;
+    const double along_x = (sample(start[0] + step_x, start[1]) - here) / step_x;
+    const double along_y = (sample(start[0], start[1] + step_y) - here) / step_y;
+    return here + along_x * ((x - i) * samples - 0.5 - start[0]) +
+           along_y * ((y - j) * samples - 0.5 - start[1]);
+}
+
+class EyeAndHand : public GpuTest {};
+
+TEST_F(EyeAndHand, MeetTheSameSurfaceAtTheSameTime) {
+    for (const char* name : {"globe", "rough"})
+        for (const double blend : {0.0, 0.37}) {
+            const auto shown = shown_scene(name, 160, 107);
+            const HeightField field = shown->field(blend);
+            const std::vector<glm::dvec3> proxies = pressed(*shown, field, 200);
+            const ViewSurface surface = make_view_surface(field, {});
+            const double near = 30;
+            const ViewCamera camera = own_view(shown->scene, 160 * samples, 107 * samples, near);
+            for (const auto& painter :
+                 {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))}) {
+                const PicturePlanes planes = must(painter->paint(surface, camera));
+                int compared = 0;
+                for (const glm::dvec3& proxy : proxies) {
+                    const auto at = project(shown->scene.camera, proxy);
+                    ASSERT_TRUE(at);
+                    const auto q = drawn_q(planes, surface, near, at->x, at->y);
+                    if (!q) continue;
+                    ++compared;
+                    EXPECT_NEAR(*q * at->planar_depth, 1.0, 3e-6)
+                        << painter->name() << ", " << name << " at " << at->x << ", " << at->y;
+                }
+                EXPECT_GT(compared, 100) << painter->name() << ", " << name;
+            }
+        }
 }
 
 }  // namespace

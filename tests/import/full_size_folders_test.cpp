@@ -1,0 +1,498 @@
+// Colour of a camera of its own, and lenses that bend: brought onto the pixels of one pinhole camera.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/clip/clip_file.hpp"
+#include "engine/formats/pinhole_frames.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/limited_memory.hpp"
+#include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// A camera of f pixels, codes of millimetres, 0 is none.
+Scene metric_scene(int width, int height, double f) {
+    Scene scene = small_scene(width, height, 16);
+    scene.metres_per_unit = 1;
+    scene.camera = {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
+    scene.depth = {};
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = 0.001;
+    scene.depth.far = 60;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+Image words(int width, int height, std::uint16_t value) {
+    Image image{width, height, 2, 1, {}};
+    for (int k = 0; k < width * height; ++k) {
+        image.samples.push_back(static_cast<std::uint8_t>(value & 255));
+        image.samples.push_back(static_cast<std::uint8_t>(value >> 8));
+    }
+    return image;
+}
+void set_word(Image& image, int x, int y, std::uint16_t value) {
+    std::memcpy(image.samples.data() + 2 * (y * image.width + x), &value, 2);
+}
+
+/// A square at 1 m before a wall at 2 m; the colour camera is 0.1 m to the right. So the square is 10 pixels
+/// to the left for it, the wall 5: it sees 5 pixels of the wall more at the right of the square, and 5 less
+/// at its left.
+TEST(ColourRegistration, WhatIsHiddenIsGrey) {
+    constexpr int width = 60, height = 20, left = 30, right = 40;  // columns of the square
+    Scene scene = metric_scene(width, height, 100);
+    scene.colour_camera.emplace();
+    scene.colour_camera->camera = scene.camera;
+    scene.colour_camera->width = width;
+    scene.colour_camera->height = height;
+    scene.colour_camera->from_depth.translation = {-0.1, 0, 0};
+    Image depth = words(width, height, 2000), colour{width, height, 1, 3, {}};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            if (x >= left && x < right) set_word(depth, x, y, 1000);
+            const bool is_square = x >= left - 10 && x < right - 10;
+            colour.samples.insert(colour.samples.end(), {static_cast<std::uint8_t>(is_square ? 200 : x),
+                                                         static_cast<std::uint8_t>(is_square ? 10 : 100),
+                                                         static_cast<std::uint8_t>(y)});
+        }
+    for (const int x : {33, 34, 35}) set_word(depth, x, 7, 0);  // holes: in the square, and at its edge
+    set_word(depth, left, 9, 0);
+    ColourRegistration registration(scene);
+    const Image made = registration.registered(depth.view(), colour.view());
+    int hidden = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int red = made.view().sample(x, y, 0);
+            if (x >= left && x < right) {
+                ASSERT_EQ(red, 200) << x << ", " << y;
+            } else if (x < 5) {
+                ASSERT_EQ(red, 128) << "beyond the picture's edge";
+            } else if (x < left - 8 || x >= right) {  // up to three pixels of doubt beside the square
+                ASSERT_EQ(red, x - 5) << x << ", " << y;
+            } else if (red != x - 5 || x >= left - 5) {
+                ASSERT_EQ(red, 128) << x << ", " << y;
+                ++hidden;
+            }
+        }
+    EXPECT_NEAR(hidden / double{height}, 5 + 1.5, 1.5);
+    EXPECT_NEAR(registration.unseen_share(), (5 + 6.5) / 60., 1.5 / 60)
+        << "at the picture's edge, and hidden";
+    EXPECT_NEAR(registration.grey_share(), (5 + hidden / double{height}) / 60., 1e-9);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < 5; ++x) set_word(depth, x, y, 0);
+    registration.look_at(depth.view());
+    EXPECT_NEAR(registration.unseen_share(), 6.5 / 55., 1.5 / 55)
+        << "of those with depth only what is hidden";
+    EXPECT_NEAR(registration.grey_share(), (5 + hidden / double{height}) / 60., 1e-9)
+        << "without depth as well";
+}
+
+/// A box at 0.6 m before a wall of stripes at 1.2 m, both as a camera `beside` metres to the right of depth's
+/// sees them.
+struct BoxBeforeStripes {
+    static constexpr int width = 160, height = 60;
+    static constexpr double box_depth = 0.6, wall_depth = 1.2, stripe = 0.032;  // 4 of depth's pixels
+    static bool is_box(double x, double y, double eye) {  // a ray from (eye, 0), its direction at distance 1
+        return std::abs(eye + x * box_depth) < 0.1013 && std::abs(y * box_depth) < 0.0613;
+    }
+    static int stripe_at(double wall_x) {
+        return (static_cast<int>(std::floor(wall_x / stripe)) % 3 + 3) % 3;
+    }
+
+    explicit BoxBeforeStripes(double beside) : scene(metric_scene(width, height, 150)) {
+        ColourCamera& camera = scene.colour_camera.emplace();
+        camera.width = 400;
+        camera.height = 150;
+        camera.camera = {240, 240, 199.5, 74.5};
+        camera.from_depth.translation = {-beside, 0, 0};
+        depth = words(width, height, 1200);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                if (is_box(column(x), row(y), 0)) set_word(depth, x, y, 600);
+        colour = Image{camera.width, camera.height, 1, 3, {}};
+        for (int y = 0; y < camera.height; ++y)
+            for (int x = 0; x < camera.width; ++x) {
+                const double u = (x - 199.5) / 240;
+                const bool box = is_box(u, (y - 74.5) / 240, beside);
+                const int red = box ? 250 : 20 + 30 * stripe_at(beside + u * wall_depth);
+                colour.samples.insert(colour.samples.end(), 3, static_cast<std::uint8_t>(red));
+            }
+    }
+    double column(double x) const { return (x - scene.camera.cx) / scene.camera.fx; }
+    double row(double y) const { return (y - scene.camera.cy) / scene.camera.fy; }
+    /// The true colour of a pixel, or, at a border, of one that is half a pixel away.
+    bool is_true(int x, int y, int red) const {
+        for (const double dx : {-0.5, 0.0, 0.5})
+            for (const double dy : {-0.5, 0.0, 0.5})
+                if (is_box(column(x), row(y), 0)) {
+                    const bool box = is_box(column(x + dx), row(y + dy), 0);
+                    if (red == 250 || (!box && red < 100)) return true;
+                } else if (red == 20 + 30 * stripe_at(column(x + dx) * wall_depth)) {
+                    return true;
+                }
+        return false;
+    }
+
+    Scene scene;
+    Image depth, colour;
+};
+
+TEST(ColourRegistration, EveryPixelHasItsTrueColourOrNone) {
+    for (const double beside : {0.05, -0.05}) {
+        const BoxBeforeStripes seen(beside);
+        ColourRegistration registration(seen.scene);
+        const Image made = registration.registered(seen.depth.view(), seen.colour.view());
+        int grey = 0, box_rows = 0;
+        for (int y = 0; y < seen.height; ++y) {
+            box_rows += seen.is_box(0, seen.row(y), 0);
+            for (int x = 0; x < seen.width; ++x) {
+                const int red = made.view().sample(x, y, 0);
+                grey += red == 128;
+                if (red != 128) {
+                    ASSERT_TRUE(seen.is_true(x, y, red)) << x << ", " << y << ": " << red;
+                }
+            }
+        }
+        // 6.25 pixels beside the box are hidden, and up to three more are in doubt.
+        EXPECT_GT(grey, 6 * box_rows);
+        EXPECT_LT(grey, 10 * box_rows);
+    }
+}
+
+TEST(ColourRegistration, FillsWhatIsInDoubtAlone) {
+    const BoxBeforeStripes seen(0);
+    ColourRegistration registration(seen.scene);
+    const Image made = registration.registered(seen.depth.view(), seen.colour.view());
+    int grey = 0;
+    for (int y = 0; y < seen.height; ++y)
+        for (int x = 0; x < seen.width; ++x) {
+            const int red = made.view().sample(x, y, 0);
+            const bool is_box = seen.is_box(seen.column(x), seen.row(y), 0);
+            grey += red == 128;
+            ASSERT_TRUE(is_box || red < 100 || red == 128)
+                << "the box's colour on the wall at " << x << ", " << y;
+        }
+    EXPECT_LE(grey, 16) << "at its corners";
+}
+
+TEST(ColourRegistration, TakesNoMemoryForPicturesThatASceneFileClaims) {
+    constexpr int side = 16384;
+    Scene scene = metric_scene(side, side, 100);
+    scene.colour_camera.emplace();
+    scene.colour_camera->camera = scene.camera;
+    scene.colour_camera->width = scene.colour_camera->height = side;
+    const LimitedMemory limited(64);
+    EXPECT_NO_THROW(ColourRegistration{scene});
+}
+
+/// What a plain loop says of a pixel: where its point lies in the colour picture, by arithmetic of its own.
+struct Twin {
+    double x, y, depth;
+};
+Twin twin_of(const Scene& scene, const double (&to_depth)[16], double x, double y, double length) {
+    const long double p[3] = {(x - scene.camera.cx) / scene.camera.fx * length - to_depth[3],
+                              (y - scene.camera.cy) / scene.camera.fy * length - to_depth[7],
+                              length - to_depth[11]};
+    long double q[3] = {};  // the inverse of a rotation is its transpose
+    for (int row = 0; row < 3; ++row)
+        for (int k = 0; k < 3; ++k) q[row] += static_cast<long double>(to_depth[4 * k + row]) * p[k];
+    const Camera& camera = scene.colour_camera->camera;
+    return {static_cast<double>(camera.fx * q[0] / q[2] + camera.cx),
+            static_cast<double>(camera.fy * q[1] / q[2] + camera.cy), static_cast<double>(q[2])};
+}
+
+constexpr double castle_to_depth[16] = {0.9999922514,
+                                        -0.003901827615,
+                                        -0.000573842437,
+                                        -0.02470519207,
+                                        0.003898504889,
+                                        0.9999762774,
+                                        -0.005681734998,
+                                        0.0006583171198,
+                                        0.0005959979608,
+                                        0.005679453723,
+                                        0.9999836683,
+                                        -0.003773850389,
+                                        0,
+                                        0,
+                                        0,
+                                        1};
+
+std::string castle_scene() {
+    char exact[1024];
+    int at = 0;
+    for (const double term : castle_to_depth)
+        at += std::snprintf(exact + at, sizeof exact - static_cast<std::size_t>(at), "%s%.17g", at ? "," : "",
+                            term);
+    return R"({"touchable_scene": 1, "width": 640, "height": 480, "rate": [30, 1], "metres_per_unit": 1,
+        "camera": {"fx": 476.0536, "fy": 476.0535, "cx": 311.4846, "cy": 246.2832},
+        "colour_camera": {"width": 640, "height": 480, "fx": 615.167, "fy": 615.168, "cx": 312.189,
+            "cy": 243.437, "to_depth": [)" +
+           std::string(exact) + R"(]},
+        "depth": {"coding": "metric", "scale": 0.000124986647, "near": 0.2, "far": 1.5, "invalid": [0]},
+        "folder": {"depth": "depth_%04d.png", "colour": "image_%04d.png", "count": 2}})";
+}
+
+void expect_colour_where_a_plain_twin_has_it(const std::filesystem::path& castle) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "castle.json", castle_scene());
+    auto reader = open_clip(castle, folder / "castle.json");
+    ASSERT_EQ(message(reader), "");
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), 2U);
+    EXPECT_FALSE((*reader)->scene().colour_camera) << "colour has depth's pixels now";
+    const auto described = parse_scene(castle_scene(), "scene");
+    ASSERT_EQ(message(described), "");
+    const Scene* const scene = &described->scene;
+    const Image depth = *read_image(castle / "depth_0001.png"), grey = *read_image(castle / "image_0001.png");
+    EXPECT_TRUE(same_plane(frames->at(1).depth, depth.view())) << "depth is never resampled";
+    const auto twin = [&](int x, int y) {
+        const std::uint16_t code = depth.view().sample(x, y);
+        return scene->depth.is_valid(code) ? twin_of(*scene, castle_to_depth, x, y, 0.000124986647 * code)
+                                           : Twin{0, 0, 0};
+    };
+    // Seen for certain: nothing that appears within four pixels is nearer by more than 1.5 %.
+    int compared = 0;
+    for (int y = 6; y < 474; y += 4)
+        for (int x = 64; x < 576; x += 4) {
+            const Twin at = twin(x, y);
+            const double column = std::floor(at.x + 0.5), row = std::floor(at.y + 0.5);
+            bool is_certain = at.depth > 0 && at.x > 0 && at.y > 0 && at.x < 639 && at.y < 479 &&
+                              std::abs(at.x + 0.5 - std::round(at.x + 0.5)) > 1e-3 &&
+                              std::abs(at.y + 0.5 - std::round(at.y + 0.5)) > 1e-3;
+            for (int dy = -4; dy <= 4 && is_certain; ++dy)
+                for (int dx = -60; dx <= 60; ++dx) {
+                    const Twin other = twin(x + dx, y + dy);
+                    if (other.depth > 0 && std::abs(other.x - at.x) < 4 && std::abs(other.y - at.y) < 4 &&
+                        other.depth < at.depth * 0.985)
+                        is_certain = false;
+                }
+            if (!is_certain) continue;
+            ++compared;
+            const int expected = grey.view().sample(static_cast<int>(column), static_cast<int>(row));
+            ASSERT_EQ(frames->at(1).colour.sample(x, y, 0), expected) << x << ", " << y;
+        }
+    EXPECT_GT(compared, 2000);
+}
+
+TEST(PinholeFrames, ColourOfTheCastleIsWhereAPlainTwinHasIt) {
+    const auto castle = real_data("castel_sr300");
+    TOUCHABLE_NEEDS_DATA(castle);
+    expect_colour_where_a_plain_twin_has_it(castle);
+}
+
+/// The depth of the castle's stand-in, as large as the castle's.
+StandIn large_castle(int frames) {
+    StandIn what = stand_in("castel_sr300");
+    what.frames = frames;
+    what.width = 640;
+    what.height = 480;
+    return what;
+}
+
+TEST(PinholeFrames, ColourOfItsStandInIsWhereAPlainTwinHasIt) {
+    const TemporaryFolder folder;
+    write_stand_in(folder.path(), large_castle(2));
+    expect_colour_where_a_plain_twin_has_it(folder.path());
+}
+
+/// As `info` opens a clip.
+TEST(PinholeFrames, WhatTheColourCameraDoesNotSeeIsToldWithoutLookingAtColour) {
+    const TemporaryFolder folder;
+    write_stand_in(folder.path(), large_castle(2));
+    write_bytes(folder / "castle.json", castle_scene());
+    std::string with_colour;
+    for (const Colour colour : {Colour::wanted, Colour::left_out}) {
+        const auto reader = open_clip(folder.path(), folder / "castle.json", {}, colour);
+        ASSERT_EQ(message(reader), "");
+        const auto& notes = (*reader)->notes();
+        const auto note = std::find_if(notes.begin(), notes.end(), [](const std::string& each) {
+            return each.find("its camera does not see ") != std::string::npos;
+        });
+        ASSERT_NE(note, notes.end());
+        EXPECT_EQ(note->find("not see 0 %"), std::string::npos) << *note;
+        if (colour == Colour::wanted)
+            with_colour = *note;
+        else
+            EXPECT_EQ(*note, with_colour);
+    }
+}
+
+TEST(PinholeFrames, ASceneWithAColourCameraIsReadAsItIsWritten) {
+    auto described = parse_scene(castle_scene(), "scene");
+    ASSERT_EQ(message(described), "");
+    Scene& scene = described->scene;
+    scene.lens.terms = {0.1, -0.2, 0.003, 0.004, 0.05, 0.06, 0.07, 0.08};
+    scene.colour_camera->lens.terms = {0.01, 0.02};
+    const auto again = parse_scene(scene_to_json(*described), "again");
+    ASSERT_EQ(message(again), "");
+    EXPECT_EQ(again->scene.lens, scene.lens);
+    EXPECT_EQ(again->scene.colour_camera->lens, scene.colour_camera->lens);
+    EXPECT_EQ(again->scene.colour_camera->from_depth, scene.colour_camera->from_depth);
+    std::string skewed = castle_scene();
+    skewed.replace(skewed.find("0.99999225"), 5, "0.5555");
+    EXPECT_TRUE(is_refused(parse_scene(skewed, "scene"), "does not begin with a rotation"));
+    std::string both = castle_scene();
+    both.insert(both.find("\"to_depth\""), "\"from_depth\": [], ");
+    EXPECT_TRUE(is_refused(parse_scene(both, "scene"), "left out where from_depth is given"));
+}
+
+/// The wall z = 2 m as a lens shows it, and a step of depth that is a straight line in the world.
+TEST(PinholeFrames, AStraightEdgeIsStraightWithoutTheLens) {
+    constexpr int width = 160, height = 120;
+    Scene scene = metric_scene(width, height, 100);
+    scene.lens.terms = {-0.25, 0.06, 0.002, -0.001};
+    const TemporaryFolder folder;
+    Image bent = words(width, height, 0);
+    // For each stored pixel, the ray that the lens bends there: found by trying.
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double sx = (x - scene.camera.cx) / 100, sy = (y - scene.camera.cy) / 100;
+            double px = sx, py = sy;
+            for (int k = 0; k < 60; ++k) {
+                const double r2 = px * px + py * py, radial = 1 - 0.25 * r2 + 0.06 * r2 * r2;
+                px = (sx - 2 * 0.002 * px * py + 0.001 * (r2 + 2 * px * px)) / radial;
+                py = (sy - 0.002 * (r2 + 2 * py * py) + 2 * 0.001 * px * py) / radial;
+            }
+            set_word(bent, x, y, px < 0.4 ? 2000 : 1000);
+        }
+    scene.folder.emplace().depth = "bent.png";
+    ASSERT_EQ(message(write_png(folder / "bent.png", bent.view())), "");
+    write_bytes(folder / "bent.json", scene_to_json(scene));
+    auto reader = open_clip(folder / "bent.json");
+    ASSERT_EQ(message(reader), "");
+    EXPECT_FALSE((*reader)->scene().lens.any());
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    for (int y = 10; y < height - 10; ++y) {
+        int edge = width - 1;
+        while (edge > 0 && frames->at(0).depth.sample(edge - 1, y) == 1000) --edge;
+        while (frames->at(0).depth.sample(edge, y) != 1000) --edge;
+        int first = edge;
+        while (frames->at(0).depth.sample(first - 1, y) == 1000) --first;
+        EXPECT_NEAR(first - 0.5, scene.camera.cx + 0.4 * 100, 1.2)
+            << y;  // half a stored pixel, half of one here
+    }
+}
+
+/// A real recording beside the checkout, its scene in the repository, or its stand-in.
+struct Recording {
+    const char* scene;
+    const char* folder;  ///< null: the stand-in
+    int frames;
+    double nearest_mm, median_mm[2];  ///< no valid depth is nearer; the median lies between
+    double valid_share;               ///< at least, of all pixels
+};
+
+// Ranges read off the recordings: a model on a table, a cube on a table, a chair in a room, a rendered room.
+constexpr Recording recordings[] = {
+    {"castel_sr300", "castel_sr300", 30, 150, {240, 280}, 0.5},
+    {"visp_cube_realsense", "visp_cube_realsense", 10, 150, {380, 500}, 0.7},
+    {"redwood5", "stills/redwood5", 5, 900, {1700, 2000}, 0.85},
+    {"icl_nuim5", "stills/icl_nuim5", 5, 700, {1400, 3100}, 0.999},
+};
+// Of the wall, which is most of the picture, and what stands at three quarters of the way to it.
+constexpr Recording generated[] = {
+    {"castel_sr300", nullptr, 4, 200, {240, 350}, 0.97},
+    {"visp_cube_realsense", nullptr, 4, 350, {420, 600}, 0.96},
+    {"redwood5", nullptr, 4, 1400, {1600, 2300}, 0.97},
+    {"icl_nuim5", nullptr, 4, 2000, {2200, 3200}, 0.999},
+};
+
+class RecordedFolder : public ::testing::TestWithParam<Recording> {
+protected:
+    std::filesystem::path folder() const {
+        return GetParam().folder ? real_data(GetParam().folder) : written_.path();
+    }
+    std::filesystem::path scene_file() const {
+        if (!GetParam().folder) return folder() / "scene.json";
+        return std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes" /
+               (std::string(GetParam().scene) + ".json");
+    }
+    void SetUp() override {
+        if (!GetParam().folder) write_stand_in(written_.path(), stand_in(GetParam().scene));
+        TOUCHABLE_NEEDS_DATA(folder());
+    }
+
+private:
+    const TemporaryFolder written_;
+};
+
+bool varies(const PlaneView& picture) {
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x)
+            if (picture.sample(x, y) != picture.sample(0, 0)) return true;
+    return false;
+}
+
+TEST_P(RecordedFolder, GivesAllFramesAtPlausibleDepths) {
+    auto reader = open_clip(folder(), scene_file());
+    ASSERT_EQ(message(reader), "");
+    const Scene& scene = (*reader)->scene();
+    EXPECT_DOUBLE_EQ(scene.metres_per_unit, 0.001);
+    ASSERT_EQ((*reader)->tracks().size(), 2U);
+    const auto frames = read_all(**reader);
+    ASSERT_EQ(message(frames), "");
+    ASSERT_EQ(frames->size(), static_cast<std::size_t>(GetParam().frames));
+    for (const RawFrame& frame : *frames) {
+        EXPECT_EQ(frame.time_ns, frame.number * 1'000'000'000 / 30);
+        ASSERT_EQ(frame.depth.bytes_per_sample, 2);
+        ASSERT_EQ(frame.colour.channels, 3);
+        EXPECT_TRUE(varies(frame.colour));
+        std::vector<std::size_t> histogram(65536);
+        std::size_t valid = 0,
+                    pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
+        for (int y = 0; y < scene.height; ++y)
+            for (int x = 0; x < scene.width; ++x) {
+                const std::uint16_t code = frame.depth.sample(x, y);
+                if (!scene.depth.is_valid(code)) continue;
+                ++histogram[code];
+                ++valid;
+            }
+        EXPECT_GT(static_cast<double>(valid), GetParam().valid_share * static_cast<double>(pixels));
+        std::uint16_t least = 0, median = 0;
+        while (histogram[least] == 0) ++least;
+        for (std::size_t below = 0; below <= valid / 2; ++median) below += histogram[median];
+        EXPECT_GT(scene.depth.depth(least), GetParam().nearest_mm);
+        EXPECT_GT(scene.depth.depth(median), GetParam().median_mm[0]);
+        EXPECT_LT(scene.depth.depth(median), GetParam().median_mm[1]);
+    }
+}
+
+TEST_P(RecordedFolder, ComesBackExactlyFromAClip) {
+    const TemporaryFolder output;
+    auto reader = open_clip(folder(), scene_file());
+    ASSERT_EQ(message(reader), "");
+    auto writer = create_clip(output / "clip.mkv", (*reader)->scene(), exact_clip);
+    ASSERT_EQ(message(writer), "");
+    std::vector<RawFrame> originals;
+    for (int n = 0; n < 3; ++n) {
+        auto frame = (*reader)->next();
+        ASSERT_EQ(message(frame), "");
+        ASSERT_EQ(message((*writer)->write(**frame)), "");
+        originals.push_back(std::move(**frame));
+    }
+    ASSERT_EQ(message((*writer)->finish()), "");
+    const auto frames = read_clip(output / "clip.mkv");
+    ASSERT_EQ(message(frames), "");
+    EXPECT_TRUE(std::equal(originals.begin(), originals.end(), frames->begin(), frames->end(), same_frame));
+}
+
+INSTANTIATE_TEST_SUITE_P(Real, RecordedFolder, ::testing::ValuesIn(recordings),
+                         [](const auto& parameter) { return std::string(parameter.param.scene); });
+INSTANTIATE_TEST_SUITE_P(Generated, RecordedFolder, ::testing::ValuesIn(generated),
+                         [](const auto& parameter) { return std::string(parameter.param.scene); });
+
+}  // namespace
+}  // namespace touchable::test

@@ -1,0 +1,303 @@
+// Where edges of colour are, against edges of depth that are known.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "engine/authoring/quality_estimators.hpp"
+#include "tests/clip/clip_fixture.hpp"
+
+namespace touchable::test {
+namespace {
+
+constexpr int width = 640, height = 480;
+
+/// Boxes before a wall. Their colour is moved, and smaller or larger than they are.
+class ColourEdgesOf : public ::testing::Test {
+protected:
+    /// `x`, `y`: 0 or more. `uneven_`: each is at another place of its square of 80 pixels, of
+    /// another size.
+    bool in_box(int x, int y, int larger = 0) const {
+        const int square = x / 80 + 10 * (y / 80);
+        const int column = x % 80 - (uneven_ ? 31 * square % 29 - 10 : 0);
+        const int row = y % 80 - (uneven_ ? 17 * square % 29 - 10 : 0);
+        const int end = (uneven_ ? 44 + 13 * square % 17 : 50) + larger;
+        return column >= 20 - larger && column < end && row >= 20 - larger && row < end;
+    }
+    ClipQuality::ColourFit fit(int right, int below, int colour_larger, bool with_shadow = false) {
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const bool shadow = with_shadow && !in_box(x + 80, y + 80) && in_box(x + 87, y + 80);
+                depth_.push_back(shadow ? invalid : in_box(x + 80, y + 80) ? 200 : 60);
+                const bool is_red = in_box(x - right + 80, y - below + 80, colour_larger);
+                const int noise = (x * 7 + y * 13) % 11;
+                colour_.push_back(static_cast<std::uint8_t>((is_red ? 190 : 40) + noise));
+                colour_.push_back(static_cast<std::uint8_t>(60 + noise));
+                colour_.push_back(static_cast<std::uint8_t>((is_red ? 30 : 170) + noise));
+            }
+        RawFrame frame;
+        frame.depth = {depth_.data(), width, width, height, 1, 1};
+        frame.colour = {colour_.data(), 3 * width, width, height, 1, 3};
+        Scene scene = small_scene(width, height);
+        scene.depth.invalid_codes[0] = invalid;
+        scene.depth.invalid_code_count = 1;
+        derive_valid_range(scene.depth);
+        ColourEdges edges(scene);
+        where.assign(depth_.size(), 0);
+        edges.add(frame, &where);
+        const auto found = edges.fit();
+        EXPECT_TRUE(found);
+        return found.value_or(ClipQuality::ColourFit{});
+    }
+
+    static constexpr std::uint8_t invalid = 0;
+    bool uneven_ = false;
+    std::vector<std::uint8_t> depth_, colour_, where;
+};
+
+TEST_F(ColourEdgesOf, RegisteredPicturesFit) {
+    const auto fitted = fit(0, 0, 0);
+    EXPECT_NEAR(fitted.right.value_or(9), 0, 0.01);
+    EXPECT_NEAR(fitted.below.value_or(9), 0, 0.01);
+    EXPECT_NEAR(fitted.rim, 0, 0.51);
+    EXPECT_EQ(std::count(where.begin(), where.end(), 1), 0);
+}
+
+TEST_F(ColourEdgesOf, ShiftIsTold) {
+    const auto fitted = fit(3, -2, 0);
+    EXPECT_NEAR(fitted.right.value_or(9), 3, 0.01);
+    EXPECT_NEAR(fitted.below.value_or(9), -2, 0.01);
+    EXPECT_NEAR(fitted.rim, 0, 0.51);
+    EXPECT_GT(std::count(where.begin(), where.end(), 1), 500);
+}
+
+TEST_F(ColourEdgesOf, RimIsToldFromAShift) {
+    const auto narrow = fit(-2, 0, -3);
+    EXPECT_NEAR(narrow.right.value_or(9), -2, 0.01);
+    EXPECT_NEAR(narrow.rim, 3, 0.51);
+}
+
+TEST_F(ColourEdgesOf, ColourBeyondTheSurfaceIsARimBelowZero) {
+    const auto fitted = fit(0, 1, 2);
+    EXPECT_NEAR(fitted.below.value_or(9), 1, 0.01);
+    EXPECT_NEAR(fitted.rim, -2, 0.51);
+}
+
+TEST_F(ColourEdgesOf, ColourFarBesideDepthAgreesOnNoPlace) {
+    uneven_ = true;
+    EXPECT_TRUE(fit(3, -2, 0).agrees());
+    for (const auto& [right, below] : {std::pair{30, 0}, {-30, 0}, {0, -30}}) {
+        depth_.clear();
+        colour_.clear();
+        const auto fitted = fit(right, below, 0);
+        EXPECT_FALSE(fitted.agrees()) << right << ' ' << below << ": " << fitted.agreement;
+    }
+}
+
+TEST_F(ColourEdgesOf, ShadowWithoutDepthChangesNothing) {
+    const auto fitted = fit(2, 0, 0, true);
+    EXPECT_NEAR(fitted.right.value_or(9), 2, 0.01);
+}
+
+TEST(ColourEdgesWithout, EdgesSayNothing) {
+    const std::vector<std::uint8_t> depth(width * height, 100), colour(3 * width * height, 100);
+    RawFrame frame;
+    frame.depth = {depth.data(), width, width, height, 1, 1};
+    frame.colour = {colour.data(), 3 * width, width, height, 1, 3};
+    ColourEdges edges(small_scene(width, height));
+    edges.add(frame);
+    EXPECT_FALSE(edges.fit());
+    // Neither does a picture of one pixel.
+    frame.depth.width = frame.depth.height = frame.colour.width = frame.colour.height = 1;
+    edges.add(frame);
+    EXPECT_FALSE(edges.fit());
+}
+
+// How frames follow each other.
+
+/// A frame of one pixel of depth and one of colour.
+RawFrame frame_at(std::int64_t number, std::int64_t ms, std::uint8_t depth, std::uint8_t colour = 0) {
+    auto bytes = std::make_shared<std::array<std::uint8_t, 4>>(std::array{depth, colour, colour, colour});
+    RawFrame frame;
+    frame.number = number;
+    frame.time_ns = ms * 1000000;
+    frame.depth = {bytes->data(), 1, 1, 1, 1, 1};
+    frame.colour = {bytes->data() + 1, 3, 1, 1, 1, 3};
+    frame.storage = bytes;
+    return frame;
+}
+
+TEST(FrameTimes, AreAllRight) {
+    FrameTimesEstimator estimator;
+    for (int k = 0; k < 20; ++k) estimator.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k)));
+    const ClipQuality::FrameTimes times = estimator.times();
+    EXPECT_EQ(times.frames, 20);
+    EXPECT_EQ(times.repeated, 0);
+    EXPECT_EQ(times.missing, 0);
+    EXPECT_EQ(times.jumps, 0);
+    EXPECT_EQ(times.usual_ms, 33);
+}
+
+TEST(FrameTimes, RepeatedOnesAreCountedAndThoseUnderNewColour) {
+    FrameTimesEstimator estimator;
+    for (int k = 0; k < 20; ++k)
+        estimator.add(
+            frame_at(k, 33 * k, static_cast<std::uint8_t>(k / 2), static_cast<std::uint8_t>(k / 4)));
+    EXPECT_EQ(estimator.times().repeated, 8);  // not the first and the last, which are not between changes
+    EXPECT_EQ(estimator.times().of_new_colour, 0);  // colour changes with every fourth, when depth does
+    FrameTimesEstimator quick;
+    for (int k = 0; k < 20; ++k)
+        quick.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k / 2), static_cast<std::uint8_t>(k)));
+    EXPECT_EQ(quick.times().of_new_colour, 8);
+}
+
+TEST(FrameTimes, WhatStandsStillForLongIsNotRepeated) {
+    FrameTimesEstimator estimator;
+    for (int k = 0; k < 30; ++k)  // moves, stands still for ten frames, moves on
+        estimator.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k < 10 ? k : k < 20 ? 10 : k)));
+    EXPECT_EQ(estimator.times().repeated, 0);
+    EXPECT_EQ(estimator.times().changed, 20);
+    FrameTimesEstimator still;
+    for (int k = 0; k < 30; ++k) still.add(frame_at(k, 33 * k, 7));
+    EXPECT_EQ(still.times().repeated, 0);
+}
+
+TEST(FrameTimes, GapsAndJumpsAreCounted) {
+    FrameTimesEstimator estimator;
+    std::int64_t ms = 0;
+    for (int k = 0; k < 20; ++k) {
+        ms += k == 5 ? 132 : k == 9 ? 0 : k == 12 ? 66 : 33;
+        estimator.add(frame_at(k, ms, static_cast<std::uint8_t>(k)));
+    }
+    const ClipQuality::FrameTimes times = estimator.times();
+    EXPECT_EQ(times.missing, 3 + 1);
+    EXPECT_EQ(times.jumps, 1);
+    EXPECT_EQ(times.longest_ms, 132);
+    EXPECT_EQ(times.longest_at, 5);
+}
+
+TEST(FrameTimes, OfOneFrameThereAreNone) {
+    FrameTimesEstimator estimator;
+    EXPECT_EQ(estimator.times().frames, 0);
+    estimator.add(frame_at(0, 0, 1));
+    EXPECT_EQ(estimator.times().usual_ms, 0);
+}
+
+// What haptic pictures ask of a device.
+
+constexpr int columns = 100, rows = 10;
+
+class HapticValuesOf : public ::testing::Test {
+protected:
+    ClipQuality::HapticValues values(const std::function<std::array<int, 3>(int, int)>& rgb) {
+        Scene scene = small_scene(columns, rows);
+        scene.haptic = {{0, 10}, {0, 1}, {0, 1}};
+        std::vector<std::uint8_t> depth(columns * rows, 100), haptic;
+        for (int y = 0; y < rows; ++y)
+            for (int x = 0; x < columns; ++x)
+                for (const int value : rgb(x, y)) haptic.push_back(static_cast<std::uint8_t>(value));
+        RawFrame frame;
+        frame.depth = {depth.data(), columns, columns, rows, 1, 1};
+        frame.haptic = {haptic.data(), 3 * columns, columns, rows, 1, 3};
+        HapticValuesEstimator estimator(scene);
+        estimator.add(frame, &where);
+        return estimator.values();
+    }
+    static std::int64_t marked(const std::vector<std::uint8_t>& marks) {
+        return std::count(marks.begin(), marks.end(), 1);
+    }
+
+    ClipQuality::Where::Haptic where;
+};
+
+TEST_F(HapticValuesOf, SharesAreThoseOfThePicture) {
+    const ClipQuality::HapticValues found = values([](int x, int) {
+        return std::array{x < 25 ? 255 : 51, 100, x < 10 ? 200 : 50};
+    });
+    EXPECT_DOUBLE_EQ(found.stiffest, 10);
+    EXPECT_DOUBLE_EQ(found.too_stiff, 0.25);
+    EXPECT_DOUBLE_EQ(found.more_dynamic, 0.1);
+    EXPECT_DOUBLE_EQ(found.mixed, 0);
+    EXPECT_EQ(marked(where.too_stiff), 25 * rows);
+    EXPECT_EQ(marked(where.more_dynamic), 10 * rows);
+}
+
+TEST_F(HapticValuesOf, AreasAndSmoothChangesAreNotMixed) {
+    EXPECT_EQ(values([](int x, int) { return std::array{x, 255 - x, 30}; }).mixed, 0);
+    EXPECT_EQ(values([](int x, int) { return std::array{x / 10 * 20, 100, 30}; }).mixed, 0);
+}
+
+TEST_F(HapticValuesOf, NoiseOfACodecIsMixed) {
+    std::minstd_rand random(3);
+    const ClipQuality::HapticValues found = values([&](int, int) {
+        const int noise = static_cast<int>(random() / 16 % 5);
+        return std::array{100 + noise, 120 - noise, 60};
+    });
+    EXPECT_GT(found.mixed, 0.1);  // five times what is told of
+    EXPECT_EQ(marked(where.mixed), static_cast<std::int64_t>(found.mixed * columns * rows + 0.5));
+}
+
+// Depth that goes to and fro as a whole.
+
+/// Of a slope whose depth is `scale(k)` times itself in frame k, under an even colour where one is given.
+std::optional<double> pumping_of(int frames, const std::function<double(int)>& scale,
+                                 const std::function<int(int)>& brightness = {}) {
+    constexpr int width = 64, height = 48;
+    DepthCoding coding;
+    coding.kind = DepthCodingKind::metric;
+    coding.scale = 0.1;
+    coding.far = 6000;
+    coding.code_max = 65535;
+    derive_valid_range(coding);
+    PumpingEstimator estimator(coding);
+    std::vector<std::uint16_t> codes(width * height);
+    for (int k = 0; k < frames; ++k) {
+        for (int pixel = 0; pixel < width * height; ++pixel)
+            codes[static_cast<std::size_t>(pixel)] = coding.code(scale(k) * (1000 + pixel % width));
+        RawFrame frame;
+        frame.number = k;
+        frame.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()), 2 * width, width, height, 2, 1};
+        std::vector<std::uint8_t> colour;
+        if (brightness) {
+            colour.assign(3 * width * height, static_cast<std::uint8_t>(brightness(k)));
+            frame.colour = {colour.data(), 3 * width, width, height, 1, 3};
+        }
+        estimator.add(frame);
+    }
+    return estimator.share();
+}
+
+TEST(Pumping, IsThatOfScalesThatChangeByChance) {
+    std::mt19937 random(7);
+    std::vector<double> scales;
+    for (int k = 0; k < 400; ++k)
+        scales.push_back(1 + 0.01 * (static_cast<double>(random() % 2001) / 1000 - 1));
+    const auto share = pumping_of(400, [&](int k) { return scales[static_cast<std::size_t>(k)]; });
+    ASSERT_TRUE(share);
+    EXPECT_NEAR(*share, 0.01 / std::sqrt(3.0), 0.0006);  // of an even distribution
+}
+
+TEST(Pumping, IsNotWhatStandsStillOrMovesOn) {
+    EXPECT_LT(pumping_of(30, [](int) { return 1.0; }).value_or(9), 1e-9);
+    EXPECT_LT(pumping_of(30, [](int k) { return 1 - 0.01 * k; }).value_or(9), 1e-9);
+}
+
+/// A shot of one frame between two of another place.
+TEST(Pumping, IsNotWhatACutChanges) {
+    const auto scale = [](int k) { return k % 6 == 3 ? 1.4 : 1.0; };
+    EXPECT_LT(pumping_of(30, scale, [](int k) { return k % 6 == 3 ? 200 : 60; }).value_or(9), 1e-9);
+    EXPECT_GT(pumping_of(30, scale, [](int k) { return k % 6 == 3 ? 70 : 60; }).value_or(0), 0.05);
+}
+
+TEST(Pumping, IsNotKnownOfFewFrames) {
+    EXPECT_FALSE(pumping_of(1, [](int) { return 1.0; }));
+    EXPECT_FALSE(pumping_of(3, [](int k) { return 1.0 + 0.1 * (k % 2); }));
+}
+
+}  // namespace
+}  // namespace touchable::test

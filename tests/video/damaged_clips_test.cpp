@@ -1,0 +1,623 @@
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <optional>
+
+#include "engine/clip/clip_file.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/import/jpeg_with_xmp.hpp"
+#include "tests/limited_memory.hpp"
+#include "tests/sweep.hpp"
+#include "tests/video/clip_remux.hpp"
+#include "tests/video/mp4_boxes.hpp"
+
+namespace touchable::test {
+namespace {
+
+/// What can be told of a clip: everything, or the error.
+struct Outcome {
+    std::string error;
+    std::string scene;
+    std::vector<RawFrame> frames;
+};
+
+Outcome outcome_of(const std::filesystem::path& file) {
+    auto reader = open_clip(file);
+    if (!reader) return {reader.error().message, "", {}};
+    auto frames = read_all(**reader);
+    if (!frames) return {frames.error().message, "", {}};
+    return {"", scene_to_json((*reader)->scene()), std::move(*frames)};
+}
+
+bool same_outcome(const Outcome& a, const Outcome& b) {
+    return a.scene == b.scene &&
+           std::equal(a.frames.begin(), a.frames.end(), b.frames.begin(), b.frames.end(), same_frame);
+}
+
+/// Whether a clip that was cut is the other one up to a frame.
+bool begins_as(const Outcome& whole, const Outcome& cut) {
+    return cut.scene == whole.scene && !cut.frames.empty() && cut.frames.size() <= whole.frames.size() &&
+           std::equal(cut.frames.begin(), cut.frames.end(), whole.frames.begin(), same_frame);
+}
+
+/// A clip as bytes, what it holds, and a place to put damaged copies.
+struct Subject {
+    Subject(int side, int frames, int depth_bits, const Planes& planes = all_planes,
+            const ClipStorage& storage = exact_clip) {
+        const Scene scene = small_scene(side, side, depth_bits);
+        EXPECT_EQ(message(write_clip(folder / "whole.mkv", scene, frames, planes, storage)), "");
+        bytes = read_bytes(folder / "whole.mkv");
+        whole = outcome_of(folder / "whole.mkv");
+        EXPECT_EQ(whole.error, "");
+    }
+    Outcome with(const std::string& damaged) const {
+        std::filesystem::remove(folder /
+                                "damaged.mkv");  // some file systems flush a file that is cut and rewritten
+        write_bytes(folder / "damaged.mkv", damaged);
+        return outcome_of(folder / "damaged.mkv");
+    }
+    TemporaryFolder folder;
+    std::string bytes;
+    Outcome whole;
+};
+
+TEST(ClipDamage, TruncationIsErrorOrFirstFrames) {
+    const Subject subject(8, 3, 16);
+    for (std::size_t length = 0; length < subject.bytes.size(); length += sweep_step()) {
+        const Outcome cut = subject.with(subject.bytes.substr(0, length));
+        ASSERT_TRUE(!cut.error.empty() || begins_as(subject.whole, cut))
+            << length << " of " << subject.bytes.size();
+        ASSERT_TRUE(cut.error.empty() || cut.error.find("damaged.mkv: ") != std::string::npos) << cut.error;
+    }
+    EXPECT_NE(subject.with(subject.bytes.substr(0, subject.bytes.size() / 2)).error.find("is truncated"),
+              std::string::npos);
+    EXPECT_NE(subject.with("").error.find("is empty"), std::string::npos);
+}
+
+/// Of a few frames in a cluster each.
+TEST(ClipDamage, CutClipEndsWithLastCluster) {
+    const Subject subject(64, 12, 16);
+    std::size_t before = 0;
+    for (const double share : {0.3, 0.5, 0.51, 0.7, 0.9, 0.97}) {
+        const auto length = static_cast<std::size_t>(share * static_cast<double>(subject.bytes.size()));
+        const Outcome cut = subject.with(subject.bytes.substr(0, length));
+        ASSERT_EQ(cut.error, "") << share;
+        const std::size_t frames = cut.frames.size();
+        EXPECT_NEAR(static_cast<double>(frames), share * 12, 1.5);
+        EXPECT_GE(frames, before);
+        ASSERT_LE(frames, 12U);
+        before = frames;
+        EXPECT_TRUE(
+            std::equal(cut.frames.begin(), cut.frames.end(), subject.whole.frames.begin(), same_frame));
+        auto reader = open_clip(subject.folder / "damaged.mkv");
+        ASSERT_EQ(message(reader), "");
+        EXPECT_EQ((*reader)->frame_count(), std::optional(static_cast<std::int64_t>(frames)));
+        const auto& notes = (*reader)->notes();
+        const std::string note = "the file is cut: its first " + std::to_string(frames) + " frames are whole";
+        EXPECT_EQ(std::count(notes.begin(), notes.end(), note), frames < 12 ? 1 : 0) << share;
+        for (const std::size_t frame : {frames - 1, std::size_t{0}, frames / 2}) {
+            ASSERT_EQ(message((*reader)->seek(static_cast<std::int64_t>(frame))), "");
+            const auto there = (*reader)->next();
+            ASSERT_EQ(message(there), "");
+            ASSERT_TRUE(*there);
+            EXPECT_TRUE(same_frame(**there, subject.whole.frames[frame])) << share << ": " << frame;
+        }
+    }
+}
+
+/// As a writer that was stopped leaves it: the segment's size and the duration not filled in.
+TEST(ClipDamage, ClipThatWasNeverCompletedSaysSo) {
+    const Subject subject(8, 3, 16);
+    const std::string segment("\x18\x53\x80\x67", 4);
+    std::string live = subject.bytes;
+    const auto at = live.find(segment);
+    ASSERT_NE(at, std::string::npos);
+    live.replace(at + 4, 8, "\x01\xff\xff\xff\xff\xff\xff\xff");
+    EXPECT_NE(subject.with(live).error.find("was never completed"), std::string::npos);
+}
+
+void expect_every_change_is_found(const Subject& subject) {
+    std::size_t refused = 0;
+    constexpr int changes[] = {0x01, 0x80, 0xff};
+    for (std::size_t at = 0; at < subject.bytes.size(); at += sweep_step()) {
+        std::string damaged = subject.bytes;
+        damaged[at] = static_cast<char>(damaged[at] ^ changes[at % 3]);
+        const Outcome outcome = subject.with(damaged);
+        ASSERT_TRUE(!outcome.error.empty() || same_outcome(outcome, subject.whole))
+            << "byte " << at << " of " << subject.bytes.size();
+        refused += outcome.error.empty() ? 0 : 1;
+    }
+    EXPECT_GT(refused, subject.bytes.size() / sweep_step() / 2);
+}
+
+TEST(ClipDamage, EveryChangedByteIsAnErrorOrChangesNothing) {
+    constexpr Planes depth_and_haptic{false, true};  // all tracks are alike, and FFmpeg opens H.264 slowly
+    expect_every_change_is_found(Subject(8, 2, 12, depth_and_haptic));
+}
+
+TEST(ClipDamage, EveryChangedByteOfASmallClipIsAnErrorOrChangesNothing) {
+    const Subject subject(8, 2, 12, all_planes, {Archive::small, true});
+    auto reader = open_clip(subject.folder / "whole.mkv");
+    ASSERT_EQ(message(reader), "");
+    const char* expected[] = {"t3d2", "ffv1", "ffv1", "ffv1"};
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ((*reader)->tracks()[k].codec, expected[k]);
+    expect_every_change_is_found(subject);
+}
+
+TEST(ClipDamage, ChangedPayloadNamesTrackAndFrame) {
+    const Subject subject(40, 3, 10);
+    const std::vector<std::string> payloads = packets(subject.folder / "whole.mkv");
+    ASSERT_EQ(payloads.size(), 12U);
+    const char* roles[] = {"depth", "colour", "haptic", "height"};
+    Numbers numbers(5);
+    for (std::size_t k = 0; k < payloads.size(); ++k) {
+        const auto begin = subject.bytes.find(payloads[k]);
+        ASSERT_NE(begin, std::string::npos);
+        for (int trial = 0; trial < 20; ++trial) {
+            std::string damaged = subject.bytes;
+            char& byte = damaged[begin + static_cast<std::size_t>(
+                                             numbers.below(static_cast<int>(payloads[k].size())))];
+            byte = static_cast<char>(byte ^ (1 << numbers.below(8)));
+            const Outcome outcome = subject.with(damaged);
+            const std::string expected = "damaged.mkv: track " + std::string(roles[k % 4]) + ", frame " +
+                                         std::to_string(k / 4) + ": is damaged";
+            ASSERT_NE(outcome.error.find(expected), std::string::npos) << outcome.error;
+        }
+    }
+}
+
+/// Some bytes between `begin` and `end` become others.
+std::string scattered(std::string bytes, std::size_t begin, std::size_t end, Numbers& numbers) {
+    for (int k = numbers.below(30); k >= 0; --k)
+        bytes[begin + static_cast<std::size_t>(numbers.below(static_cast<int>(end - begin)))] =
+            static_cast<char>(numbers.below(256));
+    return bytes;
+}
+
+TEST(ClipDamage, HeavyDamageAmongTheFramesIsAnErrorOrChangesNothing) {
+    const Subject subject(24, 3, 16);
+    const auto clusters = subject.bytes.find("\x1F\x43\xB6\x75"),
+               cues = subject.bytes.rfind("\x1C\x53\xBB\x6B");
+    ASSERT_LT(clusters, cues);
+    ASSERT_NE(cues, std::string::npos);
+    Numbers numbers(7);
+    for (int trial = 0; trial < 500; ++trial) {
+        const Outcome outcome = subject.with(scattered(subject.bytes, clusters, cues, numbers));
+        ASSERT_TRUE(!outcome.error.empty() || same_outcome(outcome, subject.whole)) << "trial " << trial;
+    }
+}
+
+/// Files of other writers may carry no checksums for what is not payload. Damage there may pass, but not
+/// crash: tests/fuzz.
+TEST(ClipDamage, AClipMayCarryNoChecksums) {
+    const Subject subject(24, 3, 16);
+    Remux changes;
+    changes.checksums = false;
+    remux(subject.folder / "whole.mkv", subject.folder / "bare.mkv", changes);
+    const std::string bytes = read_bytes(subject.folder / "bare.mkv");
+    EXPECT_TRUE(same_outcome(subject.with(bytes), subject.whole));
+}
+
+TEST(ClipDamage, OtherFilesAreNotClips) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "noise.mkv", std::string(5000, 'x'));
+    EXPECT_TRUE(is_refused(open_clip(folder / "noise.mkv"), "is not a Matroska file"));
+    EXPECT_TRUE(is_refused(open_clip(folder / "none.mkv"), "does not exist"));
+    EXPECT_TRUE(is_refused(open_clip("/dev/null"), "is neither a file nor a folder"));
+}
+
+TEST(ClipWriting, NothingIsLeftBehindWithoutFinish) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(16, 16);
+    {
+        auto writer = create_clip(folder / "clip.mkv", scene);
+        ASSERT_EQ(message(writer), "");
+        ASSERT_EQ(message((*writer)->write(test_frame(scene, 0, {}))), "");
+        EXPECT_FALSE(std::filesystem::exists(folder / "clip.mkv"));
+    }
+    EXPECT_EQ(folder.file_count(), 0U);
+    {
+        auto writer = create_clip(folder / "clip.mkv", scene);
+        ASSERT_EQ(message(writer), "");
+        EXPECT_TRUE(is_refused((*writer)->finish(), "no frame was given"));
+    }
+    EXPECT_EQ(folder.file_count(), 0U);
+}
+
+TEST(ClipWriting, AnOlderFileStaysUntilTheNewOneIsWhole) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(16, 16);
+    write_bytes(folder / "clip.mkv", "older");
+    {
+        auto writer = create_clip(folder / "clip.mkv", scene);
+        ASSERT_EQ(message(writer), "");
+        ASSERT_EQ(message((*writer)->write(test_frame(scene, 0, {}))), "");
+    }
+    EXPECT_EQ(read_bytes(folder / "clip.mkv"), "older");
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, 2, {})), "");
+    EXPECT_EQ(message(read_clip(folder / "clip.mkv")), "");
+    EXPECT_EQ(folder.file_count(), 1U);
+}
+
+TEST(ClipWriting, PlacesThatCannotBeWrittenAreNamed) {
+    const TemporaryFolder folder;
+    write_bytes(folder / "file", "x");
+    for (const auto& path : {folder / "absent" / "clip.mkv", folder / "file" / "clip.mkv"}) {
+        const auto writer = create_clip(path, small_scene(8, 8));
+        ASSERT_FALSE(writer);
+        EXPECT_EQ(writer.error().kind, ErrorKind::input);
+        EXPECT_NE(writer.error().message.find(path.string() + ": cannot be written: "), std::string::npos);
+    }
+    std::filesystem::create_directory(folder / "taken.mkv");
+    for (const auto& path : {folder / "taken.mkv", std::filesystem::path("/dev/null")})  // before any frame
+        EXPECT_TRUE(
+            is_refused(create_clip(path, small_scene(8, 8)), path.string() + ": is not the name of a file"));
+    EXPECT_EQ(folder.file_count(), 2U);
+}
+
+TEST(ClipWriting, FullDiskIsAnErrorAndLeavesNothing) {
+    const TemporaryFolder folder;
+    rlimit before{};
+    ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+    rlimit limit = before;
+    const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+    for (const rlim_t size : {1U, 1000U, 100'000U, 400'000U}) {
+        limit.rlim_cur = size;  // a file that would grow beyond this fails to be written, as on a full disk
+        setrlimit(RLIMIT_FSIZE, &limit);
+        const auto result = write_clip(folder / "clip.mkv", small_scene(128, 128, 16), 20, all_planes);
+        setrlimit(RLIMIT_FSIZE, &before);
+        ASSERT_FALSE(result) << size;
+        EXPECT_NE(result.error().message.find("clip.mkv: cannot be written: "), std::string::npos)
+            << message(result);
+        EXPECT_EQ(folder.file_count(), 0U);
+    }
+    std::signal(SIGXFSZ, old_handler);
+}
+
+TEST(ClipWriting, FramesThatDoNotBelongAreRefused) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(16, 16, 10);
+    const auto second = [&](const RawFrame& frame) {
+        auto writer = create_clip(folder / "clip.mkv", scene);
+        EXPECT_EQ(message((*writer)->write(test_frame(scene, 0, {true}))), "");
+        const std::string error = message((*writer)->write(frame));
+        EXPECT_NE(message((*writer)->finish()), "");  // a clip that lacks a frame is not given its name
+        return error;
+    };
+    EXPECT_NE(second(test_frame(scene, 2, {true})).find("number 1 was due"), std::string::npos);
+    EXPECT_NE(second(test_frame(scene, 1, {})).find("colour is of another size or kind"), std::string::npos);
+    EXPECT_NE(second(test_frame(scene, 1, {true, true})).find("haptic is of another"), std::string::npos);
+    EXPECT_NE(second(test_frame(small_scene(15, 16, 10), 1, {true})).find("of another size"),
+              std::string::npos);
+    EXPECT_NE(
+        second(test_frame(small_scene(16, 16, 12), 1, {true})).find("depth.bits, 10, allows at most 1023"),
+        std::string::npos);
+    EXPECT_TRUE(is_refused(write_clip(folder / "clip.mkv", small_scene(0, 16), 1, {}), "width"));
+    Scene fast = scene;
+    fast.rate = {1001, 1};
+    EXPECT_TRUE(is_refused(write_clip(folder / "clip.mkv", fast, 1, {}), "1001/1"));
+    EXPECT_EQ(folder.file_count(), 0U);
+}
+
+/// The error of reading a clip that was remuxed with changes.
+std::string refusal(const Remux& changes) {
+    const TemporaryFolder folder;
+    EXPECT_EQ(message(write_clip(folder / "good.mkv", small_scene(64, 48, 16), 5, {true, true, true, false})),
+              "");
+    remux(folder / "good.mkv", folder / "clip.mkv", changes);
+    const auto frames = read_clip(folder / "clip.mkv");
+    if (frames) return "";
+    EXPECT_EQ(frames.error().kind, ErrorKind::input);
+    EXPECT_NE(frames.error().message.find("clip.mkv: "), std::string::npos);
+    EXPECT_EQ(frames.error().message.find('\n'), std::string::npos);
+    return frames.error().message;
+}
+
+#define EXPECT_REFUSED(changes, part) EXPECT_PRED2(contains, refusal(changes), part)
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+TEST(ClipRefusal, RemuxingWithoutChangesIsReadable) {
+    EXPECT_EQ(refusal({}), "");
+}
+
+TEST(ClipRefusal, VersionMustBeOneThisProgramReads) {
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "3"}}}),
+                   "is of clip format 3; this program reads up to 2");
+    EXPECT_EQ(refusal({.file_tags = {{"T3D_VERSION", "1"}}}), "");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", ""}}}), "is not a touchable clip");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "0"}}}), "T3D_VERSION is \"0\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_VERSION", "1x"}}}), "T3D_VERSION is \"1x\"");
+}
+
+TEST(ClipRefusal, RateMustBeTheScenes) {
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", ""}}}), "T3D_RATE is missing");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "30"}}}), "T3D_RATE is \"30\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "30/0"}}}), "T3D_RATE is \"30/0\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "-30/1"}}}), "T3D_RATE is \"-30/1\"");
+    EXPECT_REFUSED(Remux({.file_tags = {{"T3D_RATE", "25/1"}}}),
+                   "T3D_RATE is 25/1, but its scene.json says 30/1");
+    EXPECT_EQ(refusal({.file_tags = {{"T3D_RATE", "60/2"}}}), "");
+}
+
+TEST(ClipRefusal, RolesMustBeKnownAndSingle) {
+    EXPECT_REFUSED(Remux({.roles = {{"height", "warmth"}}}), "track 4 has the role \"warmth\"");
+    EXPECT_REFUSED(Remux({.roles = {{"haptic", "colour"}}}), "track 3 is a second track of role colour");
+    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}}}), "has no track of role depth");
+}
+
+TEST(ClipRefusal, RolesMustFitWhatIsStored) {
+    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"colour", "depth"}}}),
+                   "track depth, frame 0: is 8-bit RGB, but the scene's depth.bits, 16, needs 16-bit grey");
+    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"height", "depth"}}}), "needs 16-bit grey");
+    EXPECT_REFUSED(Remux({.roles = {{"depth", "height"}, {"height", "depth"}}}),
+                   "track depth, frame 0: is 8-bit grey");
+    EXPECT_REFUSED(Remux({.roles = {{"height", ""}, {"colour", "height"}}}),
+                   "track height, frame 0: has pixel format gbrp");
+}
+
+TEST(ClipRefusal, ASceneIsNeeded) {
+    EXPECT_REFUSED(Remux({.attachment_name = "notes.txt"}),
+                   "has no scene.json attached: describe it with a scene file");
+}
+
+TEST(ClipRefusal, HapticMustNotBeSubsampled) {
+    EXPECT_REFUSED(Remux({.transcoded = {{"haptic", "mjpeg"}}}),
+                   "track haptic, frame 0: has pixel format yuvj420p");
+}
+
+TEST(ClipRefusal, EveryTrackHasEveryFrame) {
+    const auto without = [](const std::string& role, int number) {
+        return Remux({.drop = [=](const std::string& r, int n) { return r == role && n == number; }});
+    };
+    for (const char* role : {"depth", "colour", "haptic", "height"}) {
+        const std::string track = std::string("track ") + role;
+        EXPECT_REFUSED(without(role, 2), track + ", frame 2: is missing");
+        EXPECT_REFUSED(without(role, 4), track + ", frame 4: is missing");
+    }
+    EXPECT_REFUSED(without("colour", 0), "track colour, frame 0: is missing");
+    EXPECT_REFUSED(Remux({.drop = [](const std::string&, int n) { return n == 2; }}),
+                   "track depth, frame 2: is missing");
+}
+
+TEST(ClipRefusal, DepthOfAnotherSizeThanTheSceneIsNamed) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 2, {})), "");
+    write_bytes(folder / "scene.json", scene_to_json(small_scene(41, 30)));
+    const auto reader = open_clip(folder / "clip.mkv", folder / "scene.json");
+    EXPECT_PRED2(contains, message(reader), "track depth, frame 0: is 40x30, but the scene is 41x30");
+}
+
+TEST(ClipRefusal, ValuesBeyondTheScenesBitsAreNamed) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30, 16), 2, {})), "");
+    write_bytes(folder / "scene.json", scene_to_json(small_scene(40, 30, 12)));
+    const auto reader = open_clip(folder / "clip.mkv", folder / "scene.json");
+    EXPECT_PRED2(contains, message(reader), "allows at most 4095");
+}
+
+TEST(ClipRefusal, HeightsMustBeOfTheScenesBits) {
+    const TemporaryFolder folder;
+    Scene scene = small_scene(40, 30);
+    ASSERT_EQ(message(write_clip(folder / "narrow.mkv", scene, 2, {false, false, true})), "");
+    scene.height_coding.code_max = 65535;
+    ASSERT_EQ(message(write_clip(folder / "wide.mkv", scene, 2, {false, false, true})), "");
+    write_bytes(folder / "wide.json", scene_to_json(scene));
+    const std::string narrow = message(open_clip(folder / "narrow.mkv", folder / "wide.json"));
+    EXPECT_PRED2(contains, narrow,
+                 "track height, frame 0: is 8-bit grey, but the scene's height_map.bits needs 16-bit");
+    scene.height_coding.code_max = 1023;
+    write_bytes(folder / "ten.json", scene_to_json(scene));
+    EXPECT_PRED2(contains, message(open_clip(folder / "wide.mkv", folder / "ten.json")),
+                 "allows at most 1023");
+}
+
+TEST(ClipRefusal, UnreadableSceneFilesAreNamed) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 2, {})), "");
+    EXPECT_PRED2(contains, message(open_clip(folder / "clip.mkv", folder / "absent.json")), "absent.json");
+    write_bytes(folder / "scene.json", "{}");
+    EXPECT_PRED2(contains, message(open_clip(folder / "clip.mkv", folder / "scene.json")), "scene.json");
+}
+
+/// The codec that is our own stands on what the container says.
+TEST(ClipRefusal, OwnCodecNeedsItsBitsItsSizeAndItsChecksums) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "good.mkv", small_scene(64, 48, 16), 2, {})), "");
+    remux(folder / "good.mkv", folder / "bare.mkv", {.checksums = false});
+    const std::string good = read_bytes(folder / "bare.mkv");
+    const auto refusal_with = [&](const std::string& part, const std::string& other) {
+        std::string bytes = good;
+        const auto at = bytes.find(part);
+        EXPECT_NE(at, std::string::npos) << part;
+        bytes.replace(at, other.size(), other);
+        write_bytes(folder / "clip.mkv", bytes);
+        return message(read_clip(folder / "clip.mkv"));
+    };
+    EXPECT_EQ(refusal_with("T3D2", "T3D2"), "");
+    EXPECT_PRED2(contains, refusal_with("T3D2", "T3D3"), "track depth: has codec T3D3: must be one of ffv1,");
+    EXPECT_PRED2(contains, refusal_with("T3D_BITS", "T3D_BYTE"), "track depth: its tag T3D_BITS is missing");
+    EXPECT_PRED2(contains, refusal_with("\xB0\x81\x40", "\xB0\x81\x3F"), "track depth, frame 0: is damaged");
+    // FFmpeg 7 refuses such a width before we look at it.
+    const std::string no_width = refusal_with("\xB0\x81\x40", std::string("\xB0\x81\0", 3));
+    EXPECT_TRUE(contains(no_width, "track depth: its header is damaged: it says 0x48 pixels") ||
+                contains(no_width, "is not a readable Matroska file"))
+        << no_width;
+    // The additions of frame 0, 15 bytes and their size, become padding.
+    EXPECT_PRED2(contains, refusal_with("\x75\xA1\x8F", "\xEC\x90"),
+                 "track depth, frame 0: is damaged: its checksum is missing");
+}
+
+constexpr std::uint64_t gibibyte = std::uint64_t{1} << 30;
+
+/// A file of this beginning, and from there holes up to `size` bytes.
+std::filesystem::path sparse(const TemporaryFolder& folder, const std::string& begin, std::uint64_t size) {
+    write_bytes(folder / "large", begin);
+    std::filesystem::resize_file(folder / "large", size);
+    return folder / "large";
+}
+
+/// What opening says in little memory.
+std::string refusal_in(const std::filesystem::path& file, rlim_t mebibytes) {
+    const LimitedMemory little(mebibytes);
+    return message(open_clip(file));
+}
+
+/// An element's size in eight bytes.
+std::string element(const std::string& id, std::uint64_t size) {
+    return id + '\1' + big_endian(size, 7);
+}
+const std::string segment_id = "\x18\x53\x80\x67", head = "\x1a\x45\xdf\xa3\x80";
+
+TEST(HostileFiles, AnElementWhoseHeaderLeavesItsSegment) {
+    const TemporaryFolder folder;
+    const std::string clip = head + segment_id + '\x81' + element("\x81", 8 * gibibyte);
+    ASSERT_EQ(clip.size(), 19U);
+    write_bytes(folder / "clip.mkv", clip);
+    EXPECT_NE(refusal_in(folder / "clip.mkv", 256).find("is damaged near byte 10"), std::string::npos);
+}
+
+TEST(HostileFiles, LargeElementsAreNotReadWhole) {
+    const TemporaryFolder folder;
+    const auto of_one = [&](const std::string& id) {
+        const std::string begin =
+            head + element(segment_id, 5 * gibibyte + id.size() + 8) + element(id, 5 * gibibyte);
+        return refusal_in(sparse(folder, begin, begin.size() + 5 * gibibyte), 256);
+    };
+    EXPECT_NE(of_one("\xec").find("is not a "),
+              std::string::npos);  // padding alone: not a clip, or no Matroska
+    EXPECT_NE(of_one("\x19\x41\xa4\x69").find("larger than 64 MiB together"), std::string::npos);
+}
+
+TEST(HostileFiles, AFileThatBeginsLikeAJpeg) {
+    const TemporaryFolder folder;
+    EXPECT_NE(refusal_in(sparse(folder, "\xff\xd8\xff\xe1", 5 * gibibyte), 256).find("larger than 257 MiB"),
+              std::string::npos);
+    EXPECT_TRUE(is_refused(read_image(folder / "large"), "larger than 257 MiB"));
+}
+
+TEST(HostileFiles, LargePicturesAreReadUpToTheSizeThatIsSaid) {
+    const TemporaryFolder folder;
+    const std::string head_of_floats = "Pf\n8192 8192\n-1.0\n";
+    const std::uint64_t values = std::uint64_t{4} * 8192 * 8192;
+    const auto floats = read_picture_bytes(sparse(folder, head_of_floats, head_of_floats.size() + values));
+    EXPECT_EQ(message(floats), "");
+    const std::uint64_t most = std::uint64_t{257} << 20U;
+    EXPECT_EQ(message(read_picture_bytes(sparse(folder, head_of_floats, most))), "");
+    EXPECT_EQ(message(read_picture_bytes(sparse(folder, head_of_floats, most + 1))),
+              (folder / "large").string() + ": is larger than 257 MiB; right would be a picture");
+}
+
+TEST(HostileFiles, ASceneFileIsAFile) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 1, {})), "");
+    ASSERT_EQ(mkfifo((folder / "pipe.json").c_str(), 0600), 0);
+    alarm(30);  // a reader waits for ever for a writer
+    const std::pair<std::filesystem::path, std::string> kinds[] = {
+        {folder / "pipe.json", "a pipe, no ordinary file"},
+        {folder.path(), "a folder"},
+        {"/dev/zero", "a device, no ordinary file"}};
+    for (const auto& [file, kind] : kinds)
+        EXPECT_EQ(
+            message(open_clip(folder / "clip.mkv", file)),
+            file.string() + ": is " + kind + "; right would be a scene file (JSON, docs/scene_file.md)");
+    alarm(0);
+}
+
+TEST(HostileFiles, OnlyCodecsThatAreNeededAreRead) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "good.mkv", small_scene(64, 48), 2, {true})), "");
+    remux(folder / "good.mkv", folder / "clip.mkv", {.transcoded = {{"colour", "msmpeg4v2"}}});
+    EXPECT_TRUE(is_refused(open_clip(folder / "clip.mkv"),
+                           "track colour: has codec msmpeg4v2: must be one of ffv1,"));
+}
+
+TEST(HostileFiles, WhatIsQuotedIsShortAndOnOneLine) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(message(write_clip(folder / "good.mkv", small_scene(16, 16), 1, {})), "");
+    const std::string tag = "1\n\x1b[31m" + std::string(100'000, 'x');
+    remux(folder / "good.mkv", folder / "clip.mkv", {.file_tags = {{"T3D_RATE", tag}}});
+    const std::string refusal = message(open_clip(folder / "clip.mkv"));
+    EXPECT_NE(refusal.find("is \"1\\n\\x1b[31mxxx"), std::string::npos) << refusal;
+    EXPECT_LT(refusal.size(), 300U);
+}
+
+// MP4 clips that are cut or changed: an error of one line, or frames; of those that are cut, all or none.
+
+/// A clip as bytes, and a place for damaged copies.
+struct Mp4Subject {
+    Mp4Subject() {
+        auto writer = create_mp4_clip(folder / "whole.mp4", scene, exact_clip);
+        EXPECT_EQ(message(writer), "");
+        for (int n = 0; n < frames; ++n)
+            EXPECT_EQ(message((*writer)->write(test_frame(scene, n, planes))), "");
+        EXPECT_EQ(message((*writer)->finish()), "");
+        bytes = read_bytes(folder / "whole.mp4");
+    }
+    /// Nothing where it opened and was read to its end; otherwise the error, of one line.
+    std::string error_of(const std::string& damaged) {
+        std::filesystem::remove(folder / "damaged.mp4");
+        write_bytes(folder / "damaged.mp4", damaged);
+        const auto read = read_clip(folder / "damaged.mp4");
+        if (read) {
+            EXPECT_FALSE(read->empty());
+            EXPECT_LE(read->size(), static_cast<std::size_t>(frames));
+            return "";
+        }
+        EXPECT_EQ(read.error().message.find('\n'), std::string::npos) << read.error().message;
+        EXPECT_EQ(read.error().message.find((folder / "damaged.mp4").string() + ": "), 0U)
+            << read.error().message;
+        EXPECT_EQ(read.error().kind, ErrorKind::input) << read.error().message;
+        return read.error().message;
+    }
+    static constexpr int frames = 2;
+    static constexpr Planes planes{false, true};
+    TemporaryFolder folder;
+    Scene scene = small_scene(8, 8, 12);
+    std::string bytes;
+};
+
+TEST(Mp4Damage, OneThatIsCutIsRefusedWhereverItIs) {
+    Mp4Subject subject;
+    EXPECT_EQ(subject.error_of(subject.bytes), "");
+    for (std::size_t length = 0; length < subject.bytes.size(); length += sweep_step())
+        EXPECT_NE(subject.error_of(subject.bytes.substr(0, length)), "") << length;
+}
+
+TEST(Mp4Damage, AChangedByteOfItsMovieBoxIsAnErrorOrLeavesFrames) {
+    Mp4Subject subject;
+    const FoundBox movie = boxes_of(subject.bytes).back();
+    int refused = 0;
+    for (const int change : {0x01, 0x80, 0xFF})
+        for (std::size_t at = movie.at + static_cast<std::size_t>(change % 3); at < movie.end;
+             at += 3 * sweep_step()) {
+            std::string damaged = subject.bytes;
+            damaged[at] = static_cast<char>(damaged[at] ^ change);
+            refused += subject.error_of(damaged).empty() ? 0 : 1;
+        }
+    EXPECT_GT(refused, 100);
+}
+
+TEST(Mp4Damage, AChangedByteOfItsSceneIsAnErrorOrIsTold) {
+    Mp4Subject subject;
+    const auto boxes = boxes_of(subject.bytes);
+    const FoundBox& scene = boxes[boxes.size() - 2];
+    int refused = 0, tried = 0;
+    for (std::size_t at = scene.at; at < scene.end; at += sweep_step()) {
+        std::string damaged = subject.bytes;
+        damaged[at] = static_cast<char>(damaged[at] ^ (1 << at % 8));
+        refused += subject.error_of(damaged).empty() ? 0 : 1;
+        ++tried;
+    }
+    EXPECT_GT(4 * refused, tried);
+}
+
+}  // namespace
+}  // namespace touchable::test
