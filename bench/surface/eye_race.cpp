@@ -6,7 +6,7 @@
 #include "bench/surface/race.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/gpu_painting.hpp"
-#include "tests/view/plain_surface.hpp"
+#include "tests/view/shown.hpp"
 
 namespace touchable {
 namespace {

@@ -7,8 +7,7 @@
 #include "bench/clocks.hpp"
 #include "bench/touch/touch_run.hpp"
 #include "engine/content/height_fields.hpp"
-#include "tests/reference/certificate.hpp"
-#include "tests/reference/comparison.hpp"
+#include "tests/reference/solver.hpp"
 
 namespace touchable {
 namespace {

@@ -1,6 +1,3 @@
-// A program that sends framesets, as a camera: a command, or a connection on this machine. What is waited for
-// is a frameset or an end; no test depends on a deadline.
-
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -8,23 +5,97 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <bit>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 #include <future>
 #include <limits>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/camera/frameset_camera.hpp"
 #include "engine/clip/readers.hpp"
-#include "tests/camera/frameset_bytes.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {
+
+/// A frameset as docs/camera.md has it, written once more.
+struct FramesetBytes {
+    std::uint64_t number = 0;
+    std::int64_t time_ns = 0;
+    std::uint32_t version = 1, width = 8, height = 6;
+    double unit = 0.001, fx = 7, fy = 7.5, cx = 3.5, cy = 2.5;
+    std::uint32_t colour_width = 0, colour_height = 0, flags = 1;
+
+    /// Depth at a pixel, mm; every frameset has another.
+    std::uint16_t depth(std::uint32_t x, std::uint32_t y) const {
+        return static_cast<std::uint16_t>(500 + 7 * number % 400 + 3 * x + y);
+    }
+    std::string payload() const;
+    /// With the right checksums.
+    std::string bytes() const;
+};
+
+/// Bit by bit, as the standard has it (IEEE 802.3).
+std::uint32_t plain_crc32(const std::string& bytes);
+
+}  // namespace touchable::test
+
+namespace touchable::test {
 namespace {
+
+void put(std::string& to, std::uint64_t value, int size) {
+    for (int k = 0; k < size; ++k) to += static_cast<char>(value >> (8 * k) & 0xff);
+}
+
+}  // namespace
+
+std::uint32_t plain_crc32(const std::string& bytes) {
+    std::uint32_t crc = 0xffffffff;
+    for (const char byte : bytes) {
+        crc ^= static_cast<unsigned char>(byte);
+        for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xedb88320U : 0U);
+    }
+    return ~crc;
+}
+
+std::string FramesetBytes::payload() const {
+    std::string made;
+    for (std::uint32_t y = 0; y < height; ++y)
+        for (std::uint32_t x = 0; x < width; ++x) put(made, depth(x, y), 2);
+    for (std::uint32_t k = 0; k < 3 * colour_width * colour_height; ++k) put(made, k % 251, 1);
+    return made;
+}
+
+std::string FramesetBytes::bytes() const {
+    const std::string shown = payload();
+    std::string head = "FRAMESET";
+    put(head, version, 4);
+    put(head, 100, 4);
+    put(head, number, 8);
+    put(head, static_cast<std::uint64_t>(time_ns), 8);
+    put(head, width, 4);
+    put(head, height, 4);
+    for (const double value : {unit, fx, fy, cx, cy}) put(head, std::bit_cast<std::uint64_t>(value), 8);
+    put(head, colour_width, 4);
+    put(head, colour_height, 4);
+    put(head, flags, 4);
+    put(head, plain_crc32(shown), 4);
+    put(head, plain_crc32(head), 4);
+    return head + shown;
+}
+
+}  // namespace touchable::test
+namespace touchable::test {
+namespace {
+
+// A program that sends framesets, as a camera: a command, or a connection on this machine. What is waited for
+// is a frameset or an end; no test depends on a deadline.
 
 using Opened = Result<std::unique_ptr<ClipReader>>;
 

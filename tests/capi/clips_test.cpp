@@ -17,7 +17,6 @@
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "tests/capi/hill.hpp"
-#include "tests/capi/spoiled_values.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

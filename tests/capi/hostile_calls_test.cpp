@@ -13,7 +13,6 @@
 
 #include "capi/api_common.hpp"
 #include "tests/capi/hill.hpp"
-#include "tests/capi/spoiled_values.hpp"
 
 namespace touchable::test {
 namespace {

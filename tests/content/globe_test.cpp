@@ -10,7 +10,6 @@
 #include "engine/content/mapped_ground.hpp"
 #include "engine/content/planet.hpp"
 #include "engine/content/seeded_noise.hpp"
-#include "tests/content/made.hpp"
 #include "tests/content/made_maps.hpp"
 
 namespace touchable {

@@ -6,7 +6,6 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/content/families.hpp"
 #include "engine/content/mapped_ground.hpp"
-#include "tests/content/made.hpp"
 #include "tests/content/made_maps.hpp"
 
 namespace touchable {

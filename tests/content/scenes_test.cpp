@@ -10,7 +10,7 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/content/height_fields.hpp"
 #include "engine/content/scenes.hpp"
-#include "tests/content/made.hpp"
+#include "tests/content/made_maps.hpp"
 
 namespace touchable {
 namespace {

@@ -10,7 +10,6 @@
 #include "engine/gpu/gpu_recording.hpp"
 #include "shaders/mix_words.spv.h"
 #include "shaders/spec_group.spv.h"
-#include "tests/gpu/blockade.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/mix_words.h"
 #include "tests/gpu/spirv_layout.hpp"

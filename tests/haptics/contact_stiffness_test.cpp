@@ -1,11 +1,19 @@
 // A map of stiffness under a finger: what it creates where it may rise freely, and how a rise that must be
 // paid for, or takes its time, behaves.
-#include <gtest/gtest.h>
 
+#include <gtest/gtest.h>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "engine/content/seeded_noise.hpp"
-#include "tests/haptics/force_path.hpp"
+#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/touch_step.hpp"
+#include "haptics_cpu/world_space.hpp"
+#include "tests/haptics/touch_rig.hpp"
 
 namespace touchable::test {
 namespace {
@@ -250,6 +258,513 @@ TEST(DeviceSpring, StiffnessIsTheInverseOfEnergy) {
                                        (2 * h);
         EXPECT_NEAR(slope, spring.pull(4000, x * x) * x, 1e-5);
     }
+}
+
+// Stiffness and friction that change in time under a finger at rest: what the hand feels of it, tick by tick,
+// through the whole tick.
+
+using glm::dvec3;
+
+/// The frames around a tick of a clip whose frames are at `rate`.
+template <class FrameOf>
+FramePair pair_at(std::int64_t tick, const FrameRate& rate, FrameOf frame_of) {
+    const std::int64_t time_ns = tick * 1'000'000;
+    std::int64_t n = 0;
+    while (rate.time_ns(n + 1) <= time_ns) ++n;
+    FramePair pair;
+    pair.prev = {n, rate.time_ns(n), frame_of(n)};
+    pair.next = {n + 1, rate.time_ns(n + 1), frame_of(n + 1)};
+    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+    return pair;
+}
+
+/// What came of a rest of some ticks.
+struct Rest {
+    double first = 0, last = 0;  ///< N
+    double steepest_rise = 0;    ///< of |F|, N in a tick
+    double farthest = 0;         ///< that the proxy went in a tick, scene units
+    int jumps = 0, cancelled = 0;
+};
+
+/// One finger that rests at a goal under the surface, from tick 1 on.
+template <class FrameOf>
+Rest rest_at(const dvec3& goal, int ticks, const Scene& scene, FrameOf frame_of) {
+    TouchSettings settings;
+    settings.metres_per_scene_unit = scene.device_metres_per_unit.value_or(0.001);
+    GuardSettings guard;
+    guard.ramp_in_ticks = 0;
+    const TouchSolver solver = TouchSolver::create(scene, settings).value();
+    TouchStep step(solver, guard, 1);
+    Rest rest;
+    dvec3 proxy(0.0);
+    for (int tick = 0; tick < ticks; ++tick) {
+        step.goals()[0] = tick == 0 ? goal * 0.5 : goal;
+        const TouchTick done = step.run(tick, tick * 1'000'000LL, scene, pair_at(tick, scene.rate, frame_of));
+        const double force = glm::length(done.forces[0].force);
+        if (tick == 1) rest.first = force;
+        if (tick > 1) {
+            rest.steepest_rise = std::max(rest.steepest_rise, force - rest.last);
+            rest.farthest = std::max(rest.farthest, glm::distance(done.contacts[0].proxy, proxy));
+        }
+        proxy = done.contacts[0].proxy;
+        rest.last = force;
+        rest.jumps += done.contacts[0].jumped;
+        rest.cancelled += (done.forces[0].reasons & guard_jump) != 0;
+    }
+    return rest;
+}
+
+/// A wall whose haptic image is another from frame 2 on.
+class ChangingWall {
+public:
+    ChangingWall(FrameInterpolation interpolation, std::array<std::uint8_t, 3> before,
+                 std::array<std::uint8_t, 3> after)
+        : field(33, 33, 100.0, DepthSemantics::planar) {
+        field.scene.interpolation = interpolation;
+        field.scene.device_metres_per_unit = 0.001;
+        field.scene.haptic = {{0.1, 10.0}, {0.0, 1.0}, {0.0, 1.0}};
+        for (int k = 0; k < 33 * 33; ++k) {
+            field.prev.haptic.insert(field.prev.haptic.end(), before.begin(), before.end());
+            field.next.haptic.insert(field.next.haptic.end(), after.begin(), after.end());
+        }
+    }
+    Rest rest(const dvec3& goal, int ticks = 300) const {
+        return rest_at(goal, ticks, field.scene,
+                       [this](std::int64_t n) { return n < 2 ? &field.prev : &field.next; });
+    }
+
+    SmallField field;
+};
+
+/// The steepest of a fade.
+double steepest_fade(double newtons) {
+    return newtons * 1.5 / JumpCancellation::fade_ticks;
+}
+
+class ChangingProperties : public testing::TestWithParam<FrameInterpolation> {};
+
+TEST_P(ChangingProperties, GroundThatTurnsFromTheSoftestToTheStiffestIsNoStep) {
+    const Rest rest = ChangingWall(GetParam(), {0, 0, 0}, {255, 0, 0}).rest({0.1, 0.1, -100.8});
+    EXPECT_NEAR(rest.first, 0.08, 1e-9);
+    EXPECT_NEAR(rest.last, 8.0, 1e-9);
+    // Unblended and uncancelled it would be 7.92 in a tick; blended alone, 0.24.
+    // A fifth for fades that overlap, where it comes in many small jumps.
+    const double overlap = GetParam() == FrameInterpolation::linear ? 1.2 : 1.001;
+    EXPECT_LE(rest.steepest_rise, overlap * steepest_fade(7.92));
+    EXPECT_GT(rest.jumps, 0);
+    EXPECT_GT(rest.cancelled, 90);
+}
+
+TEST_P(ChangingProperties, AsMuchAsFromSeaToLandIsNoStepOfATenthOfANewton) {
+    const Rest rest = ChangingWall(GetParam(), {8, 0, 0}, {28, 0, 0}).rest({0.1, 0.1, -101.2});
+    EXPECT_GT(rest.last - rest.first, 0.9);
+    EXPECT_LE(rest.steepest_rise, 0.1);
+    // Held, it is a jump; interpolated, the ground turns stiff in its own time.
+    EXPECT_EQ(rest.jumps > 0, GetParam() == FrameInterpolation::hold);
+}
+
+TEST_P(ChangingProperties, WhatIsLessThanATenthOfANewtonIsNoJump) {
+    const Rest rest = ChangingWall(GetParam(), {100, 0, 0}, {102, 0, 0}).rest({0.1, 0.1, -101.2});
+    EXPECT_GT(rest.last - rest.first, 0.09);
+    EXPECT_EQ(rest.jumps, 0);
+    EXPECT_EQ(rest.cancelled, 0);
+}
+
+TEST_P(ChangingProperties, AForceThatDropsDropsAtOnce) {
+    const Rest rest = ChangingWall(GetParam(), {255, 0, 0}, {0, 0, 0}).rest({0.1, 0.1, -100.8}, 80);
+    EXPECT_NEAR(rest.first, 8.0, 1e-9);
+    EXPECT_NEAR(rest.last, 0.08, 1e-9);
+    EXPECT_LE(rest.steepest_rise, 1e-12);
+}
+
+TEST_P(ChangingProperties, FrictionThatVanishesIsNoJump) {
+    // Held at mu_s 1 where it would slide 0.7 away; the ground turns slippery.
+    const ChangingWall wall(GetParam(), {100, 255, 255}, {100, 0, 0});
+    TouchSettings settings;
+    FingerState finger;
+    wall.field.touch(finger, {0.1, 0.1, -99});
+    wall.field.touch(finger, {0.1, 0.1, -101});
+    const auto frame_of = [&](std::int64_t n) { return n < 2 ? &wall.field.prev : &wall.field.next; };
+    const TouchSolver solver = TouchSolver::create(wall.field.scene, settings).value();
+    const dvec3 goal{0.8, 0.1, -101};
+    Contact contact;
+    for (int tick = 0; tick < 100; ++tick) {
+        const HeightField field(wall.field.scene, pair_at(tick, wall.field.scene.rate, frame_of));
+        solver.tick(field, {&goal, 1}, {&finger, 1}, {&contact, 1});
+        EXPECT_FALSE(contact.jumped) << tick;
+        if (tick == 0) {
+            EXPECT_NEAR(contact.proxy.x, 0.1, 1e-12);
+        }
+    }
+    EXPECT_NEAR(contact.proxy.x, 0.8, 1e-9);
+}
+
+TEST_P(ChangingProperties, WhatACutBringsIsCancelledInEveryMetric) {
+    for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled}) {
+        const ChangingWall wall(GetParam(), {0, 0, 0}, {255, 0, 0});
+        TouchSettings settings;
+        settings.metric = metric;
+        const TouchSolver solver = TouchSolver::create(wall.field.scene, settings).value();
+        FingerState finger;
+        Contact contact;
+        dvec3 goal{0.1, 0.1, -50};
+        const auto tick_on = [&](const SurfaceFrame& frame, std::int64_t number) {
+            FramePair pair;
+            pair.prev = pair.next = {number, number * 33'000'000, &frame};
+            solver.tick(HeightField(wall.field.scene, pair), {&goal, 1}, {&finger, 1}, {&contact, 1});
+        };
+        tick_on(wall.field.prev, 0);
+        goal.z = -100.8;
+        tick_on(wall.field.prev, 0);
+        ASSERT_TRUE(contact.touching);
+        EXPECT_FALSE(contact.jumped);
+        tick_on(wall.field.next, 1);
+        EXPECT_TRUE(contact.jumped) << name_of(metric);
+        EXPECT_NEAR(glm::distance(contact.jumped_force, contact.force), 0, 1e-9);
+        EXPECT_NEAR(contact.force.z, 8.0, 1e-2);
+        tick_on(wall.field.next, 1);
+        EXPECT_FALSE(contact.jumped);
+    }
+}
+
+TEST_P(ChangingProperties, AMovingCoastIsNoClickUnderAFingerAtRest) {
+    SceneOptions options;
+    options.width = 96;
+    options.height = 64;
+    options.properties = true;
+    TouchRig rig("globe", options, TouchRig::Depth::codes);
+    rig.scene().interpolation = GetParam();
+    constexpr int made = 6;
+    std::array<SurfaceFrame, made> frames;
+    for (int n = 0; n < made; ++n) rig.load(n, TouchRig::Depth::codes, frames[static_cast<std::size_t>(n)]);
+    const auto frame_of = [&](std::int64_t n) {
+        return &frames[static_cast<std::size_t>(std::min<std::int64_t>(n, made - 1))];
+    };
+    const double metres = rig.scene().device_metres_per_unit.value_or(0.001);
+    double most = 0;
+    int changing = 0, cancelled = 0;
+    for (int y = 14; y < 52; y += 3)
+        for (int x = 30; x < 68; x += 2) {
+            // 1.2 mm of the device under the ground of frame 0, along the ray.
+            const Camera& camera = rig.scene().camera;
+            const double range = rig.field().vertex(x, y).depth;
+            const double deep = range + 0.0012 / metres;
+            const dvec3 goal = deep / camera.ray_length(x, y) * dvec3(camera.u(x), camera.v(y), -1.0);
+            // Heights travel with the planet, and move the surface as well.
+            const Rest rest = rest_at(goal, made * 33, rig.scene(), frame_of);
+            const double moved = 1.3 * metres * rest.farthest * 1000;
+            most = std::max(most, rest.steepest_rise - moved);
+            changing += std::abs(rest.last - rest.first) > 0.2;
+            cancelled += rest.cancelled > 0;
+        }
+    // What is less than a jump, beside the fade of one before.
+    EXPECT_LE(most, GetParam() == FrameInterpolation::hold ? 0.1 + steepest_fade(1.0) : 0.1);
+    EXPECT_GT(changing, 5);
+    std::cout << "largest rise " << most << " N, " << changing << " fingers on ground that changes, "
+              << cancelled << " of them cancelled\n";
+}
+
+INSTANTIATE_TEST_SUITE_P(Frames, ChangingProperties,
+                         testing::Values(FrameInterpolation::hold, FrameInterpolation::linear),
+                         [](const auto& run) {
+                             return run.param == FrameInterpolation::hold ? "Held" : "Linear";
+                         });
+
+// Holes in the depth whose walls are as stiff as the scene says: where that stiffness is felt, when, and how
+// a finger gets out of it again.
+
+using glm::dvec3;
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double scene_k = 600, hole_k = 100;  // N/m
+
+/// Flat ground at 100 of 600 N/m without friction.
+class HoleyField : public SmallField {
+public:
+    HoleyField(int width, int height, std::optional<double> hole_stiffness = hole_k / 1000)
+        : SmallField(width, height, 100.0, DepthSemantics::planar) {
+        scene.default_properties = {scene_k, 0, 0};
+        scene.hole_stiffness = hole_stiffness;
+    }
+};
+
+TEST(HoleStiffness, IsThatOfCellsWithAnInvalidCornerAndFadesOverTheNext) {
+    HoleyField small(20, 20);
+    small.set(small.prev, 10, 10, nothing);
+    const HeightField field = small.field();
+    const auto k = [&](double x, double y) {
+        const auto i = static_cast<int>(x), j = static_cast<int>(y);
+        const double stiffness = field.properties(i, j, x - i, y - j).stiffness;
+        EXPECT_EQ(stiffness, field.stiffness(i, j, x - i, y - j));
+        return stiffness;
+    };
+    for (const auto& [x, y] : {std::pair{10.0, 10.0}, {9.0, 9.0}, {9.25, 10.5}, {10.75, 9.5}, {10.5, 9.125}})
+        EXPECT_EQ(k(x, y), hole_k) << x << ' ' << y;
+    EXPECT_EQ(k(8.5, 10), (scene_k + hole_k) / 2);
+    EXPECT_EQ(k(10, 11.75), 0.25 * hole_k + 0.75 * scene_k);
+    EXPECT_EQ(k(8.5, 8.5), 0.25 * hole_k + 0.75 * scene_k);
+    for (const auto& [x, y] : {std::pair{8.0, 10.0}, {7.5, 9.5}, {12.0, 12.5}, {10.0, 12.0}})
+        EXPECT_EQ(k(x, y), scene_k) << x << ' ' << y;
+}
+
+TEST(HoleStiffness, BeyondThePictureIsAHoleToo) {
+    const HoleyField small(20, 20);
+    EXPECT_EQ(small.field().stiffness(-1, 5, 0.5, 0), hole_k);
+    EXPECT_EQ(small.field().stiffness(900, -7, 0.5, 0.5), hole_k);
+    EXPECT_EQ(small.field().stiffness(18, 5, 0.5, 0), (scene_k + hole_k) / 2);
+    EXPECT_EQ(small.field().stiffness(17, 5, 0.5, 0), scene_k);
+}
+
+TEST(HoleStiffness, TakesThePlaceOfTheHapticImages) {
+    HoleyField small(20, 20);
+    small.scene.haptic = {{2, 2}, {0, 0}, {0, 0}};
+    small.prev.haptic.assign(3 * 400, 0);
+    small.set(small.prev, 10, 10, nothing);
+    EXPECT_EQ(small.field().stiffness(9, 9, 0.5, 0.5), hole_k);
+    EXPECT_EQ(small.field().stiffness(5, 5, 0.5, 0.5), 2000);
+    EXPECT_EQ(small.field().properties(8, 10, 0.5, 0).stiffness, 1050);
+}
+
+TEST(HoleStiffness, ComesOnBeforeTheHoleOpensAndEndsWhenItCloses) {
+    HoleyField small(20, 20);
+    small.set(small.next, 10, 10, nothing);
+    EXPECT_EQ(small.field(0).stiffness(10, 10, 0, 0), scene_k);
+    EXPECT_EQ(small.field(0.25).stiffness(10, 10, 0, 0), (scene_k + hole_k) / 2);
+    EXPECT_EQ(small.field(0.5).stiffness(10, 10, 0, 0), hole_k);
+    EXPECT_EQ(small.field(0.75).stiffness(9, 9, 0.5, 0.5), hole_k);
+    std::swap(small.prev.vertices, small.next.vertices);
+    EXPECT_EQ(small.field(0).stiffness(10, 10, 0, 0), hole_k);
+    EXPECT_EQ(small.field(0.4375).stiffness(10, 10, 0, 0), hole_k);
+    EXPECT_EQ(small.field(0.5).stiffness(10, 10, 0, 0), scene_k);
+    small.scene.interpolation = FrameInterpolation::hold;
+    EXPECT_EQ(small.field(0.75).stiffness(10, 10, 0, 0), hole_k);
+}
+
+TEST(HoleStiffness, OfASceneThatDoesNotSayIsThatOfThePixels) {
+    HoleyField small(20, 20, std::nullopt);
+    small.set(small.prev, 10, 10, nothing);
+    EXPECT_EQ(small.field().stiffness(9, 9, 0.5, 0.5), scene_k);
+    EXPECT_EQ(small.field().hole_share(9, 9, 0.5, 0.5), 0);
+}
+
+/// Ground at 100 on the left, and right of pixel 32 nothing down to 400: above row 32 because there is no
+/// depth, below it because that is the depth. One wall, half of it a hole's.
+class CliffAndHole : public HoleyField {
+public:
+    explicit CliffAndHole(std::optional<double> hole_stiffness, bool has_hole = true)
+        : HoleyField(65, 65, hole_stiffness) {
+        shape(prev, [=](int x, int y) { return x < 32 ? 100.0 : (has_hole && y < 32 ? nothing : 400.0); });
+    }
+};
+
+class HoleWall : public testing::Test {
+protected:
+    /// 10 mm below the ground's level, 30 mm behind the wall, then along the wall: from its half at rows
+    /// above 32 to the other, or back; then at rest.
+    static std::vector<dvec3> along(double from_y, double to_y) {
+        auto path = path_along({{2, from_y, -50}, {2, from_y, -110}, {-30, from_y, -110}}, 0.1);
+        const auto slide = path_along({path.back(), {-30, to_y, -110}}, 0.02);
+        path.insert(path.end(), slide.begin(), slide.end());
+        path.insert(path.end(), 800, path.back());
+        return path;
+    }
+    static double newtons(const GuardedForce& force) { return length(force.force); }
+    /// How far a proxy is from its goal, metres.
+    static double stretch(const Contact& contact) { return 0.001 * length(contact.proxy - contact.goal); }
+};
+
+TEST_F(HoleWall, OfAHoleIsSoftWhereverAFingerIsCaughtBehindIt) {
+    const auto path = path_along({{2, 3.3, -50}, {2, 3.3, -101}, {-30, 3.3, -101}, {-30, 3.3, -180}}, 0.1);
+    const CliffAndHole soft(hole_k / 1000), hard(std::nullopt);
+    const PathResult felt = run_path(path, without_ramp(), soft), was = run_path(path, without_ramp(), hard);
+    int caught = 0;
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        const Contact& contact = felt.contacts[k];
+        EXPECT_EQ(contact.proxy, was.contacts[k].proxy);
+        EXPECT_EQ(contact.in_hole, was.contacts[k].in_hole);
+        if (!contact.touching) continue;
+        ++caught;
+        ASSERT_TRUE(contact.in_hole);
+        ASSERT_EQ(contact.properties.stiffness, hole_k);
+        ASSERT_EQ(was.contacts[k].properties.stiffness, scene_k);
+    }
+    EXPECT_GT(caught, 300);
+    EXPECT_NEAR(newtons(felt.forces.back()), hole_k * stretch(felt.contacts.back()), 1e-9);
+    EXPECT_GT(stretch(felt.contacts.back()), 0.025);
+    EXPECT_EQ(was.forces.back().reasons, guard_force);
+}
+
+TEST_F(HoleWall, OutOfAHoleTheForceRisesByNoMoreThanHalfANewtonIn10Ms) {
+    const CliffAndHole field(hole_k / 1000);
+    for (const double depth : {30.0, 5.0}) {
+        auto path = along(3.3, -3.6);
+        for (dvec3& goal : path) goal.x = std::max(goal.x, -depth);
+        const PathResult result = run_path(path, without_ramp(), field);
+        const std::size_t at_the_wall = 1000;
+        EXPECT_NEAR(stretch(result.contacts[at_the_wall]), depth / 1000, 5e-4);
+        EXPECT_NEAR(newtons(result.forces[at_the_wall]), hole_k * stretch(result.contacts[at_the_wall]),
+                    1e-9);
+        double fastest = 0;
+        for (std::size_t k = at_the_wall; k < path.size(); ++k)
+            fastest = std::max(fastest, length(result.forces[k].force - result.forces[k - 10].force));
+        EXPECT_LE(fastest, 0.5) << depth;
+        EXPECT_GT(fastest, 0.3) << depth;
+        EXPECT_GT(result.ticks_with(guard_rise), 50);
+        // In the end it is the wall that it always was.
+        EXPECT_NEAR(newtons(result.forces.back()), std::min(10.0, scene_k * stretch(result.contacts.back())),
+                    1e-9);
+        EXPECT_EQ(result.forces.back().reasons & guard_rise, 0U);
+    }
+}
+
+TEST_F(HoleWall, IntoAHoleTheForceFallsAtOnce) {
+    const PathResult result = run_path(along(-3.6, 3.3), without_ramp(), CliffAndHole(hole_k / 1000));
+    EXPECT_EQ(result.ticks_with(guard_rise), 0);
+    EXPECT_NEAR(newtons(result.forces.back()), hole_k * stretch(result.contacts.back()), 1e-9);
+}
+
+TEST_F(HoleWall, ANewContactOutsideHasItsStiffnessAtOnce) {
+    auto path = path_along({{2, 3.3, -50}, {2, 3.3, -110}, {-20, 3.3, -110}, {-2, 3.3, -110}}, 0.1);
+    const auto away = path_along({{2, 3.3, -110}, {2, 3.3, -90}, {-2, 3.3, -90}, {-2, 3.3, -102}}, 0.1);
+    path.insert(path.end(), away.begin(), away.end());
+    const PathResult result = run_path(path, without_ramp(), CliffAndHole(hole_k / 1000));
+    EXPECT_FALSE(result.contacts.back().in_hole);
+    EXPECT_EQ(result.forces.back().reasons, guard_none);
+    EXPECT_NEAR(newtons(result.forces.back()), scene_k * 0.002, 1e-9);
+}
+
+TEST_F(HoleWall, BetweenValidDepthsIsTheSameToTheBitWhateverHolesAre) {
+    for (const bool has_haptic_image : {false, true}) {
+        CliffAndHole with(hole_k / 1000, false), without(std::nullopt, false);
+        for (CliffAndHole* field : {&with, &without})
+            for (int y = 0; y < 65 && has_haptic_image; ++y)
+                for (int x = 0; x < 65; ++x)
+                    field->prev.haptic.insert(field->prev.haptic.end(),
+                                              {static_cast<std::uint8_t>(y < 32 ? 5 : 200), 40, 20});
+        const PathResult a = run_path(along(3.3, -3.6), without_ramp(), with),
+                         b = run_path(along(3.3, -3.6), without_ramp(), without);
+        EXPECT_GT(b.touching(), 1000);
+        for (std::size_t k = 0; k < a.forces.size(); ++k) {
+            ASSERT_EQ(a.forces[k].force, b.forces[k].force) << k;
+            ASSERT_EQ(a.forces[k].reasons, b.forces[k].reasons) << k;
+            ASSERT_FALSE(a.contacts[k].in_hole);
+        }
+    }
+}
+
+TEST_F(HoleWall, MayHaveNoStiffnessAtAll) {
+    const PathResult result = run_path(along(3.3, 3.2), without_ramp(), CliffAndHole(0));
+    EXPECT_TRUE(result.contacts.back().touching);
+    EXPECT_EQ(newtons(result.forces.back()), 0);
+}
+
+/// A finger at rest 5 mm deep on the ground, a pixel beside a hole that opens or closes.
+TEST(HoleStiffness, AHoleThatClosesBesideAFingerDoesNotKickIt) {
+    HoleyField field(65, 65);
+    field.set(field.prev, 34, 32, nothing);
+    GuardSettings settings = without_ramp();
+    FingerGuard guard(settings, 0.001);
+    FingerState finger;
+    guard.guard(field.touch(finger, {0.1, 0, -90}));
+    const dvec3 goal{0.1, 0, -105};
+    for (int tick = 0; tick < 200; ++tick) guard.guard(field.touch(finger, goal));
+    double last = length(guard.guard(field.touch(finger, goal)).force);
+    EXPECT_LT(last, 0.6 * scene_k * 0.005);
+    field.set(field.prev, 34, 32, 100);
+    double fastest = 0;
+    for (int tick = 0; tick < 200; ++tick) {
+        const double now = length(guard.guard(field.touch(finger, goal)).force);
+        fastest = std::max(fastest, now - last);
+        last = now;
+    }
+    EXPECT_NEAR(fastest, rise_from_hole, 1e-9);
+    EXPECT_NEAR(last, scene_k * 0.005, 1e-9);
+}
+
+TEST_F(HoleWall, BecomesACliffBetweenTwoFramesWithoutAKick) {
+    CliffAndHole field(hole_k / 1000);
+    field.shape(field.next, [](int x, int) { return x < 32 ? 100.0 : 400.0; });
+    FingerGuard guard(without_ramp(), 0.001);
+    FingerState finger;
+    std::vector<dvec3> forces;
+    const auto touch = [&](const dvec3& goal, double blend) {
+        forces.push_back(guard.guard(field.touch(finger, goal, blend)).force);
+    };
+    for (const dvec3& goal : path_along({{2, 3.3, -50}, {2, 3.3, -110}, {-30, 3.3, -110}}, 0.1))
+        touch(goal, 0);
+    const std::size_t caught = forces.size();
+    for (int tick = 0; tick < 600; ++tick) touch({-30, 3.3, -110}, std::min(0.99, 0.03 * tick));
+    double fastest = 0;
+    for (std::size_t k = caught; k < forces.size(); ++k)
+        fastest = std::max(fastest, length(forces[k] - forces[k - 10]));
+    EXPECT_NEAR(length(forces[caught]), hole_k * 0.03, 0.1);
+    EXPECT_NEAR(length(forces.back()), 10, 1e-9);
+    EXPECT_NEAR(fastest, 10 * rise_from_hole, 1e-6);
+}
+
+/// A surface that jumps from 4 to 12 mm in front of a goal when its hole closes; a few ticks later the hole
+/// opens again, and at last it is gone. The jump takes its 100 ms, and the stiffness its time.
+TEST(HoleStiffness, AJumpAtAHoleComesOnAsEvenlyAsElsewhere) {
+    FingerGuard guard(without_ramp(), 0.001);
+    std::vector<double> forces;
+    for (int tick = 0; tick < 1000; ++tick) {
+        Contact contact;
+        const bool jumped = tick >= 10;
+        const double x = jumped ? 12 : 4;
+        contact.touching = true;
+        contact.proxy = contact.carried = {0, 0, x};
+        contact.hole_share = !jumped ? 1.0 : std::clamp((tick - 20) / 16.0, 0.0, 1.0);
+        if (tick >= 60) contact.hole_share = 0;
+        const double k = scene_k + (hole_k - scene_k) * contact.hole_share;
+        contact.properties.stiffness = k;
+        contact.carried_stiffness = k;
+        contact.force = {0, 0, 0.001 * k * x};
+        contact.jumped = tick == 10;
+        if (contact.jumped) contact.jumped_force = contact.force;
+        forces.push_back(length(guard.guard(contact).force));
+    }
+    double fastest = 0;
+    for (std::size_t k = 10; k < forces.size(); ++k) fastest = std::max(fastest, forces[k] - forces[k - 10]);
+    EXPECT_NEAR(forces[9], 0.4, 1e-9);
+    EXPECT_NEAR(forces[10], 0.4, 0.1);
+    EXPECT_NEAR(forces.back(), 7.2, 1e-9);
+    // The fade is at its steepest half-way, 1.5 of the jump in 100 ms: 8 mm at the stiffness of that moment.
+    EXPECT_LT(fastest, 10 * rise_from_hole + 0.15 * 0.008 * 300);
+    EXPECT_GT(fastest, 10 * rise_from_hole);
+}
+
+TEST(HoleStiffness, OnlyWhatRestsOnAnInvalidVertexIsInAHole) {
+    SmallField small(20, 20, 100.0, DepthSemantics::planar);
+    small.set(small.prev, 10, 10, nothing);
+    const HeightField field = small.field();
+    const WorldSpace space(field);
+    const auto in_hole = [&](Feature feature, int i, int j) {
+        Place place;
+        place.feature = feature;
+        place.i = i;
+        place.j = j;
+        return is_in_hole(space, place);
+    };
+    EXPECT_FALSE(in_hole(Feature::free, 10, 10));
+    EXPECT_TRUE(in_hole(Feature::vertex, 10, 10));
+    EXPECT_FALSE(in_hole(Feature::vertex, 9, 10));
+    EXPECT_TRUE(in_hole(Feature::vertex, -1, 10));  // the ring
+    EXPECT_TRUE(in_hole(Feature::edge_h, 9, 10));
+    EXPECT_FALSE(in_hole(Feature::edge_h, 9, 11));
+    EXPECT_TRUE(in_hole(Feature::edge_v, 10, 9));
+    EXPECT_FALSE(in_hole(Feature::edge_v, 9, 9));
+    EXPECT_TRUE(in_hole(Feature::edge_d, 9, 9));
+    EXPECT_FALSE(in_hole(Feature::edge_d, 9, 10));
+    // Of the eight triangles of the cells around it six have that vertex.
+    EXPECT_TRUE(in_hole(Feature::face_lower, 9, 9));
+    EXPECT_TRUE(in_hole(Feature::face_upper, 9, 9));
+    EXPECT_TRUE(in_hole(Feature::face_lower, 10, 10));
+    EXPECT_TRUE(in_hole(Feature::face_upper, 10, 10));
+    EXPECT_TRUE(in_hole(Feature::face_lower, 9, 10));
+    EXPECT_FALSE(in_hole(Feature::face_upper, 9, 10));
+    EXPECT_FALSE(in_hole(Feature::face_lower, 10, 9));
+    EXPECT_TRUE(in_hole(Feature::face_upper, 10, 9));
 }
 
 }  // namespace

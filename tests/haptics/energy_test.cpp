@@ -1,15 +1,359 @@
-// The books of energy: a finger pressed in, along and out gets back no more than it gave, but for what
-// holding a force for a tick creates.
+// The damper beside the spring, and the controller that takes created energy back.
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "engine/content/height_fields.hpp"
 #include "haptics_cpu/force_guard.hpp"
-#include "tests/haptics/force_path.hpp"
+#include "tests/haptics/touch_rig.hpp"
 
 namespace touchable::test {
 namespace {
+
+using glm::dvec3;
+
+GuardSettings damped(double b) {
+    GuardSettings settings = without_ramp();
+    settings.damping = b;
+    return settings;
+}
+
+class DampedWall : public testing::Test {
+protected:
+    DampedWall() : wall(33, 33, 100.0, DepthSemantics::planar) {}
+    SmallField wall;
+};
+
+TEST_F(DampedWall, PressingInAtASteadySpeedAddsBTimesTheSpeed) {
+    // 0.02 mm a tick is 0.02 m/s.
+    const PathResult result = run_path(path_along({{0, 0, -99}, {0, 0, -102}}, 0.02), damped(5), wall);
+    EXPECT_NEAR(result.forces.back().force.z, 1000 * 0.002 + 5 * 0.02, 1e-6);
+    EXPECT_EQ(result.forces.back().reasons, guard_damping);
+}
+
+TEST_F(DampedWall, PullingOutNeverMakesTheSurfaceHoldTheFinger) {
+    const PathResult result =
+        run_path(path_along({{0, 0, -99}, {0, 0, -102}, {0, 0, -99}}, 0.05), damped(20), wall);
+    int weakened = 0;
+    for (std::size_t k = 0; k < result.forces.size(); ++k) {
+        ASSERT_GE(result.forces[k].force.z, -1e-12) << k;
+        weakened += result.forces[k].force.z < 0.5 * result.contacts[k].force.z;
+    }
+    EXPECT_GT(weakened, 10);
+}
+
+// Of 1000 N/m a soft device gives 100: the damper may only take that back.
+TEST_F(DampedWall, PullingOutOfWhatIsStifferThanTheDeviceDoesNotHoldTheFingerEither) {
+    GuardSettings settings = damped(20);
+    settings.max_stiffness = 100;
+    const PathResult result =
+        run_path(path_along({{0, 0, -99}, {0, 0, -102}, {0, 0, -99}}, 0.05), settings, wall);
+    int weakened = 0;
+    for (std::size_t k = 0; k < result.forces.size(); ++k) {
+        ASSERT_GE(result.forces[k].force.z, -1e-12) << k;
+        weakened += result.forces[k].force.z < 0.05 * result.contacts[k].force.z;
+    }
+    EXPECT_GT(weakened, 10);
+}
+
+TEST_F(DampedWall, ALandingIsDampedByItsOwnMotionAlone) {
+    ForceGuard used(damped(20), 0.001), fresh(damped(20), 0.001);
+    FingerState before, landing;
+    for (const dvec3& goal : path_along({{0, 0, -99}, {0, 0, -101}, {0, 0, -99}}, 0.2))
+        used.guard(wall.touch(before, goal));
+    for (const dvec3& goal : path_along({{0, 0, -99}, {0, 0, -101}}, 0.01)) {
+        const Contact contact = wall.touch(landing, goal);
+        ASSERT_NEAR(length(used.guard(contact).force - fresh.guard(contact).force), 0, 1e-12) << goal.z;
+    }
+}
+
+TEST_F(DampedWall, AlongTheSurfaceThereIsNoDampingWithoutFriction) {
+    const auto path = path_along({{-2, 0, -99}, {-2, 0, -101}, {2, 0, -101}}, 0.02);
+    const PathResult with = run_path(path, damped(20), wall), without = run_path(path, damped(0), wall);
+    for (std::size_t k = path.size() - 100; k < path.size(); ++k)
+        EXPECT_NEAR(length(with.forces[k].force - without.forces[k].force), 0, 1e-6) << k;
+}
+
+TEST_F(DampedWall, DampingOnlyDissipates) {
+    wall.shape(wall.prev, [](int x, int y) { return 100 + 1.5 * sine(0.4 * x) + sine(0.5 * y + 1); });
+    for (const double friction : {0.0, 0.3}) {
+        wall.scene.default_properties = {1000, friction, friction};
+        std::vector<dvec3> path;
+        for (int k = 0; k < 6000; ++k)
+            path.push_back({3 * sine(0.004 * k), 2 * sine(0.0031 * k + 1), -100.5 + 2.5 * sine(0.0173 * k)});
+        const PathResult with = run_path(path, damped(10), wall), without = run_path(path, damped(0), wall);
+        EXPECT_GT(with.ticks_with(guard_damping), 1500);
+        double work = 0;
+        for (std::size_t k = 1; k < path.size(); ++k) {
+            const dvec3 damper = with.forces[k].force - without.forces[k].force;
+            const double power = glm::dot(damper, path[k] - path[k - 1]);
+            work += power;
+        }
+        EXPECT_LT(work, 0);
+        EXPECT_LT(with.energy.balance(), without.energy.balance());
+        EXPECT_LE(with.energy.created, with.energy.bound);
+    }
+}
+
+TEST_F(DampedWall, TheDevicesForceLimitsTheDamperToo) {
+    GuardSettings settings = damped(100);
+    settings.max_force = 1.5;
+    const PathResult result = run_path(path_along({{0, 0, -99}, {0, 0, -102}}, 0.1), settings, wall);
+    for (const GuardedForce& out : result.forces) ASSERT_LE(length(out.force), 1.5);
+    EXPECT_GT(result.ticks_with(guard_force), 5);
+}
+
+TEST_F(DampedWall, ASurfaceThatMovesUnderAHandAtRestIsNotDamped) {
+    wall.fill(wall.next, 96.0);
+    FingerState finger;
+    ForceGuard guard(damped(20), 0.001);
+    for (int k = 0; k < 200; ++k) {
+        const Contact contact = wall.touch(finger, {0, 0, -99.5}, k * 0.004);
+        ASSERT_EQ(guard.guard(contact).force, contact.force) << k;
+    }
+}
+
+/// Contacts made by hand: the goal goes along x at 0.2 m/s, `depth` mm under its proxy.
+class Dragged : public testing::Test {
+protected:
+    static Contact at(int tick, double depth, double stiffness = 1000) {
+        Contact contact;
+        contact.touching = true;
+        contact.proxy = {0.2 * tick, 0, 0};
+        contact.goal = {0.2 * tick, 0, -depth};
+        contact.carried = {0.2 * (tick - 1), 0, 0};
+        contact.properties.stiffness = stiffness;
+        contact.carried_stiffness = stiffness;
+        contact.force = stiffness * 0.001 * (contact.proxy - contact.goal);
+        return contact;
+    }
+};
+
+TEST_F(Dragged, ADamperThatWouldPushTheHandAlongIsDropped) {
+    ForceGuard guard(damped(10), 0.001);
+    for (int tick = 0; tick < 20; ++tick) {
+        // Over an edge, say: the proxy runs ahead of the goal, and stretches the spring the way the hand
+        // goes.
+        Contact ahead = at(tick, 1);
+        ahead.proxy.x += 0.1 * tick;
+        ahead.carried.x = tick == 0 ? 0 : ahead.proxy.x - 0.3;
+        ahead.force = ahead.proxy - ahead.goal;
+        const GuardedForce out = guard.guard(ahead);
+        EXPECT_EQ(out.force, ahead.force) << tick;
+        EXPECT_EQ(out.reasons, guard_none) << tick;
+        // The other way round it brakes.
+        if (tick < 19) continue;
+        Contact behind = at(tick + 1, 1);
+        behind.carried = ahead.proxy;
+        behind.proxy.x = ahead.proxy.x - 5;
+        behind.force = behind.proxy - behind.goal;
+        EXPECT_LT(guard.guard(behind).force.x, behind.force.x);
+    }
+}
+
+TEST_F(Dragged, AnOutageIsNoHasteToADamper) {
+    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
+    GuardSettings settings = damped(10);
+    settings.max_force = 1000;
+    settings.ramp_in_ticks = 100;
+    ForceGuard guard(settings, 0.001);
+    FingerState finger;
+    const auto press = [&](int tick) {
+        const Contact contact = wall.touch(finger, {0, 0, -99 - 0.2 * tick});  // 0.2 m/s
+        return std::pair(contact.force.z, guard.guard(contact).force.z);
+    };
+    for (int tick = 0; tick < 150; ++tick) press(tick);
+    for (int tick = 150; tick < 159; ++tick) guard.guard(wall.touch(finger, {NAN, 0, 0}));
+    const auto [spring, force] = press(159);
+    EXPECT_NEAR(force, 0.91 * (spring + 10 * 0.2), 1e-6) << "nine steps of the ramp down";
+}
+
+// With energy from nowhere: a finger comes from soft to hard ground.
+TEST_F(Dragged, TheBrakeTakesTheHandsSpeedThroughAnOutage) {
+    GuardSettings settings = without_ramp();
+    settings.passivity = 20;
+    settings.max_force = 1000;
+    ForceGuard guard(settings, 0.001);
+    int tick = 0;
+    for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
+    Contact arriving = at(tick++, 10, 10000);
+    arriving.carried_stiffness = 100;
+    EXPECT_NEAR(guard.guard(arriving).force.x, -20 * 0.2, 1e-6) << "the most there may be";
+    for (; tick < 70; ++tick) EXPECT_NEAR(guard.guard(at(tick, 10, 10000)).force.x, -20 * 0.2, 1e-6);
+    for (; tick < 79; ++tick) {
+        Contact held = at(tick, 10, 10000);
+        held.goal_held = true;
+        guard.guard(held);
+    }
+    EXPECT_NEAR(guard.guard(at(tick, 10, 10000)).force.x, -20 * 0.2, 1e-6);
+}
+
+// Where the force of a jump is still to come, so is the brake. From 100 to 10000 N/m at 0.2 m/s, as above.
+TEST_F(Dragged, TheBrakeIsFeltAsFarAsTheContactIs) {
+    GuardSettings settings = without_ramp();
+    settings.passivity = 20;
+    settings.max_force = 1000;
+    for (const double presence : {0.0, 0.25, 1.0}) {
+        ForceGuard guard(settings, 0.001);
+        int tick = 0;
+        for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
+        Contact arriving = at(tick, 10, 10000);
+        arriving.carried_stiffness = 100;
+        BlendedForce blended{arriving.force};
+        blended.presence = presence;
+        const GuardedForce out = guard.guard_blended(arriving, blended);
+        EXPECT_NEAR(out.force.x, -20 * 0.2 * presence, 1e-6);
+        EXPECT_EQ(out.reasons & guard_passivity, presence > 0 ? std::uint32_t{guard_passivity} : 0U);
+    }
+}
+
+TEST_F(Dragged, TheBrakeEndsWithTheContactAndKeepsToTheDevicesForce) {
+    GuardSettings settings = without_ramp();
+    settings.passivity = 20;
+    ForceGuard guard(settings, 0.001);
+    int tick = 0;
+    for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
+    Contact arriving = at(tick++, 10, 10000);
+    arriving.carried_stiffness = 100;
+    const GuardedForce out = guard.guard(arriving);
+    EXPECT_NEAR(length(out.force), 10, 1e-9) << "100 N of spring and 4 N across";
+    EXPECT_LT(out.force.x, -1);
+    EXPECT_EQ(out.reasons, std::uint32_t{guard_passivity | guard_force});
+    Contact leaving = at(tick, 0, 10000);
+    leaving.touching = false;
+    leaving.properties.stiffness = 0;
+    leaving.force = dvec3(0.0);
+    const GuardedForce free = guard.guard(leaving);
+    EXPECT_EQ(free.force, dvec3(0.0));
+    EXPECT_EQ(free.reasons, guard_none);
+}
+
+TEST_F(Dragged, TheDamperIsFeltAsFarAsTheContactIs) {
+    for (const double presence : {0.0, 0.25, 1.0}) {
+        ForceGuard guard(damped(10), 0.001);
+        GuardedForce out;
+        Contact deeper;
+        for (int tick = 0; tick < 100; ++tick) {  // 0.02 m/s into 1000 N/m
+            deeper = at(0, 1 + 0.02 * tick);
+            deeper.carried.x = 0;
+            BlendedForce blended{deeper.force};
+            blended.presence = presence;
+            out = guard.guard_blended(deeper, blended);
+        }
+        EXPECT_NEAR(out.force.z, deeper.force.z + presence * 10 * 0.02, 1e-6);
+    }
+}
+
+TEST_F(Dragged, TheBrakeIsRampedAsTheSpringIs) {
+    GuardSettings settings;
+    settings.passivity = 20;
+    settings.max_force = 1000;
+    ForceGuard guard(settings, 0.001);
+    int tick = 0;
+    for (; tick < 50; ++tick) guard.guard(at(tick, 10, 100));
+    for (; tick < 60; ++tick) {
+        Contact contact = at(tick, 10, 10000);
+        if (tick == 50) contact.carried_stiffness = 100;
+        const GuardedForce out = guard.guard(contact);
+        const double ramp = 0.01 * tick;
+        EXPECT_NEAR(out.force.x, -ramp * 20 * 0.2, 1e-6) << tick;
+        EXPECT_NEAR(out.force.z, ramp * 100, 1e-9) << tick;
+        EXPECT_EQ(out.reasons, std::uint32_t{guard_ramp | guard_passivity});
+    }
+}
+
+TEST_F(Dragged, NothingIsAddedToAForceThatACutHasBuried) {
+    GuardSettings settings = damped(10);
+    settings.passivity = 20;
+    FingerGuard guard(settings, 0.001);
+    // Into the ground at 0.05 m/s, 0.5 N of damper; then a cut raises the ground by 60 mm, and the hand goes
+    // on, and back.
+    double last = 0;
+    const auto press = [&](double depth, double risen, bool cut) {
+        Contact contact = at(0, depth);
+        contact.proxy.z = risen;
+        contact.carried = contact.proxy;
+        contact.force = contact.proxy - contact.goal;
+        contact.jumped = cut;
+        contact.jumped_force = contact.force;
+        const double force = guard.guard(contact).force.z, step = force - last;
+        last = force;
+        return step;
+    };
+    double depth = 0.05;
+    for (int k = 0; k < 110; ++k, depth += k < 80 ? 0.05 : 0) press(depth, 0, false);
+    EXPECT_NEAR(last, 4, 1e-6);
+    for (int k = 0; k < 30; ++k, depth += 0.05) press(depth, 0, false);
+    EXPECT_NEAR(last, 5.45 + 0.5, 1e-6);
+    for (int k = 0; k <= 100; ++k, depth += 0.05)
+        EXPECT_LE(std::abs(press(depth, 60, k == 0)), 1.5 / 100 * 6 + 0.5 / 100 + 1e-3) << k;
+    for (int k = 0; k < 200; ++k, depth += k < 100 ? 0.05 : -0.3) {
+        press(depth, 60, false);
+        ASSERT_EQ(last, 0) << k;
+    }
+}
+
+TEST_F(Dragged, ADamperHoldsNoFingerBackWhereTheForceIsStillToCome) {
+    FingerGuard guard(damped(50), 0.001);
+    // A free finger; a surface comes through it at once, 5 mm; it withdraws at 0.05 m/s.
+    guard.guard(Contact{});
+    for (int k = 0; k < 60; ++k) {
+        Contact contact = at(0, 5 - 0.05 * k);
+        contact.carried.x = 0;
+        contact.jumped = k == 0;
+        contact.jumped_force = {0, 0, 5};
+        ASSERT_GE(guard.guard(contact).force.z, -1e-12) << k;
+    }
+}
+
+class Passivity : public GlobeFlank {
+protected:
+    PathResult loop(double azimuth, bool limbward, double most) {
+        GuardSettings settings = without_ramp();
+        settings.passivity = most;
+        return GlobeFlank::loop(azimuth, 0.02, limbward, settings);
+    }
+};
+
+TEST_F(Passivity, NeverEngagesOnAConstantStiffnessInTheWorldsMetric) {
+    for (const double friction : {0.0, 0.4}) {
+        rig.scene().default_properties = {1000, friction, friction};
+        for (int flank = 0; flank < 6; ++flank)
+            for (const bool limbward : {false, true}) {
+                const PathResult with = loop(0.2 + flank, limbward, 50),
+                                 without = loop(0.2 + flank, limbward, 0);
+                EXPECT_EQ(with.ticks_with(guard_passivity), 0);
+                for (std::size_t k = 0; k < with.forces.size(); ++k)
+                    ASSERT_EQ(with.forces[k].force, without.forces[k].force);
+            }
+    }
+}
+
+TEST_F(Passivity, TakesBackWhatThePapersMetricCreates) {
+    rig.settings.metric = TouchMetric::pixel;
+    for (const double azimuth : {0.2, 2.2, 4.2}) {
+        const bool limbward = loop(azimuth, true, 0).energy.created > loop(azimuth, false, 0).energy.created;
+        const PathResult without = loop(azimuth, limbward, 0), with = loop(azimuth, limbward, 50);
+        EXPECT_GT(with.ticks_with(guard_passivity), 20);
+        EXPECT_LT(with.energy.created, 0.3 * without.energy.created);
+        for (const GuardedForce& out : with.forces) ASSERT_LE(length(out.force), GuardSettings{}.max_force);
+    }
+}
+
+TEST(PassivityController, BrakesByWhatItTakesAndNoMoreThanAllowed) {
+    const PassivityController controller(20);
+    const dvec3 slow{0, 0, 0.01}, fast{0.3, 0, 0.4};
+    EXPECT_EQ(controller.force(0, fast), dvec3(0.0));
+    EXPECT_EQ(controller.force(-1, fast), dvec3(0.0));
+    EXPECT_EQ(controller.force(1, dvec3(0.0)), dvec3(0.0));
+    // 1e-3 J in 1 ms at 0.5 m/s: 4 N s/m; at 0.01 m/s the limit.
+    EXPECT_NEAR(length(controller.force(1e-3, fast) + 4.0 * fast), 0, 1e-12);
+    EXPECT_NEAR(length(controller.force(1e-3, slow) + 20.0 * slow), 0, 1e-12);
+}
+
+// The books of energy: a finger pressed in, along and out gets back no more than it gave, but for what
+// holding a force for a tick creates.
 
 using glm::dvec3;
 

@@ -1,10 +1,15 @@
 // What the solver reads: vertices, the ring and beyond, heights, blends, properties, bounds.
+
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include <cmath>
 
+#include "haptics_cpu/cast.hpp"
 #include "haptics_cpu/world_space.hpp"
-#include "tests/haptics/small_field.hpp"
+#include "tests/frame/random.hpp"
+#include "tests/haptics/touch_rig.hpp"
+#include "tests/reference/solver.hpp"
 
 namespace touchable::test {
 namespace {
@@ -155,6 +160,116 @@ TEST(WorldSpace, ImageStepIsTheStraightMovesTrackOverThePicture) {
     EXPECT_NEAR(from.x + step.dx * step.length_at(1), to.x, 1e-9);
     EXPECT_NEAR(from.y + step.dy * step.length_at(1), to.y, 1e-9);
     EXPECT_TRUE(std::isinf(world.image_step(p, {0, 1, 200}).length_at(1)));
+}
+
+// Where a straight way meets the surface.
+
+/// Also beside the picture, thousands of pixels from where the way began, where no line bends the surface.
+TEST(Cast, PutsTheProxyOnTheWay) {
+    SmallField wall(64, 48, 100.0);
+    wall.scene.depth.semantics = DepthSemantics::planar;
+    const HeightField field = wall.field();
+    const WorldSpace world(field);
+    Random random(5);
+    int inside = 0, beside = 0;
+    for (int k = 0; k < 20000; ++k) {
+        const auto point = [&](double depth) {
+            return glm::dvec3(random.below(400) - 200.0, random.below(300) - 150.0, -depth);
+        };
+        const glm::dvec3 from = point(1 + random.below(90)), to = point(420 + random.below(100));
+        int cells = 0;
+        const auto place = cast(world, from, nullptr, to, cells, 100'000).hit;
+        ASSERT_TRUE(place);
+        const glm::dvec3 met = surface_point(world, *place), way = to - from, along = met - from;
+        const double share = glm::dot(along, way) / glm::dot(way, way);
+        EXPECT_LT(glm::distance(met, from + share * way), 1e-9) << "way " << k;
+        EXPECT_TRUE(share > 0 && share < 1) << "way " << k;
+        const bool in_picture = place->i >= 0 && place->i < 63 && place->j >= 0 && place->j < 47;
+        (in_picture ? inside : beside) += 1;
+    }
+    EXPECT_GT(inside, 20);
+    EXPECT_GT(beside, 5000);
+}
+
+// A finger far from everything: what is skipped for it, and that nothing else changes.
+
+/// Counts what is asked of it.
+class CountedVertices final : public VertexSource {
+public:
+    explicit CountedVertices(std::unique_ptr<VertexSource> counted) : counted_(std::move(counted)) {}
+    DepthSample at(int x, int y) const override {
+        ++vertices;
+        return counted_->at(x, y);
+    }
+    TileDepths tile(int tx, int ty) const override {
+        ++tiles;
+        return counted_->tile(tx, ty);
+    }
+    mutable int vertices = 0, tiles = 0;
+
+private:
+    std::unique_ptr<VertexSource> counted_;
+};
+
+TEST(ClearWay, AFingerFarFromEverythingCostsOneBoundAndNoVertex) {
+    SmallField wall(64, 48, 100.0);
+    auto counted = std::make_unique<CountedVertices>(std::move(wall.prev.vertices));
+    const CountedVertices& counts = *counted;
+    wall.prev.vertices = std::move(counted);
+    FingerState finger;
+    for (int tick = 1; tick <= 50; ++tick) {
+        const Contact contact = wall.touch(finger, {0.01 * tick, 0.02 * tick, -60 - 0.1 * tick});
+        EXPECT_FALSE(contact.touching);
+        EXPECT_EQ(contact.proxy, contact.goal);
+        EXPECT_EQ(counts.tiles, tick);
+    }
+    EXPECT_EQ(counts.vertices, 0);
+    EXPECT_TRUE(wall.touch(finger, {0, 0, -101}).touching) << "and it is stopped all the same";
+}
+
+TEST(ClearWay, IsNeverClaimedOfAWayThatMeetsTheSurface) {
+    SmallField rough(40, 35, 100.0);
+    Random random(11);
+    rough.shape(rough.prev, [&](int, int) { return 60.0 + random.below(80); });
+    const HeightField field = rough.field();
+    const WorldSpace world(field);
+    int clear = 0, met = 0;
+    for (int k = 0; k < 20000; ++k) {
+        const auto point = [&] {
+            const double depth = 30.0 + random.below(90);
+            return unproject(rough.scene.camera, random.below(60) - 10.0, random.below(55) - 10.0, depth);
+        };
+        const glm::dvec3 from = point(), to = point();
+        int cells = 0;
+        const auto hit = [&] { return cast(world, from, nullptr, to, cells, 100'000).hit; };
+        if (is_clear(world, from, to)) {
+            ++clear;
+            EXPECT_FALSE(hit());
+            EXPECT_FALSE(is_behind_surface(field, from, 0));
+        } else if (!is_behind_surface(field, from, 0)) {
+            met += hit().has_value();
+        }
+    }
+    EXPECT_GT(clear, 200);
+    EXPECT_GT(met, 2000);
+}
+
+// A proxy on the very rim of a face belongs to what is on the other side of the rim as well.
+
+/// Columns that come nearer to the right; above row 4 the ground falls away. Focal length and depths are
+/// powers of two and their sums, so that goals of height 0 run along row 4 to the bit.
+TEST(Rim, AFootOnTheRimIsNoRestWhereTheOtherSideFallsAway) {
+    SmallField cliff(9, 9, 256, DepthSemantics::planar);
+    cliff.scene.camera = {8, 8, 4, 4};
+    cliff.shape(cliff.prev, [](int x, int y) { return y < 4 ? 256.0 : 128.0 - 8 * x; });
+    const reference::Surface surface(cliff.scene, cliff.pair());
+    FingerState finger;
+    cliff.touch(finger, {5.5, 0, -32});
+    for (int k = 0; k < 20; ++k) {
+        const Contact contact = cliff.touch(finger, {5.5 + 0.125 * k, 0, -93});
+        ASSERT_TRUE(contact.touching);
+        EXPECT_LT(reference::way_left(surface, finger.proxy, contact.goal), 1e-9L) << "tick " << k;
+    }
 }
 
 }  // namespace

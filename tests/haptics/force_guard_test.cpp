@@ -9,7 +9,7 @@
 #include "engine/content/seeded_noise.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "tests/haptics/force_path.hpp"
+#include "tests/haptics/touch_rig.hpp"
 
 namespace touchable::test {
 namespace {

@@ -8,9 +8,8 @@
 
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/frame/random.hpp"
-#include "tests/haptics/small_field.hpp"
 #include "tests/haptics/touch_rig.hpp"
-#include "tests/reference/certificate.hpp"
+#include "tests/reference/solver.hpp"
 
 namespace touchable::test {
 namespace {

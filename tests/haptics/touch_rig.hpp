@@ -1,14 +1,21 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
+#include <cmath>
 #include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "engine/base/same_bits.hpp"
+#include "engine/content/families.hpp"
 #include "engine/content/scenes.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable::test {
@@ -62,5 +69,167 @@ private:
 inline double length(const glm::dvec3& v) {
     return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
+
+/// Straight lines from corner to corner, in equal steps no longer than `step` on each.
+inline std::vector<glm::dvec3> path_along(const std::vector<glm::dvec3>& corners, double step) {
+    std::vector<glm::dvec3> path{corners.at(0)};
+    for (std::size_t k = 1; k < corners.size(); ++k) {
+        const glm::dvec3 way = corners[k] - corners[k - 1];
+        const int steps = static_cast<int>(std::ceil(std::sqrt(glm::dot(way, way)) / step));
+        for (int n = 1; n <= steps; ++n) path.push_back(corners[k - 1] + way * (double(n) / steps));
+    }
+    return path;
+}
+
+/// No ramp, so that all that happens is the solver's.
+inline GuardSettings without_ramp() {
+    GuardSettings settings;
+    settings.ramp_in_ticks = 0;
+    return settings;
+}
+
+/// What became of a finger on a path.
+struct PathResult {
+    EnergyFigures energy;
+    std::vector<Contact> contacts;
+    std::vector<GuardedForce> forces;
+
+    int ticks_with(GuardReason reason) const {
+        int ticks = 0;
+        for (const GuardedForce& force : forces) ticks += (force.reasons & reason) != 0;
+        return ticks;
+    }
+    int touching() const {
+        int ticks = 0;
+        for (const Contact& contact : contacts) ticks += contact.touching;
+        return ticks;
+    }
+};
+
+/// A new finger along a path; `touch(finger, goal)` is a tick of the solver, `scale` its S.
+template <class Touch>
+PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSettings& settings, double scale,
+                    Touch touch) {
+    PathResult result;
+    ForceGuard guard(settings, scale);
+    FingerState finger;
+    for (const glm::dvec3& goal : path) {
+        result.contacts.push_back(touch(finger, goal));
+        result.forces.push_back(guard.guard(result.contacts.back()));
+    }
+    result.energy = result.forces.back().energy;
+    return result;
+}
+inline PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSettings& settings,
+                           const SmallField& field, const TouchSettings& touch = {}) {
+    return run_path(path, settings, 0.001, [&](FingerState& finger, const glm::dvec3& goal) {
+        return field.touch(finger, goal, 0, touch);
+    });
+}
+inline PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSettings& settings,
+                           TouchRig& rig) {
+    rig.lift_fingers();
+    return run_path(path, settings, rig.settings.metres_per_scene_unit,
+                    [&](FingerState&, const glm::dvec3& goal) { return rig.tick(goal); });
+}
+
+/// A globe to press, slide along and retract from, on its flank 45 degrees from its axis; stiffness 1000 N/m,
+/// no friction.
+class GlobeFlank : public testing::Test {
+protected:
+    GlobeFlank() : rig("globe", options(), TouchRig::Depth::codes) {
+        rig.scene().default_properties = {1000, 0, 0};
+    }
+    /// From 1 mm outside straight in to 2 mm, 5 mm along, out and back through free space, in steps of
+    /// `step_mm`, millimetres of the device; `limbward`: along away from the axis, or towards it.
+    std::vector<glm::dvec3> path(double azimuth, double step_mm, bool limbward) const {
+        const GlobeSphere sphere = globe_sphere(CameraPreset::b, options().width, options().height);
+        const double scale = 0.001 / rig.settings.metres_per_scene_unit, half = std::sqrt(0.5);
+        const glm::dvec3 aside{cosine(azimuth), sine(azimuth), 0}, axis{0, 0, 1};
+        const glm::dvec3 out = half * (aside + axis), along = half * (aside - axis);
+        const glm::dvec3 touching = sphere.centre + sphere.radius * out;
+        auto at = [&](double mm_along, double mm_outside) {
+            return touching + scale * (mm_along * along + mm_outside * out);
+        };
+        const double near = limbward ? -2.5 : 2.5, far = -near;
+        return path_along({at(near, 1), at(near, -2), at(far, -2), at(far, 1), at(near, 1)}, step_mm * scale);
+    }
+    PathResult loop(double azimuth, double step_mm, bool limbward,
+                    const GuardSettings& settings = without_ramp()) {
+        return run_path(path(azimuth, step_mm, limbward), settings, rig);
+    }
+
+    TouchRig rig;
+
+private:
+    static SceneOptions options() {
+        SceneOptions options;
+        options.width = 360;
+        options.height = 240;
+        return options;
+    }
+};
+
+/// A pair of small frames with depths set by hand; NaN is an invalid pixel.
+class SmallField {
+public:
+    SmallField(int width, int height, double depth, DepthSemantics semantics = DepthSemantics::range) {
+        scene.width = width;
+        scene.height = height;
+        scene.camera = {400, 400, width / 2.0, height / 2.0};
+        scene.depth.near = 40;
+        scene.depth.far = 400;
+        scene.depth.semantics = semantics;
+        scene.default_properties = {1000, 0, 0};
+        for (SurfaceFrame* frame : {&prev, &next}) {
+            frame->width = width;
+            frame->height = height;
+            frame->coding = scene.depth;
+            fill(*frame, depth);
+        }
+    }
+
+    void fill(SurfaceFrame& frame, double depth) {
+        depths(frame).assign(static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height),
+                             depth);
+        refresh(frame);
+    }
+    void set(SurfaceFrame& frame, int x, int y, double depth) {
+        depths(frame)[frame.index(x, y)] = depth;
+        refresh(frame);
+    }
+    /// depth(x, y) over all pixels.
+    template <class Function>
+    void shape(SurfaceFrame& frame, Function depth) {
+        for (int y = 0; y < scene.height; ++y)
+            for (int x = 0; x < scene.width; ++x) depths(frame)[frame.index(x, y)] = depth(x, y);
+        refresh(frame);
+    }
+
+    FramePair pair(double blend = 0) const { return {{0, 0, &prev}, {1, 1'000'000, &next}, blend}; }
+    HeightField field(double blend = 0) const { return {scene, pair(blend)}; }
+
+    /// One tick of one finger.
+    Contact touch(FingerState& finger, const glm::dvec3& goal, double blend = 0, TouchSettings settings = {},
+                  int ticks = 1) const {
+        settings.metres_per_scene_unit = 0.001;
+        Contact contact;
+        const auto solver = TouchSolver::create(scene, settings);
+        solver.value().tick(field(blend), {&goal, 1}, {&finger, 1}, {&contact, 1}, ticks);
+        return contact;
+    }
+
+    Scene scene;
+    SurfaceFrame prev, next;
+
+private:
+    std::vector<double>& depths(const SurfaceFrame& frame) {
+        return &frame == &prev ? prev_depths_ : next_depths_;
+    }
+    void refresh(SurfaceFrame& frame) {
+        frame.vertices = std::make_unique<ExactVertices>(scene.width, scene.height, depths(frame));
+    }
+    std::vector<double> prev_depths_, next_depths_;
+};
 
 }  // namespace touchable::test

@@ -8,8 +8,7 @@
 #include "engine/authoring/segment_parts.hpp"
 #include "engine/base/same_bits.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/materials/colour_segments.hpp"
-#include "tests/materials/drawn_segments.hpp"
+#include "tests/materials/segment_colours.hpp"
 
 namespace touchable::test {
 namespace {

@@ -16,7 +16,7 @@
 #include "player/commands/run_options.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/run_record.hpp"
-#include "tests/gpu/blockade.hpp"
+#include "tests/gpu/gpu_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

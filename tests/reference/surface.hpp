@@ -1,13 +1,17 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
+#include "haptics_cpu/world_space.hpp"
 
 /// A second touch solver, written from docs/conventions.md and docs/solver.md alone: long double, nothing
 /// skipped, nothing cached, no arithmetic shared with haptics_cpu. Tests and benchmarks measure the fast one
@@ -82,5 +86,50 @@ private:
     const SurfaceFrame& later_;
     Real blend_;
 };
+
+/// A point of the surface as its corners weigh it in the world: one corner, two of an edge, or three of a
+/// triangle. Weights add up to 1.
+struct Place {
+    struct Part {
+        Corner corner;
+        Real weight = 0;
+    };
+    std::vector<Part> parts;
+
+    bool has(Corner corner) const;
+};
+
+/// The place of a proxy that is on the surface: the same pixel position on the same feature.
+Place place_of(const Surface& surface, const Proxy& proxy);
+/// The place seen at a position of the picture, on the triangle around (inside_x, inside_y).
+Place place_at(const Surface& surface, Real x, Real y, Real inside_x, Real inside_y);
+/// Without the corners of no weight: on a triangle's rim, the edge's.
+Place reduced(const Place& place);
+
+Vec point_of(const Surface& surface, const Place& place);
+ImagePoint image_of(const Surface& surface, const Place& place);
+Properties properties_at(const Surface& surface, const Place& place);
+
+using Triangle = std::array<Corner, 3>;
+/// Every triangle that has all the corners of the place: one, two or six.
+std::vector<Triangle> triangles_around(const Place& place);
+
+/// One way in which a place can go nearer to the goal: over a triangle, or along an edge.
+struct Way {
+    std::vector<Corner> corners;  ///< the triangle's three, or the edge's two
+    Vec step;       ///< to the point of the triangle's plane (the edge's line) nearest to the goal
+    Real load = 0;  ///< how hard the goal presses on what is gone along
+};
+
+/// The ways that stay on the surface: the projections of the pull on the triangles and edges around the place
+/// that lead into them. The longest is the projection on the tangent cone of free space.
+std::vector<Way> ways_along(const Surface& surface, const Place& place, const Vec& goal);
+
+/// How far in front of the surface the goal stands, seen from the place; 0 where the straight way to it leads
+/// below.
+Real height_of_departure(const Surface& surface, const Place& place, const Vec& goal);
+
+/// How the weight of each corner of a triangle or an edge changes along a step in its plane (or line).
+std::vector<Real> weight_changes(const Surface& surface, const std::vector<Corner>& corners, const Vec& step);
 
 }  // namespace touchable::reference

@@ -14,7 +14,6 @@
 #include "engine/stream/receiving.hpp"
 #include "engine/stream/sending.hpp"
 #include "tests/stream/labelled_stream.hpp"
-#include "tests/stream/stream_of_frames.hpp"
 #include "tests/stream/web_server.hpp"
 #include "tests/video/sounding_clip.hpp"
 

@@ -13,7 +13,6 @@
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/stream/labelled_stream.hpp"
-#include "tests/stream/stream_of_frames.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/sounding_clip.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "engine/stream/listeners.hpp"
 #include "engine/stream/receiving.hpp"
-#include "tests/stream/stream_of_frames.hpp"
+#include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/stream_peer.hpp"
 
 namespace touchable::test {

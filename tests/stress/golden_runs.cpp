@@ -6,7 +6,7 @@
 
 #include "engine/content/height_fields.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "tests/stress/hands.hpp"
+#include "tests/stress/stress_run.hpp"
 
 namespace touchable::stress {
 

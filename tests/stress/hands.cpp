@@ -1,4 +1,4 @@
-#include "tests/stress/hands.hpp"
+#include "tests/stress/stress_run.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,19 @@
 // Properties of any touch whatever: RapidCheck picks fields, cameras, codings, hands and changes of frames,
 // and makes what fails as small as it can. The seed is fixed, so that a build passes or not;
 // RC_PARAMS="seed=..." tries others, and a failure prints the RC_PARAMS that repeat it (docs/proof.md).
+
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
+#include <glm/geometric.hpp>
 
+#include <cmath>
 #include <cstdlib>
 
+#include "haptics_cpu/touch_step.hpp"
+#include "tests/reference/solver.hpp"
+#include "tests/stress/drawn_scene.hpp"
 #include "tests/stress/picked_run.hpp"
+#include "tests/stress/stress_run.hpp"
 #include "tests/stress/tick_states.hpp"
 #include "tests/stress/watch.hpp"
 
@@ -131,6 +138,220 @@ TEST(Property, WhatComesLaterChangesNothingBefore) {
         watch(*run_of(touch), {ticks_of(touch), 0, 0}, &part);
         for (std::size_t k = 0; k < part.forces.size(); ++k) RC_ASSERT(part.forces[k] == whole.forces[k]);
     }));
+}
+
+}  // namespace
+
+}  // namespace touchable::stress
+
+namespace touchable::stress {
+namespace {
+
+// The slow twin and the certificates against what is known without any solver, and against proxies that are
+// wrong.
+
+using reference::Finger;
+using reference::Real;
+using reference::Surface;
+using reference::Vec;
+
+/// A picture of planar depths in whole units; focal length 16 pixels, axis through pixel (8, 8).
+class Ground {
+public:
+    template <class Depth>
+    explicit Ground(Depth depth) : scene(whole_unit_scene(17, 1, 1000)) {
+        FrameMaker(scene).build(shaped(scene, depth), frame);
+    }
+    FramePair pair() const { return {{0, 0, &frame}, {0, 0, &frame}, 0}; }
+    Surface surface() const { return {scene, pair()}; }
+
+    Scene scene;
+    SurfaceFrame frame;
+};
+
+Finger at(const Vec& point) {
+    Finger finger;
+    finger.point = point;
+    return finger;
+}
+
+Vec solved(const Ground& ground, const Vec& from, const Vec& goal, int substeps = 1) {
+    return reference::solve(ground.surface(), at(from), from, goal, substeps).finger.point;
+}
+
+void expect_near(const Vec& a, const Vec& b, Real most) {
+    EXPECT_LE(std::sqrt(glm::dot(a - b, a - b)), most)
+        << "(" << a.x << ", " << a.y << ", " << a.z << ") is not (" << b.x << ", " << b.y << ", " << b.z
+        << ")";
+}
+
+TEST(Reference, OnAFlatWallTheProxyIsStraightInFrontOfTheGoal) {
+    const Ground wall([](int, int) { return 100.0; });
+    expect_near(solved(wall, {0, 0, -50}, {7, -3, -120}), {7, -3, -100}, 1e-15L);
+    expect_near(solved(wall, {0, 0, -50}, {7, -3, -99}), {7, -3, -99}, 0);
+}
+
+TEST(Reference, OnATiltedPlaneTheProxyIsTheGoalsFoot) {
+    // 1 / depth linear over the picture is a plane: x = (i - 8) d / 16, d = 1 / (0.01 + 0.0001 (i - 8)), so
+    // that 0.01 d + 0.0016 x = 1.
+    Ground plane([](int, int) { return 100.0; });
+    std::vector<double> depths;
+    for (int y = 0; y < 17; ++y)
+        for (int x = 0; x < 17; ++x) depths.push_back(1 / (0.01 + 0.0001 * (x - 8)));
+    plane.frame.codes.clear();
+    plane.frame.vertices = std::make_unique<ExactVertices>(17, 17, depths);
+    const Vec goal{4, 2, -115};
+    const Vec normal{-0.0016L, 0, 0.01L};  // of 0.01 z - 0.0016 x + 1 = 0
+    const Vec foot = goal - normal * ((glm::dot(normal, goal) + 1) / glm::dot(normal, normal));
+    expect_near(solved(plane, {0, 0, -40}, goal), foot, 1e-12L);
+}
+
+TEST(Reference, InAValleyTheProxyIsOnItsFloorAndOnARoofItGoesDownOneSide) {
+    const Ground valley([](int x, int) { return 100.0 - 8 * std::abs(x - 8); });
+    expect_near(solved(valley, {0, 0, -20}, {0.5L, 1, -110}), {0, 1, -100}, 1e-15L);
+    const Ground roof([](int x, int) { return 100.0 + 8 * std::abs(x - 8); });
+    EXPECT_GT(solved(roof, {0.5L, 0, -50}, {0.5L, 0, -110}).x, 1);
+    EXPECT_LT(solved(roof, {-0.5L, 0, -50}, {-0.5L, 0, -110}).x, -1);
+}
+
+TEST(Reference, AThinSpikeIsNotFlownThrough) {
+    const Ground spike([](int x, int y) { return x == 8 && y == 8 ? 20.0 : 100.0; });
+    // From one side of it to the other, in front of the ground.
+    const Vec from{-10, 0, -60}, to{10, 0, -60};
+    const auto hit = reference::first_hit(spike.surface(), from, nullptr, to);
+    ASSERT_TRUE(hit);
+    EXPECT_LT(reference::point_of(spike.surface(), *hit).x, 0);
+    EXPECT_FALSE(reference::first_hit(spike.surface(), from, nullptr, {-10, 5, -60}));
+}
+
+TEST(Reference, FrictionStopsOnTheDynamicConeAndHoldsWithinTheStaticOne) {
+    Ground wall([](int, int) { return 100.0; });
+    wall.scene.default_properties = {1000, 0.5, 0.3};
+    const Surface surface = wall.surface();
+    const Finger landed = reference::solve(surface, at({0, 0, -50}), {0, 0, -50}, {0, 0, -101}).finger;
+    expect_near(reference::solve(surface, landed, {}, {0.49L, 0, -101}).finger.point, {0, 0, -100}, 1e-15L);
+    expect_near(reference::solve(surface, landed, {}, {0.51L, 0, -101}).finger.point, {0.51L - 0.3L, 0, -100},
+                1e-8L);
+}
+
+TEST(Reference, SubstepsEndAtTheSamePlaceWhereThereIsOnlyOne) {
+    const Ground bowl([](int x, int y) { return 100.0 - (x - 8) * (x - 8) / 4 - (y - 8) * (y - 8) / 8; });
+    expect_near(solved(bowl, {0, 0, -40}, {3, 2, -120}), solved(bowl, {0, 0, -40}, {3, 2, -120}, 64), 1e-12L);
+}
+
+/// A proxy where the fast solver puts it on a drawn field, to be tampered with.
+class Certificates : public testing::Test {
+protected:
+    template <class Judge>
+    int for_proxies(Judge judge) {
+        SplitMix64 random(5);
+        int judged = 0;
+        for (int picture = 0; picture < 20; ++picture) {
+            Scene scene = draw_scene(random, 24);
+            scene.default_properties = {1000, 0, 0};
+            scene.haptic.static_friction = scene.haptic.dynamic_friction = {0, 0};
+            SurfaceFrame frame;
+            FrameMaker(scene).build(draw_noise(scene, random), frame);
+            const FramePair pair{{0, 0, &frame}, {0, 0, &frame}, 0};
+            const auto solver = TouchSolver::create(scene, {});
+            TouchStep step(*solver, {}, 1);
+            Walk walk(scene, random.next());
+            for (int tick = 0; tick < 50; ++tick) {
+                step.goals()[0] = walk.next();
+                const TouchTick done = step.run(tick, 0, scene, pair);
+                const Proxy& proxy = step.states()[0].proxy;
+                if (!proxy.on_surface() || done.contacts[0].counts.capped) continue;
+                judge(Surface(scene, pair), proxy, done.contacts[0].goal);
+                ++judged;
+            }
+        }
+        return judged;
+    }
+};
+
+TEST_F(Certificates, PassWhereTheSolverRests) {
+    const int judged = for_proxies([](const Surface& surface, const Proxy& proxy, const glm::dvec3& goal) {
+        EXPECT_LT(reference::way_left(surface, proxy, goal), 1e-6L);
+        EXPECT_LT(reference::excess_over_minimum(surface, proxy, goal), 1e-9L);
+        EXPECT_LT(reference::depth_behind(surface, proxy.point), 1e-12L);
+    });
+    EXPECT_GT(judged, 300);
+}
+
+TEST_F(Certificates, NoticeAProxyAThousandthOfAPixelAside) {
+    int tampered = 0;
+    for_proxies([&](const Surface& surface, Proxy proxy, const glm::dvec3& goal) {
+        if (proxy.feature != Feature::face_lower || proxy.a > 0.99 || proxy.b < 0.01) return;
+        if (glm::dot(goal - proxy.point, goal - proxy.point) < 1e-6) return;
+        proxy.a += 1e-3;
+        proxy.point = glm::dvec3(reference::point_of(surface, reference::place_of(surface, proxy)));
+        EXPECT_GT(reference::way_left(surface, proxy, goal), 1e-7L);
+        ++tampered;
+    });
+    EXPECT_GT(tampered, 20);
+}
+
+TEST_F(Certificates, NoticeAProxyBehindTheSurfaceByABillionth) {
+    for_proxies([](const Surface& surface, const Proxy& proxy, const glm::dvec3&) {
+        EXPECT_GT(reference::depth_behind(surface, proxy.point * (1 + 2e-9)), 1e-9L);
+    });
+}
+
+TEST_F(Certificates, NoticeAProxyThatStaysWhereItShouldLeave) {
+    int asked = 0;
+    for_proxies([&](const Surface& surface, const Proxy& proxy, const glm::dvec3& goal) {
+        const glm::dvec3 in_front = proxy.point * 0.9;
+        EXPECT_GT(reference::way_left(surface, proxy, in_front), 1e-3L);
+        asked += goal != in_front;
+    });
+    EXPECT_GT(asked, 300);
+}
+
+TEST_F(Certificates, FrictionHoldsOnlySoFar) {
+    Ground wall([](int, int) { return 100.0; });
+    wall.scene.default_properties = {1000, 0.5, 0.3};
+    Proxy proxy;
+    proxy.feature = Feature::face_lower;
+    proxy.i = proxy.j = 8;
+    proxy.a = 0.5;
+    proxy.b = 0.25;
+    const Vec p = reference::point_of(wall.surface(), reference::place_of(wall.surface(), proxy));
+    proxy.point = glm::dvec3(p);
+    const glm::dvec3 held = proxy.point + glm::dvec3(0.49, 0, -1),
+                     slips = proxy.point + glm::dvec3(0.6, 0, -1);
+    EXPECT_EQ(reference::way_left(wall.surface(), proxy, held), 0);
+    EXPECT_NEAR(static_cast<double>(reference::way_left(wall.surface(), proxy, slips)), 0.1, 1e-6);
+    proxy.sliding = true;
+    EXPECT_NEAR(static_cast<double>(reference::way_left(wall.surface(), proxy, held)), 0.19, 1e-6);
+}
+
+TEST(ReferenceComparison, NoticesAForceThatIsOffAndAnotherBasin) {
+    const Ground wall([](int, int) { return 100.0; });
+    Proxy before, after;
+    before.point = {0, 0, -50};
+    after.feature = Feature::face_lower;
+    after.i = 8;
+    after.j = 7;
+    after.a = 0.75;
+    after.b = 0.5;
+    const glm::dvec3 there(reference::point_of(wall.surface(), reference::place_of(wall.surface(), after)));
+    Contact contact;
+    contact.touching = true;
+    contact.proxy = there;
+    contact.goal = there - glm::dvec3(0, 0, 1);
+    auto compared = [&] { return reference::compare(wall.surface(), before, after, contact); };
+    EXPECT_TRUE(compared().same_basin);
+    EXPECT_LT(compared().angle_degrees, 1e-9L);
+    EXPECT_LE(compared().farther, 0);
+    contact.proxy.x += 1e-6;
+    EXPECT_TRUE(compared().same_basin);
+    EXPECT_NEAR(static_cast<double>(compared().angle_degrees), 1e-6 * 180 / 3.14159265, 1e-8);
+    contact.proxy.x += 3;
+    after.i = 9;
+    EXPECT_FALSE(compared().same_basin);
+    EXPECT_GT(compared().distance_ratio, 2);
+    contact.proxy.z = 100;
+    EXPECT_GT(compared().farther, 0.1L);
 }
 
 }  // namespace

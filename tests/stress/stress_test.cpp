@@ -1,13 +1,19 @@
 // A slice of the stress suites, every tick certified: `touchable-soak` goes on where this ends
 // (docs/proof.md).
+
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 #include <iostream>
+#include <sstream>
 #include <utility>
 
 #include "tests/stress/golden_runs.hpp"
+#include "tests/stress/soak.hpp"
 #include "tests/stress/suites.hpp"
+#include "tests/stress/tick_states.hpp"
 #include "tests/stress/watch.hpp"
 
 namespace touchable::stress {
@@ -137,6 +143,172 @@ TEST(Stress, ARunThatMeetsWithNothingIsCalledEmpty) {
     EXPECT_NE(nothing.missing({0.1, false, false, true}), "");
     nothing.certified = 0;
     EXPECT_NE(nothing.missing({0.1}), "");
+}
+
+}  // namespace
+
+}  // namespace touchable::stress
+
+namespace touchable::stress {
+namespace {
+
+// The soak goes on where it ended, and trusts no state that is not its own.
+
+namespace fs = std::filesystem;
+
+class Soak : public testing::Test {
+protected:
+    Soak() : folder(fs::temp_directory_path() / ("touchable-soak-" + std::to_string(getpid()))) {
+        settings.plan.unit_ticks = 300;
+        settings.plan.replay_every = 5;
+        settings.state = folder / "deep" / "state.json";
+        settings.ticks = 300 * 66;
+    }
+    ~Soak() override { fs::remove_all(folder); }
+    std::string contents() const {
+        std::ostringstream text;
+        text << std::ifstream(settings.state).rdbuf();
+        return text.str();
+    }
+    Result<SoakState> run() { return soak(settings, progress); }
+
+    fs::path folder;
+    SoakSettings settings;
+    std::ostringstream progress;
+};
+
+TEST_F(Soak, IsTheSameInOneGoAndInTwoAndOnAnyNumberOfThreads) {
+    settings.threads = 1;
+    const auto whole = run();
+    ASSERT_TRUE(whole);
+    EXPECT_EQ(whole->ticks(), settings.ticks);
+    EXPECT_EQ(whole->violations, std::vector<std::string>());
+    EXPECT_EQ(whole->coverage.size(), suites().size());
+    const std::string one_go = contents();
+    fs::remove(settings.state);
+    settings.threads = 3;
+    settings.ticks = 300 * 29;
+    ASSERT_TRUE(run());
+    settings.ticks = 300 * 66;
+    ASSERT_TRUE(run());
+    EXPECT_EQ(contents(), one_go);
+    EXPECT_NE(progress.str().find("0 violations"), std::string::npos);
+}
+
+TEST_F(Soak, RefusesTheStateOfAnotherSolverOrPlanUntilToldToBeginAnew) {
+    ASSERT_TRUE(run());
+    std::string text = contents();
+    const std::size_t at = text.find("\"solver\": \"") + 11;
+    text[at] = text[at] == '0' ? '1' : '0';
+    std::ofstream(settings.state) << text;
+    auto refused = run();
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+    EXPECT_NE(refused.error().message.find("another solver"), std::string::npos);
+    settings.fresh = true;
+    EXPECT_TRUE(run());
+    settings.fresh = false;
+    EXPECT_TRUE(run());
+    settings.plan.certify_every = 3;
+    EXPECT_FALSE(run());
+}
+
+TEST_F(Soak, RefusesAStateThatIsNone) {
+    fs::create_directories(settings.state.parent_path());
+    for (const char* text :
+         {"", "{}", "[1]", "{\"soak\": 2}", "{\"soak\": 1, \"solver\": 3}", "violations"}) {
+        std::ofstream(settings.state) << text;
+        const auto refused = run();
+        ASSERT_FALSE(refused) << text;
+        EXPECT_EQ(refused.error().kind, ErrorKind::input);
+        EXPECT_NE(refused.error().message.find("state.json"), std::string::npos);
+    }
+}
+
+TEST_F(Soak, SaysSoWhereItCannotKeepItsState) {
+    fs::create_directories(folder);
+    std::ofstream(folder / "deep") << "a file";
+    const auto refused = run();
+    ASSERT_FALSE(refused);
+}
+
+TEST(SoakState, AViolationSaysWhatReproducesIt) {
+    SoakState state;
+    Watched watched;
+    watched.violation_count = 2;
+    watched.violations = {"tick 7, finger 0: S1"};
+    state.add(*find_suite("plateau"), 12, watched);
+    EXPECT_EQ(state.violation_count, 2);
+    EXPECT_EQ(state.violations.front(), "--suite plateau --seed 12 --ticks 20000: tick 7, finger 0: S1");
+    ASSERT_EQ(state.empty_suites().size(), 1U);
+    EXPECT_NE(state.empty_suites().front().find("plateau: contact"), std::string::npos);
+}
+
+// Where two runs part is found to the tick, the finger and the field.
+
+std::string states_of(const GoldenRun& golden, GoldenBuilder builder, std::int64_t ticks) {
+    std::ostringstream out;
+    StateWriter writer(out);
+    watch(*golden.make(builder), {ticks, 0, 0}, &writer);
+    return out.str();
+}
+
+std::optional<std::string> difference_from(const std::string& recorded, const GoldenRun& golden,
+                                           std::int64_t ticks) {
+    std::istringstream in(recorded);
+    StateComparison comparison(in);
+    watch(*golden.make(GoldenBuilder::cpu), {ticks, 0, 0}, &comparison);
+    return comparison.difference();
+}
+
+class TickStates : public testing::Test {
+protected:
+    const GoldenRun& golden = *find_golden_run("globe-planet");
+    static constexpr std::int64_t ticks = 300;
+
+    /// The recorded text with one character of a cell changed.
+    std::string changed(std::string text, std::size_t row, const std::string& field) const {
+        const auto& fields = state_fields();
+        const auto column =
+            static_cast<std::size_t>(std::find(fields.begin(), fields.end(), field) - fields.begin());
+        std::size_t at = 0;
+        for (std::size_t k = 0; k <= row; ++k) at = text.find('\n', at) + 1;
+        for (std::size_t k = 0; k < column; ++k) at = text.find(',', at) + 1;
+        const std::size_t end = text.find_first_of(",\n", at);
+        text[end - 1] = text[end - 1] == '1' ? '2' : '1';
+        return text;
+    }
+};
+
+TEST_F(TickStates, AreTheSameAgainAndWithTheLazyBuilder) {
+    EXPECT_EQ(difference_from(states_of(golden, GoldenBuilder::cpu, ticks), golden, ticks), std::nullopt);
+    EXPECT_EQ(difference_from(states_of(golden, GoldenBuilder::lazy, ticks), golden, ticks), std::nullopt);
+}
+
+TEST_F(TickStates, NameTheFirstTickFingerAndFieldThatDiffer) {
+    const std::string text = states_of(golden, GoldenBuilder::cpu, ticks);
+    for (const auto& [row, field] : {std::pair{5 * 217 + 3, "a"},
+                                     {5 * 100 + 0, "proxy_z"},
+                                     {4, "guard"},
+                                     {5 * 299 + 4, "force_x"},
+                                     {5 * 8 + 1, "frame_next"}}) {
+        const auto difference =
+            difference_from(changed(text, static_cast<std::size_t>(row), field), golden, ticks);
+        ASSERT_TRUE(difference);
+        const std::string where = "tick " + std::to_string(row / 5) + ", finger " + std::to_string(row % 5) +
+                                  ", field " + field + ":";
+        EXPECT_EQ(difference->substr(0, where.size()), where) << *difference;
+    }
+}
+
+TEST_F(TickStates, ARunThatEndsSoonerOrLaterDiffers) {
+    const std::string text = states_of(golden, GoldenBuilder::cpu, ticks);
+    EXPECT_NE(difference_from(text, golden, ticks - 1)->find("goes on"), std::string::npos);
+    EXPECT_NE(
+        difference_from(text, golden, ticks + 1)->find("tick 300, finger 0: the recorded run has ended"),
+        std::string::npos);
+    EXPECT_TRUE(difference_from("", golden, 1));
+    EXPECT_TRUE(difference_from("tick,finger\n0,0\n", golden, 1));
 }
 
 }  // namespace

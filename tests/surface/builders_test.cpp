@@ -11,7 +11,7 @@
 #include "engine/scene/frames.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/frame/allocations.hpp"
-#include "tests/gpu/blockade.hpp"
+#include "tests/gpu/gpu_fixture.hpp"
 #include "tests/real_data.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"

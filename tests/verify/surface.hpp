@@ -1,7 +1,6 @@
 #pragma once
 
 #include "tests/verify/exported_frame.hpp"
-#include "tests/verify/geometry.hpp"
 
 namespace touchable::verify {
 

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "tests/temporary_folder.hpp"
-#include "tests/verify/checks.hpp"
 #include "tests/verify/synthetic.hpp"
 
 namespace touchable::verify {

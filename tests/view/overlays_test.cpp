@@ -13,8 +13,7 @@
 #include "player/draw/overlay_rows.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/draw/view.hpp"
-#include "tests/view/coded_frames.hpp"
-#include "tests/view/plain_surface.hpp"
+#include "tests/view/shown.hpp"
 
 namespace touchable::test {
 namespace {

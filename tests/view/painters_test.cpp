@@ -19,10 +19,7 @@
 #include "shaders/tile_lists.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/real_data.hpp"
-#include "tests/view/coded_frames.hpp"
-#include "tests/view/many_colours.hpp"
 #include "tests/view/plain_picture.hpp"
-#include "tests/view/plain_surface.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

@@ -22,8 +22,6 @@
 #include "player/draw/view.hpp"
 #include "shaders/cut_rule.h"
 #include "tests/gpu/gpu_fixture.hpp"
-#include "tests/view/coded_frames.hpp"
-#include "tests/view/many_colours.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

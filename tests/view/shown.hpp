@@ -2,21 +2,118 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/content/scenes.hpp"
+#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "engine/scene/frames.hpp"
+#include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/height_field.hpp"
+#include "player/draw/drawn_surface.hpp"
 #include "player/draw/view.hpp"
+#include "shaders/cut_rule.h"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/view/plain_surface.hpp"
 
 namespace touchable::test {
+
+/// Two frames of every code there is, or nearly so, some pixels invalid.
+struct Codes {
+    Codes(const DepthCoding& coding, int width, int height, bool heights) {
+        scene.width = width;
+        scene.height = height;
+        scene.camera = {0.9 * width, 1.1 * width, 0.4 * width, 0.7 * height};
+        scene.depth = coding;
+        derive_valid_range(scene.depth);
+        scene.height_coding = {0.3 * coding.near, HeightUnits::world, 255};
+        SplitMix64 random(3);
+        for (SurfaceFrame* frame : {&prev, &next}) {
+            frame->width = width;
+            frame->height = height;
+            frame->coding = scene.depth;
+            frame->codes.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+            frame->validity.resize(static_cast<std::size_t>(frame->validity_words_per_row()) *
+                                   static_cast<std::size_t>(height));
+            frame->tiles.resize(static_cast<std::size_t>(TileGrid::of(width, height).tiles_x) *
+                                static_cast<std::size_t>(TileGrid::of(width, height).tiles_y));
+            if (heights) frame->heights.resize(frame->codes.size());
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x) set(*frame, x, y, random);
+            frame->vertices = std::make_unique<FilteredVertices>(*frame);
+        }
+    }
+    void set(SurfaceFrame& frame, int x, int y, SplitMix64& random) {
+        const DepthCoding& coding = scene.depth;
+        const auto code = static_cast<std::uint16_t>(random.within(coding.valid_min, coding.valid_max + 1.0));
+        if (!frame.heights.empty())
+            frame.heights[frame.index(x, y)] = static_cast<std::uint8_t>(random.next());
+        if (!coding.is_valid(code) || random.unit() < 0.1) return;
+        frame.codes[frame.index(x, y)] = code;
+        frame.validity[static_cast<std::size_t>(y * frame.validity_words_per_row() + x / 32)] |= 1U
+                                                                                                 << (x % 32);
+    }
+    Scene scene;
+    SurfaceFrame prev, next;
+};
+
+inline DepthCoding coding_of(DepthCodingKind kind, DepthSemantics semantics, bool near_is_high) {
+    DepthCoding coding;
+    coding.kind = kind;
+    coding.semantics = semantics;
+    coding.near_is_high = near_is_high;
+    coding.near = 0.3;
+    coding.far = 70;
+    coding.scale = 0.001;
+    if (kind == DepthCodingKind::log) coding.shift = 0.2;
+    coding.code_max = kind == DepthCodingKind::hue ? 1535 : 65535;
+    return coding;
+}
+
+/// Whether roundings may decide if a pixel's two depths are mixed.
+inline bool is_at_the_gate(const HeightField& field, std::size_t pixel) {
+    const auto width = static_cast<std::size_t>(field.width());
+    auto [before, after] = field.vertices_of_frames(static_cast<std::int64_t>(pixel % width),
+                                                    static_cast<std::int64_t>(pixel / width));
+    const FieldVertex nearer{before.depth * (1 - 1e-4), before.valid},
+        farther{before.depth * (1 + 1e-4), before.valid};
+    return are_mixed(field, nearer, after) != are_mixed(field, farther, after);
+}
+
+/// q against those of its twin: the same pixels invalid, the others 1e-6 of the depth before height is taken
+/// off, plus what that is of the depth after it.
+inline void expect_close(const HeightField& field, const SurfaceFrame& prev, const std::vector<float>& twin,
+                         const std::vector<float>& made) {
+    const Scene& scene = field.scene();
+    ASSERT_EQ(twin.size(), made.size());
+    const double tallest = prev.heights.empty() ? 0 : largest_height(scene.height_coding, scene.depth);
+    double worst = 0;
+    std::size_t left_out = 0;
+    for (std::size_t k = 0; k < twin.size(); ++k) {
+        ASSERT_EQ(made[k] == 0.0F, twin[k] == 0.0F) << "pixel " << k;
+        if (twin[k] == 0.0F) continue;
+        if (field.blend() > 0 && is_at_the_gate(field, k)) {
+            ++left_out;
+            continue;
+        }
+        const double q = static_cast<double>(twin[k]);
+        const double bound = 1e-6 * (1 + 2 * tallest * q);
+        worst = std::max(worst, std::fabs(static_cast<double>(made[k]) / q - 1) / bound);
+    }
+    EXPECT_LE(worst, 1.0);
+    EXPECT_LE(left_out, 1 + twin.size() / 200);
+}
 
 /// Two frames of a clip, built.
 struct Shown {
@@ -70,5 +167,49 @@ inline std::unique_ptr<Shown> shown_stand_in(const char* name) {
     const TemporaryFolder folder;
     return shown_clip(folder.path(), write_stand_in(folder.path(), stand_in(name)));
 }
+
+/// Which tiles of a lattice of these q are worth drawing, by asking for every triangle.
+inline ViewSurface::Tiles classify_tiles(int width, int height, const std::vector<float>& q) {
+    const TileGrid grid = TileGrid::of(width, height);
+    ViewSurface::Tiles tiles;
+    auto at = [&](int x, int y) {
+        return q[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+    };
+    for (int ty = 0; ty < grid.tiles_y; ++ty)
+        for (int tx = 0; tx < grid.tiles_x; ++tx) {
+            bool any_cut = false, any_shown = false;
+            const int end_x = std::min((tx + 1) * TileGrid::cells, width - 1);
+            const int end_y = std::min((ty + 1) * TileGrid::cells, height - 1);
+            for (int y = ty * TileGrid::cells; y < end_y; ++y)
+                for (int x = tx * TileGrid::cells; x < end_x; ++x)
+                    for (const auto& [a, b, c] : {std::array{at(x, y), at(x + 1, y), at(x + 1, y + 1)},
+                                                  std::array{at(x, y), at(x + 1, y + 1), at(x, y + 1)}}) {
+                        any_cut = any_cut || triangle_is_cut(a, b, c);
+                        any_shown = any_shown || !triangle_has_hole(a, b, c);
+                    }
+            if (!any_shown) continue;
+            (any_cut ? tiles.mixed : tiles.whole)
+                .push_back(static_cast<std::uint32_t>(ty * grid.tiles_x + tx));
+        }
+    return tiles;
+}
+
+/// With q_of(field), and classify_tiles of that.
+inline ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour) {
+    std::vector<float> q = q_of(field);
+    ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q);
+    return make_view_surface(field, std::move(q), std::move(tiles), colour);
+}
+
+/// Every channel another, every pixel another.
+struct ManyColours {
+    ManyColours(int columns, int rows) : width(columns), height(rows) {
+        for (int k = 0; k < width * height * 3; ++k) bytes.push_back(static_cast<std::uint8_t>(k * 89 % 251));
+    }
+    PlaneView view() const { return {bytes.data(), std::ptrdiff_t{3} * width, width, height, 1, 3}; }
+
+    int width, height;
+    std::vector<std::uint8_t> bytes;
+};
 
 }  // namespace touchable::test

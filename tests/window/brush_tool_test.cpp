@@ -1,14 +1,22 @@
 // The brush in the hand: commands, clicks and strokes; the colours of materials.
-#include "player/window/brush.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <set>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "engine/authoring/segments.hpp"
+#include "engine/base/threads.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/window/brush.hpp"
 #include "player/window/command_table.hpp"
+#include "player/window/window_files.hpp"
+#include "tests/materials/segment_colours.hpp"
+#include "tests/player/program.hpp"
 
 namespace touchable::test {
 namespace {
@@ -150,6 +158,228 @@ TEST(MaterialColours, AreToldApart) {
             EXPECT_GE(apart, 40) << a.name << " and " << b.name;
         }
     }
+}
+
+// What a brush did is there again in the next window, however the last one ended.
+
+namespace fs = std::filesystem;
+using Paint = MaterialBrush::Paint;
+
+class BrushOfAClip : public ::testing::Test {
+protected:
+    static SegmentStore segments() { return stored({{"aaaabbcc", "aaaabbcc"}, {"aaaabbcc", "aaaabbcc"}}); }
+    Result<KeptBrush> begin() { return KeptBrush::begin(segments(), files_); }
+    KeptBrush begun() {
+        auto brush = begin();
+        EXPECT_TRUE(brush) << brush.error().message;
+        return std::move(*brush);
+    }
+    void put(const fs::path& file, const std::string& text) {
+        const auto written = write_text(file, text);
+        EXPECT_TRUE(written) << written.error().message;
+    }
+    /// As the window does.
+    void edit(KeptBrush& brush, const MaterialBrush::Edit& edit) {
+        const auto done = brush.brush().edit(edit);
+        ASSERT_TRUE(done) << done.error().message;
+        put(files_.history(), brush.history());
+    }
+    void save(KeptBrush& brush) {
+        const std::string text = brush.save();
+        put(files_.history(), brush.history());
+        put(files_.saved(), text);
+    }
+    static std::string material(const KeptBrush& brush, int x) {
+        const auto painted = brush.brush().painted();
+        return painted->by_label.at(painted->segments->label_at(0, x, 0)).material;
+    }
+
+    const TemporaryFolder folder_;
+    BrushFiles files_{.clip = folder_ / "clip.mkv", .history_folder = folder_ / "state/touchable"};
+};
+
+TEST_F(BrushOfAClip, HasWhatWasDoneBeforeTheProgramWasKilled) {
+    {
+        KeptBrush brush = begun();
+        EXPECT_FALSE(brush.is_painted());
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        edit(brush, SegmentCut{0, {{1, 0}, {1, 1}}});
+        edit(brush, Paint{{0, 0, 0}, "brick"});
+    }
+    {
+        KeptBrush again = begun();
+        EXPECT_TRUE(again.is_painted());
+        EXPECT_NE(again.begun_with().find("3 changes of last time are here again"), std::string::npos)
+            << again.begun_with();
+        EXPECT_EQ(material(again, 0), "brick");
+        EXPECT_EQ(material(again, 3), "foam");
+        ASSERT_TRUE(again.brush().undo());
+        EXPECT_EQ(material(again, 0), "foam");
+        ASSERT_TRUE(again.brush().undo());
+        put(files_.history(), again.history());
+    }
+    const KeptBrush once_more = begun();
+    EXPECT_NE(once_more.begun_with().find("1 change of last time is"), std::string::npos);
+    EXPECT_EQ(once_more.brush().edits(), 3U) << "what was undone can be done again";
+}
+
+TEST_F(BrushOfAClip, IsSavedBesideItsClipAndGoesOnFromThere) {
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        save(brush);
+        EXPECT_TRUE(fs::exists(folder_ / "clip.mkv.materials.json"));
+        edit(brush, Paint{{4, 0, 0}, "glass"});
+    }
+    {
+        const KeptBrush again = begun();
+        EXPECT_EQ(material(again, 4), "glass");
+        EXPECT_EQ(again.brush().done(), 2U) << "undo goes on beyond what was saved";
+    }
+    // Without a history, what is saved.
+    fs::remove(files_.history());
+    const KeptBrush saved = begun();
+    EXPECT_EQ(material(saved, 0), "foam");
+    EXPECT_NE(material(saved, 4), "glass");
+    EXPECT_TRUE(saved.is_painted());
+    EXPECT_NE(saved.begun_with().find("clip.mkv.materials.json"), std::string::npos) << saved.begun_with();
+}
+
+TEST_F(BrushOfAClip, IsBegunByTheFileThatIsGiven) {
+    put(folder_ / "given.json", R"({"touchable_segments": 1, "segments":
+        [{"name": "table", "material": "cork", "at": [0, 0, 0]}]})");
+    files_.segments = folder_ / "given.json";
+    EXPECT_EQ(material(begun(), 0), "cork");
+    EXPECT_EQ(files_.saved(), folder_ / "given.json");
+    put(folder_ / "given.json", R"({"touchable_segments": 1, "segments":
+        [{"name": "table", "material": "cork", "at": [0, 9, 0]}]})");
+    const auto refused = begin();
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("outside"), std::string::npos) << refused.error().message;
+}
+
+TEST_F(BrushOfAClip, AHistoryThatDoesNotFitIsSetAside) {
+    std::string history;
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        history = brush.history();
+    }
+    const fs::path file = files_.history();
+    int count = 0;
+    fs::path aside;
+    const auto expect_aside = [&](const std::string& text, const std::string& why) {
+        aside = file.string() + ".broken" + (++count == 1 ? "" : std::to_string(count));
+        put(file, text);
+        const KeptBrush again = begun();
+        EXPECT_EQ(again.brush().edits(), 0U);
+        EXPECT_NE(again.begun_with().find("set aside as " + aside.filename().string()), std::string::npos)
+            << again.begun_with();
+        EXPECT_NE(again.begun_with().find(why), std::string::npos) << again.begun_with();
+        EXPECT_FALSE(fs::exists(file));
+        EXPECT_EQ(file_contents(aside), text);
+    };
+    expect_aside("{", "no history");
+    expect_aside("[1]", "no history");
+    expect_aside(R"({"saved": [], "changes": "{}"})", "touchable_brush");
+    std::string other = history;
+    other.replace(other.find("paint"), 5, "faint");
+    expect_aside(other, "edits[0]");
+    // Somebody else has said something of the segments meanwhile.
+    put(files_.saved(), R"({"touchable_segments": 1, "otherwise": "wood", "segments": []})");
+    expect_aside(history, "other materials than");
+    EXPECT_EQ(material(begun(), 0), "wood");
+    EXPECT_EQ(file_contents(file.string() + ".broken"), "{") << "none that was set aside is lost";
+    EXPECT_EQ(names_in(folder_ / "state/touchable").size(), 5U);
+}
+
+TEST_F(BrushOfAClip, AHistoryThatCannotBeReadStaysAsItIs) {
+    const fs::path file = files_.history();
+    fs::create_directories(file);  // nobody reads a folder, whoever they are
+    const KeptBrush brush = begun();
+    EXPECT_NE(brush.begun_with().find(file.string()), std::string::npos) << brush.begun_with();
+    EXPECT_NE(brush.begun_with().find("not kept"), std::string::npos) << brush.begun_with();
+    EXPECT_EQ(brush.history_file(), fs::path());
+    EXPECT_TRUE(fs::is_directory(file));
+    EXPECT_FALSE(fs::exists(file.string() + ".broken"));
+}
+
+TEST_F(BrushOfAClip, OneWindowAtATimeGoesOnWithAHistory) {
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        const KeptBrush other = begun();
+        EXPECT_EQ(other.brush().edits(), 0U);
+        EXPECT_EQ(other.history_file(), fs::path());
+        EXPECT_NE(other.begun_with().find("another window"), std::string::npos) << other.begun_with();
+        EXPECT_EQ(brush.history_file(), files_.history());
+    }
+    const KeptBrush again = begun();
+    EXPECT_EQ(again.brush().edits(), 1U);
+    EXPECT_EQ(again.history_file(), files_.history());
+}
+
+/// Who stops the program, or lets go of the clip, breaks no history.
+TEST_F(BrushOfAClip, StoppedAtItsHistoryLeavesItThere) {
+    {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+    }
+    std::stop_source given_up;
+    given_up.request_stop();
+    {
+        const StopScope until(given_up.get_token());
+        const auto stopped = begin();
+        ASSERT_FALSE(stopped);
+        EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);
+    }
+    EXPECT_EQ(begun().brush().edits(), 1U);
+}
+
+TEST_F(BrushOfAClip, ClipsHaveAHistoryEach) {
+    BrushFiles folder = files_, with_slash = files_, other = files_;
+    folder.clip = folder_ / "pictures";
+    with_slash.clip = folder_ / "pictures/";
+    other.clip = folder_ / "other.mkv";
+    EXPECT_EQ(folder.history(), with_slash.history());
+    EXPECT_EQ(with_slash.saved(), folder_ / "pictures.materials.json");
+    EXPECT_NE(files_.history(), other.history());
+    BrushFiles filled = files_;
+    filled.opened_as = R"({"fill-from-motion":true})";
+    EXPECT_NE(files_.history(), filled.history()) << "it has other segments";
+    EXPECT_EQ(files_.saved(), filled.saved());
+    other.history_folder.clear();
+    EXPECT_TRUE(other.history().empty());
+}
+
+/// Whatever changes frames changes segments; what is felt besides does not.
+TEST(SegmentsDependOn, WhatIsSaidOfTheFramesOfAClip) {
+    const auto with = [](auto&& say) {
+        ClipChoice choice;
+        choice.file = "clip.mkv";
+        say(choice);
+        return segments_depend_on(choice);
+    };
+    const std::vector<std::string> others{
+        with([](ClipChoice& choice) { choice.scene_file = "scene.json"; }),
+        with([](ClipChoice& choice) { choice.alignment = DepthAlignment::on; }),
+        with([](ClipChoice& choice) { choice.alignment = DepthAlignment::off; }),
+        with([](ClipChoice& choice) { choice.fill_from_motion = true; }),
+        with([](ClipChoice& choice) { choice.camera.emplace().fov = 60; }),
+        with([](ClipChoice& choice) { choice.camera.emplace().least_confidence = 0.5; }),
+        with([](ClipChoice& choice) { choice.camera.emplace().channel = "V.Depth.Z"; }),
+        with([](ClipChoice& choice) {
+            choice.camera.emplace().intrinsics = Intrinsics{500, 500, {}, {}};
+        })};
+    std::set<std::string> all{""};
+    for (const std::string& other : others) EXPECT_TRUE(all.insert(other).second) << other;
+    EXPECT_EQ(with([](ClipChoice&) {}), "");
+    EXPECT_EQ(with([](ClipChoice& choice) { choice.camera.emplace(); }), "") << "nothing is said";
+    EXPECT_EQ(with([](ClipChoice& choice) {
+                  choice.single_filters = {.settings = {.median = 5}, .stated = {.median = true}};
+              }),
+              "")
+        << "segments are of unfiltered frames";
 }
 
 }  // namespace

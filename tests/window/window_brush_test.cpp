@@ -1,13 +1,19 @@
 // The brush of the window: what it does for a clip, and what becomes of that when the clip goes.
-#include "player/window/window_brush.hpp"
 
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
 #include <chrono>
 #include <memory>
 #include <string>
 #include <thread>
 
+#include "engine/authoring/materials.hpp"
+#include "engine/authoring/segments.hpp"
+#include "player/session/clip_choice.hpp"
+#include "player/window/clip_picture.hpp"
+#include "player/window/opened_clip.hpp"
+#include "player/window/window_brush.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/window/two_surfaces.hpp"
 
@@ -151,6 +157,170 @@ TEST_F(BrushOfAWindow, HasNothingToDoWhereNothingIsShownAnyMore) {
     EXPECT_TRUE(brush_.take(click, {10, 10}, false, {.width = 96, .height = 64}));
     until_done();
     brush_.go_to(*first_);
+}
+
+// A clip in the window whose segments are painted: felt without the clip being opened again.
+
+class PaintedClip : public ::testing::Test {
+protected:
+    void SetUp() override {
+        choice_.file = folder_ / "wall.mkv";
+        ASSERT_NO_FATAL_FAILURE(write_two_surfaces(choice_.file, 30));
+        auto segments = read_chosen_segments(choice_, [this](std::int64_t) { ++frames_read_; });
+        ASSERT_TRUE(segments) << segments.error().message;
+        auto brush = MaterialBrush::begin(std::move(*segments));
+        ASSERT_TRUE(brush) << brush.error().message;
+        brush_.emplace(std::move(*brush));
+    }
+    void open() {
+        options_.session.builder.name = "cpu";
+        auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
+        ASSERT_TRUE(opened) << opened.error().message;
+        clip_ = std::move(*opened);
+        ASSERT_TRUE(clip_->begin());
+        ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause));
+        std::filesystem::remove(choice_.file);  // nobody opens it again
+    }
+    template <class Condition>
+    static bool comes_true(const Condition& condition) {
+        for (int k = 0; k < 20'000; ++k) {
+            if (condition()) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        return false;
+    }
+    void edit(const MaterialBrush::Edit& edit) {
+        const auto done = brush_->edit(edit);
+        ASSERT_TRUE(done) << done.error().message;
+    }
+    void change(const SessionSettings& settings = {}) {
+        auto change = clip_->prepare(settings, brush_->painted());
+        ASSERT_TRUE(change) << change.error().message;
+        ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
+        const auto taken = clip_->take(std::move(*change));
+        ASSERT_TRUE(taken) << taken.error().message;
+    }
+    /// Presses at a pixel of the clip.
+    void press(int x, int y) {
+        ASSERT_TRUE(comes_true([this] { return clip_->session().look() != nullptr; }));
+        const HeightField field(clip_->scene(), clip_->session().look()->held.pair);
+        clip_->fingers().set_pointer(glm::dvec2(x, y));
+        clip_->fingers().press(true);
+        clip_->fingers().intend(field, clip_->view().camera(96, 64));
+    }
+    /// Newtons for a metre of the hand, of a finger that presses.
+    double felt_stiffness() {
+        const WatchedMoment* const moment = clip_->session().look();
+        if (!moment || moment->felt.fingers.empty()) return 0;
+        const WatchedTick::Finger& finger = moment->felt.fingers[0];
+        const double depth = glm::distance(finger.contact.goal, finger.contact.proxy) *
+                             clip_->session().setup().settings.touch.metres_per_scene_unit;
+        return depth > 0.0005 ? glm::length(finger.force.force) / depth : 0;
+    }
+    bool feels_like(double newtons_a_mm) {
+        return comes_true([&] { return std::abs(felt_stiffness() / 1000 / newtons_a_mm - 1) < 0.05; });
+    }
+    static double stiffness_of(const char* material) { return find_material(material)->stiffness; }
+
+    const TemporaryFolder folder_;
+    ClipChoice choice_;
+    PlayOptions options_;
+    std::unique_ptr<WindowSound> sound_ = std::move(*WindowSound::create(false, {}, Existing::keep));
+    std::unique_ptr<OpenedClip> clip_;
+    std::optional<MaterialBrush> brush_;
+    int frames_read_ = 0;
+};
+
+constexpr PixelOfFrame on_the_left{20, 32, 0}, on_the_right{70, 32, 0};
+
+TEST_F(PaintedClip, ItsSegmentsAreReadFrameByFrame) {
+    EXPECT_EQ(frames_read_, 30);
+    const SegmentStore& segments = *brush_->painted()->segments;
+    EXPECT_EQ(segments.frames(), 30);
+    EXPECT_NE(segments.label_at(29, 20, 32), segments.label_at(29, 70, 32));
+    std::stop_source given_up;
+    const auto stopped = work_until(given_up.get_token(), [&] {
+        return read_chosen_segments(choice_, [&](std::int64_t) { given_up.request_stop(); });
+    });
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted);
+    ClipChoice camera;
+    camera.as_camera.emplace();
+    EXPECT_EQ(read_chosen_segments(camera, {}).error().kind, ErrorKind::usage);
+}
+
+TEST_F(PaintedClip, FeelsLikeWhatWasPaintedAndUndone) {
+    ASSERT_NO_FATAL_FAILURE(open());
+    ASSERT_NO_FATAL_FAILURE(press(20, 32));
+    EXPECT_TRUE(feels_like(0.6)) << "as the clip says: " << felt_stiffness();
+    ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{on_the_left, "foam"}));
+    ASSERT_NO_FATAL_FAILURE(change());
+    EXPECT_EQ(clip_->in_effect().at("materials"), "on");
+    EXPECT_TRUE(feels_like(stiffness_of("foam"))) << felt_stiffness();
+    ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{on_the_left, "cardboard"}));
+    ASSERT_NO_FATAL_FAILURE(change());
+    EXPECT_TRUE(feels_like(stiffness_of("cardboard"))) << felt_stiffness();
+    ASSERT_TRUE(brush_->undo());
+    ASSERT_NO_FATAL_FAILURE(change());
+    EXPECT_TRUE(feels_like(stiffness_of("foam"))) << felt_stiffness();
+    // And A against B.
+    SessionSettings before;
+    ASSERT_TRUE(before.set("materials", "off"));
+    ASSERT_NO_FATAL_FAILURE(change(before));
+    EXPECT_EQ(clip_->in_effect().at("materials"), "off");
+    EXPECT_TRUE(feels_like(0.6)) << felt_stiffness();
+    EXPECT_FALSE(clip_->failure());
+}
+
+TEST_F(PaintedClip, JoinedSegmentsFeelAlikeAndCutOnesApart) {
+    ASSERT_NO_FATAL_FAILURE(open());
+    ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{on_the_left, "foam"}));
+    ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Join{on_the_left, on_the_right}));
+    ASSERT_NO_FATAL_FAILURE(change());
+    ASSERT_NO_FATAL_FAILURE(press(70, 32));
+    EXPECT_TRUE(feels_like(stiffness_of("foam"))) << felt_stiffness();
+    SegmentCut cut{.frame = 0};
+    for (int x = 46; x < 96; ++x) cut.stroke.push_back({x, 20});
+    ASSERT_NO_FATAL_FAILURE(edit(cut));
+    ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{{70, 8, 0}, "paper"}));
+    ASSERT_NO_FATAL_FAILURE(change());
+    EXPECT_TRUE(feels_like(stiffness_of("foam"))) << felt_stiffness();
+    ASSERT_NO_FATAL_FAILURE(press(70, 8));
+    EXPECT_TRUE(feels_like(stiffness_of("paper"))) << felt_stiffness();
+}
+
+TEST_F(PaintedClip, IsNotRecorded) {
+    options_.record = folder_ / "hand.touch";
+    choice_.painted = brush_->painted();
+    const auto refused = OpenedClip::open(options_, choice_, {}, *sound_);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("touchable materials"), std::string::npos);
+}
+
+TEST_F(PaintedClip, IsTintedByItsMaterials) {
+    ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{on_the_left, "grass"}));
+    ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{on_the_right, "water"}));
+    SegmentTint tint;
+    std::vector<std::uint8_t> white(96 * 64 * 3, 255);
+    const std::vector<std::uint8_t> black(96 * 64 * 3, 0);
+    const PlaneView bright{white.data(), 96 * 3, 96, 64, 1, 3}, dark{black.data(), 96 * 3, 96, 64, 1, 3};
+    const auto sum = [](const PlaneView& picture, int x, int y) {
+        return picture.sample(x, y, 0) + picture.sample(x, y, 1) + picture.sample(x, y, 2);
+    };
+    const PlaneView lit = tint.paint(brush_->painted(), 0, bright);
+    ASSERT_EQ(lit.width, 96);
+    EXPECT_GT(lit.sample(20, 32, 1), lit.sample(20, 32, 2) + 60) << "green";
+    EXPECT_GT(lit.sample(70, 32, 2), lit.sample(70, 32, 1) + 60) << "blue";
+    int borders = 0;
+    for (int x = 0; x < 96; ++x) borders += sum(lit, x, 32) < 60 ? 1 : 0;
+    EXPECT_GE(borders, 1);
+    EXPECT_LE(borders, 4) << "narrow ones at the border have segments of their own";
+    const int of_light = sum(lit, 20, 32);
+    // While frames are blended the same one is shown in many pictures.
+    white.assign(white.size(), 0);
+    EXPECT_EQ(sum(tint.paint(brush_->painted(), 0, bright), 20, 32), of_light) << "it is not painted again";
+    EXPECT_LT(sum(tint.paint(brush_->painted(), 99, dark), 20, 32), of_light / 2);
+    EXPECT_GT(sum(tint.paint(brush_->painted(), 0, {}), 20, 32), of_light / 2) << "a clip without colour";
 }
 
 }  // namespace

@@ -1,21 +1,297 @@
-// What Blender renders, exported, against surfaces in closed form, read as anybody reads a clip.
+#include <fcntl.h>
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdlib>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "tests/content/blender/blender.hpp"
-#include "tests/content/blender/exported.hpp"
-#include "tests/content/blender/table_truth.hpp"
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/clip/clip.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace touchable::test {
+
+/// Whether there is a Blender to run.
+bool has_blender();
+
+/// What a run of Blender left behind.
+struct BlenderRun {
+    int code = -1;            ///< exit code; -signal where it died of one
+    std::string told, error;  ///< lines of `touchable: ...` on standard output, and on standard error
+};
+
+/// Runs Blender without a window, with Python files one after the other, and words behind "--". `environment`
+/// has lines NAME=value. Sends SIGINT once that `is_enough`.
+BlenderRun run_blender(const std::vector<std::filesystem::path>& scripts,
+                       const std::vector<std::string>& words, const std::vector<std::string>& environment,
+                       const std::function<bool()>& is_enough = nullptr);
+
+/// Exports the scene of test_scenes.py that has this name.
+BlenderRun export_scene(const std::string& scene, const std::vector<std::string>& words,
+                        const std::function<bool()>& is_enough = nullptr);
+
+namespace fs = std::filesystem;
+namespace {
+
+std::string lines_of(const fs::path& file, const std::string& beginning) {
+    std::ifstream in(file);
+    std::string lines;
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with(beginning)) (lines += line) += '\n';
+    return lines;
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    return pointers;
+}
+
+}  // namespace
+
+bool has_blender() {
+    return std::system("blender --version >/dev/null 2>&1") == 0;
+}
+
+BlenderRun run_blender(const std::vector<fs::path>& scripts, const std::vector<std::string>& words,
+                       const std::vector<std::string>& environment, const std::function<bool()>& is_enough) {
+    const TemporaryFolder streams;
+    std::vector<std::string> all{"env"};
+    all.insert(all.end(), environment.begin(), environment.end());
+    all.insert(all.end(), {"blender", "-b", "--factory-startup", "--python-exit-code", "9"});
+    for (const fs::path& script : scripts) all.insert(all.end(), {"-P", script.string()});
+    all.emplace_back("--");
+    all.insert(all.end(), words.begin(), words.end());
+    const std::vector<char*> argv = pointers_to(all);
+    const std::string out = streams / "out", err = streams / "err";
+
+    const pid_t child = fork();
+    if (child == 0) {
+        for (const auto& [file, stream] : {std::pair{&out, STDOUT_FILENO}, std::pair{&err, STDERR_FILENO}})
+            dup2(open(file->c_str(), O_WRONLY | O_CREAT, 0600), stream);
+        // These tests may run in a shell's background, where it is ignored.
+        std::signal(SIGINT, SIG_DFL);
+        execvp(argv[0], argv.data());
+        _exit(127);
+    }
+    int status = 0;
+    bool asked = false;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        if (is_enough && !asked && is_enough()) {
+            asked = true;
+            kill(child, SIGINT);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), lines_of(out, "touchable: "),
+            lines_of(err, "")};
+}
+
+BlenderRun export_scene(const std::string& scene, const std::vector<std::string>& words,
+                        const std::function<bool()>& is_enough) {
+    const fs::path root(TOUCHABLE_SOURCE_DIR);
+    return run_blender(
+        {root / "tests/content/blender/test_scenes.py", root / "engine/content/blender/export.py"}, words,
+        {"SCENE=" + scene, "TOUCHABLE=" TOUCHABLE_PROGRAM}, is_enough);
+}
+
+/// A clip that Blender's exporter made, all of its frames in hand.
+struct Exported {
+    std::unique_ptr<ClipReader> reader;
+    std::vector<RawFrame> frames;
+
+    const Scene& scene() const { return reader->scene(); }
+    /// Planar depth in metres; nothing: no surface.
+    std::optional<double> depth(int x, int y, std::size_t frame = 0) const;
+    HapticProperties haptic(int x, int y, std::size_t frame = 0) const;
+    double height(int x, int y) const;  ///< metres
+    /// How far a stored depth is from the code that the true depth has.
+    double codes_off(int x, int y, double true_depth) const;
+};
+
+/// Fails the test, and gives no frames, where it does not open.
+Exported open_exported(const std::string& file);
+
+std::optional<double> Exported::depth(int x, int y, std::size_t frame) const {
+    const std::uint16_t code = frames[frame].depth.sample(x, y);
+    if (!scene().depth.is_valid(code)) return std::nullopt;
+    return scene().depth.depth(code) * scene().metres_per_unit;
+}
+
+HapticProperties Exported::haptic(int x, int y, std::size_t frame) const {
+    const PlaneView& plane = frames[frame].haptic;
+    const auto code = [&](int channel) { return static_cast<std::uint8_t>(plane.sample(x, y, channel)); };
+    return scene().haptic.at(code(0), code(1), code(2));
+}
+
+double Exported::height(int x, int y) const {
+    const HeightCoding& coding = scene().height_coding;
+    return coding.max_height * frames[0].height.sample(x, y) / coding.code_max * scene().metres_per_unit;
+}
+
+double Exported::codes_off(int x, int y, double true_depth) const {
+    const DepthCoding& coding = scene().depth;
+    return std::abs(frames[0].depth.sample(x, y) - coding.code(true_depth / scene().metres_per_unit));
+}
+
+Exported open_exported(const std::string& file) {
+    Exported exported;
+    auto reader = open_clip(file);
+    if (!reader) {
+        ADD_FAILURE() << reader.error().message;
+        return exported;
+    }
+    exported.reader = std::move(*reader);
+    for (;;) {
+        auto frame = exported.reader->next();
+        if (!frame) ADD_FAILURE() << frame.error().message;
+        if (!frame || !*frame) return exported;
+        exported.frames.push_back(std::move(**frame));
+    }
+}
+
+enum class OnTable { table, ball, can, sponge, egg, coaster };
+
+/// Where a pixel's ray meets the scene of engine/content/blender/scenes/table.py.
+struct TableHit {
+    double depth = 1e9;  ///< metres along the axis
+    OnTable thing = OnTable::table;
+    bool is_plain = true;  ///< not on a round edge, which has no formula here
+};
+
+TableHit table_hit(const Camera& camera, double x, double y);
+
+}  // namespace touchable::test
 
 namespace touchable::test {
 namespace {
+
+using Vec = glm::dvec3;
+
+// As table.py has them, in metres.
+const Vec camera_place(0.0, -0.44, 0.36), camera_target(-0.01, -0.008, 0.018);
+const Vec ball_centre(-0.075, 0.035, 0.045), egg_centre(-0.035, -0.062, 0.0235),
+    egg_radii(0.032, 0.0235, 0.0235);
+const Vec can_foot(0.075, 0.055, 0), sponge_foot(0.068, -0.052, 0), sponge_size(0.105, 0.066, 0.034);
+const Vec coaster_foot(-0.14, -0.075, 0);
+constexpr double can_radius = 0.034, can_height = 0.085, can_wall = 0.0012, can_lid = 0.082;
+constexpr double coaster_radius = 0.042, coaster_height = 0.004, sponge_bevel = 0.004, sponge_turn = -17.0;
+
+/// A ray whose direction is 1 long along the camera's axis.
+struct Ray {
+    Vec from, along;
+    Vec at(double t) const { return from + t * along; }
+};
+
+void keep(TableHit& hit, double depth, OnTable thing, bool is_plain = true) {
+    if (depth > 0 && depth < hit.depth) hit = {depth, thing, is_plain};
+}
+
+/// The nearer of two roots of a t^2 - 2 b t + c.
+std::optional<double> nearer_root(double a, double b, double c) {
+    const double root = b * b - a * c;
+    if (root < 0) return std::nullopt;
+    return (b - std::sqrt(root)) / a;
+}
+
+void meet_ellipsoid(const Ray& ray, const Vec& centre, const Vec& radii, OnTable thing, TableHit& hit) {
+    const Vec from = (ray.from - centre) / radii, along = ray.along / radii;
+    if (const auto t = nearer_root(glm::dot(along, along), -glm::dot(from, along), glm::dot(from, from) - 1))
+        keep(hit, *t, thing);
+}
+
+/// Upright, its side alone.
+void meet_side(const Ray& ray, const Vec& foot, double radius, double height, OnTable thing, bool is_plain,
+               TableHit& hit) {
+    const Vec from = ray.from - foot;
+    const double a = ray.along.x * ray.along.x + ray.along.y * ray.along.y;
+    const double b = -(from.x * ray.along.x + from.y * ray.along.y);
+    const auto t = nearer_root(a, b, from.x * from.x + from.y * from.y - radius * radius);
+    if (t && ray.at(*t).z > 0 && ray.at(*t).z < height) keep(hit, *t, thing, is_plain);
+}
+
+/// Level, from one radius to another.
+void meet_disc(const Ray& ray, const Vec& foot, double least, double most, double height, OnTable thing,
+               bool is_plain, TableHit& hit) {
+    const double t = (height - ray.from.z) / ray.along.z;
+    const Vec at = ray.at(t) - foot;
+    const double radius = std::sqrt(at.x * at.x + at.y * at.y);
+    if (radius >= least && radius <= most) keep(hit, t, thing, is_plain);
+}
+
+void meet_sponge(const Ray& ray, TableHit& hit) {
+    const double turn = sponge_turn * 3.14159265358979323846 / 180, c = std::cos(turn), s = std::sin(turn);
+    const auto turned = [&](const Vec& v) { return Vec(c * v.x + s * v.y, -s * v.x + c * v.y, v.z); };
+    const Vec from = turned(ray.from - sponge_foot), along = turned(ray.along);
+    const Vec least(-sponge_size.x / 2, -sponge_size.y / 2, 0),
+        most(sponge_size.x / 2, sponge_size.y / 2, sponge_size.z);
+    double enter = -1e9, leave = 1e9;
+    int face = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double first = (least[k] - from[k]) / along[k], second = (most[k] - from[k]) / along[k];
+        if (std::min(first, second) > enter) enter = std::min(first, second), face = k;
+        leave = std::min(leave, std::max(first, second));
+    }
+    if (enter > leave) return;
+    const Vec at = from + enter * along;
+    bool is_plain = true;
+    for (int k = 0; k < 3; ++k) {
+        const double to_edge = k == 2 ? most[2] - at[2] : most[k] - std::abs(at[k]);
+        if (k != face && to_edge < sponge_bevel * 1.05) is_plain = false;
+    }
+    keep(hit, enter, OnTable::sponge, is_plain);
+}
+
+}  // namespace
+
+TableHit table_hit(const Camera& camera, double x, double y) {
+    const Vec forward = glm::normalize(camera_target - camera_place);
+    const Vec right = glm::normalize(glm::cross(forward, Vec(0, 0, 1))), up = glm::cross(right, forward);
+    const Ray ray{camera_place, forward + camera.u(x) * right + camera.v(y) * up};
+    TableHit hit;
+    keep(hit, -ray.from.z / ray.along.z, OnTable::table);
+    meet_ellipsoid(ray, ball_centre, Vec(ball_centre.z), OnTable::ball, hit);
+    meet_ellipsoid(ray, egg_centre, egg_radii, OnTable::egg, hit);
+    meet_sponge(ray, hit);
+    meet_side(ray, coaster_foot, coaster_radius, coaster_height, OnTable::coaster, false, hit);
+    meet_disc(ray, coaster_foot, 0, coaster_radius, coaster_height, OnTable::coaster, true, hit);
+    meet_side(ray, can_foot, can_radius, can_height, OnTable::can, true, hit);
+    meet_disc(ray, can_foot, can_radius - can_wall, can_radius, can_height, OnTable::can, true, hit);
+    // Through its mouth onto the lid, or the wall around that.
+    TableHit mouth;
+    meet_disc(ray, can_foot, 0, can_radius - can_wall, can_height, OnTable::can, true, mouth);
+    if (mouth.depth < hit.depth) {
+        TableHit lid{1e9, OnTable::can, true};
+        meet_disc(ray, can_foot, 0, can_radius - can_wall, can_lid, OnTable::can, true, lid);
+        hit = lid.depth < 1e9 ? lid : TableHit{mouth.depth, OnTable::can, false};
+    }
+    return hit;
+}
+
+}  // namespace touchable::test
+namespace touchable::test {
+namespace {
+
+// What Blender renders, exported, against surfaces in closed form, read as anybody reads a clip.
 
 class Blender : public ::testing::Test {
 protected:
