@@ -606,7 +606,10 @@ std::vector<std::string> folders_in(const fs::path& folder, const std::string& w
     for (const auto& entry : fs::directory_iterator(folder / within, ignored)) {
         if (++entries > most_entries) break;
         const std::string name = entry.path().filename().string();
-        if (!is_hidden(name) && entry.is_directory(ignored)) found.push_back(within + name + '/');
+        // A pattern would read % and * of a folder's name as its own.
+        const bool is_pattern = name.find_first_of("%*") != std::string::npos;
+        if (!is_hidden(name) && !is_pattern && entry.is_directory(ignored))
+            found.push_back(within + name + '/');
     }
     return found;
 }

@@ -130,6 +130,21 @@ TEST(PictureFiles, AreLookedForTwoFoldersDownWhereNoneAreAbove) {
     EXPECT_EQ(near[0].pattern, "depth/near.png");
 }
 
+/// A pattern reads % and * as its own: "depth%h/0.png" once ended the program.
+TEST(PictureFiles, InFoldersNamedLikePatternsAreLeftAlone) {
+    const TemporaryFolder folder;
+    Samples memory;
+    for (const char* name : {"depth%h", "depth%d", "depth*"}) {
+        std::filesystem::create_directory(folder / name);
+        for (const char* file : {"0.png", "1.png"})
+            ASSERT_EQ(
+                message(write_png(folder / name / file, test_plane(memory, 20, 10, 2, 1, 3000, 5, true))),
+                "");
+    }
+    EXPECT_TRUE(is_refused(open_clip(folder.path()), "")) << "no folder's name is read as a pattern";
+    EXPECT_EQ(message(open_clip(folder / "depth%h")), "");
+}
+
 TEST(PictureFiles, OfAListHaveItsTimes) {
     const TemporaryFolder folder;
     for (const char* name : {"a.png", "b.png", "c.png"}) write_bytes(folder / name, "");
