@@ -69,7 +69,7 @@ std::vector<BenchCase> live_cases(bool quick);
 /// Prints the table of targets; missing one is no error here.
 Result<void> conclude_live(const std::vector<CaseFigures>& measured);
 std::vector<BenchCase> play_cases(bool quick);
-/// Likewise.
+/// Prints the table of targets; missing one is no error here.
 Result<void> conclude_play(const std::vector<CaseFigures>& measured);
 /// Those of the suites touch and surface that targets stand on; tables of both, and an error where one is
 /// missed.

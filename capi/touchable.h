@@ -61,7 +61,7 @@ typedef int32_t touch_status;
 #define TOUCH_INTERNAL 1      /**< a fault of the library */
 #define TOUCH_USAGE 2         /**< an argument cannot be: NULL, a size, a number out of range */
 #define TOUCH_INPUT 3         /**< a file, a scene's text or a picture is not what it should be */
-#define TOUCH_INTERRUPTED 130 /**< somebody asked to stop */
+#define TOUCH_INTERRUPTED 130 /**< a stop was requested */
 #define TOUCH_STALE 16        /**< the handle is not, or no longer, one of this kind */
 #define TOUCH_BUSY 17         /**< another thread is using the object, or another object depends on it */
 #define TOUCH_FULL 18         /**< no room for another frame yet; try again once ticks have gone on */
@@ -107,8 +107,8 @@ typedef struct touch_camera {
     double far_m;                /**< deeper pixels have no surface; metres, > 0. See touch_frame.lost_pixels */
     double frames_per_second;    /**< > 0; used where frames are counted and not timed */
     double stiffness_n_per_m;    /**< where no haptic picture says otherwise; >= 0 */
-    double static_friction;      /**< likewise, coefficient >= 0 */
-    double dynamic_friction;     /**< likewise, 0 to static_friction */
+    double static_friction;      /**< coefficient >= 0 */
+    double dynamic_friction;     /**< 0 to static_friction */
 } touch_camera;
 
 /** Fills in 640x480 pixels, 60 degrees wide, planar depth in millimetres up to 10 m, 30 frames/s, 600 N/m, friction
@@ -155,7 +155,7 @@ TOUCH_API touch_status touch_scene_destroy(touch_scene scene);
 #define TOUCH_U16 2 /**< uint16_t, this machine's byte order */
 #define TOUCH_F32 4 /**< float, depth alone: metres; not above 0, not finite or outside the scene's depths: no surface there */
 
-/** One picture in memory that somebody owns. */
+/** One picture in memory that it does not own. */
 typedef struct touch_plane {
     const void *data;     /**< the first row; NULL: there is no such picture */
     int64_t stride_bytes; /**< from one row to the next; may be negative, may have gaps */
@@ -172,7 +172,7 @@ typedef struct touch_frame {
     int64_t number;      /**< from 0; later frames have larger numbers */
     int64_t time_ns;     /**< when it is shown */
     touch_plane depth;   /**< codes as the scene says (1 channel; hue coding: 3 channels of 8 bits), or TOUCH_F32 */
-    touch_plane colour;  /**< 3 channels, TOUCH_U8; nobody touches it */
+    touch_plane colour;  /**< 3 channels, TOUCH_U8; not touched */
     touch_plane haptic;  /**< 3 channels, TOUCH_U8: stiffness, static and dynamic friction */
     touch_plane height;  /**< 1 channel: roughness */
     int64_t *lost_pixels; /**< NULL, or where functions that take the frame write how many pixels of TOUCH_F32 have a
@@ -307,10 +307,10 @@ typedef struct touch_contact {
     touch_vec3 goal;          /**< scene units: as given, or the last one that was a number */
     touch_vec3 proxy;         /**< scene units: where the surface holds the finger; the goal itself out of contact */
     double pixel_x;           /**< column of the proxy in the picture, pixels; NaN where no pixel sees it */
-    double pixel_y;           /**< its row, likewise */
+    double pixel_y;           /**< its row */
     double stiffness_n_per_m; /**< at the proxy; 0 out of contact */
-    double static_friction;   /**< likewise, a coefficient */
-    double dynamic_friction;  /**< likewise, a coefficient */
+    double static_friction;   /**< a coefficient */
+    double dynamic_friction;  /**< a coefficient */
     int32_t touching;         /**< 1 in contact */
     int32_t in_hole;          /**< 1 where the proxy rests on a hole's wall or ground */
 } touch_contact;
@@ -398,8 +398,8 @@ typedef struct touch_clip_facts {
     int32_t depth_sample;      /**< of frames' depth: TOUCH_U8 or TOUCH_U16 */
     int32_t depth_channels;    /**< of frames' depth: 1; 3 where depth is stored as hue */
     int32_t has_colour;        /**< 1 where frames have such a picture, 0 where not */
-    int32_t has_haptic;        /**< likewise */
-    int32_t has_height;        /**< likewise */
+    int32_t has_haptic;        /**< 0 or 1 */
+    int32_t has_height;        /**< 0 or 1 */
     int32_t depth_is_lossless; /**< 1 where the codec keeps every value, 0 where it may not */
     int32_t notes;             /**< how many touch_clip_note gives */
     int32_t has_own_times;     /**< 1 where frames come at a variable rate; 0 where evenly */
@@ -432,11 +432,11 @@ typedef struct touch_frameset {
 } touch_frameset;
 
 /** The next one, which is yours to release. TOUCH_END: there are no more. TOUCH_INPUT: the error names file, track
- * and frame; what comes after may be read where touch_clip_seek goes past it. */
+ * and frame; what comes after may be read where touch_clip_seek skips it. */
 TOUCH_API touch_status touch_clip_next(touch_clip clip, touch_frameset *frameset, touch_error *error);
 /** `touch_clip_next` gives this frame next: 0 to the number of frames; TOUCH_USAGE beyond. */
 TOUCH_API touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error *error);
-/** Whoever waits in touch_clip_next, as for a stream, gets TOUCH_INTERRUPTED soon, and so does every later one.
+/** A thread that waits in touch_clip_next, as for a stream, gets TOUCH_INTERRUPTED soon, and so does every later one.
  * Threads: any. */
 TOUCH_API touch_status touch_clip_interrupt(touch_clip clip);
 /** Ends a clip; its framesets go on. TOUCH_BUSY while another thread reads it: interrupt that first. */
@@ -477,7 +477,7 @@ TOUCH_API touch_status touch_writer_create(const char *path, touch_scene scene, 
  * written. TOUCH_INPUT: a sample cannot be, or the disk is full. */
 TOUCH_API touch_status touch_writer_write(touch_writer writer, const touch_frame *frame, touch_error *error);
 /** Completes the clip, gives it its name, and ends the writer, whatever comes of it. TOUCH_USAGE: no frame was written,
- * or another number of them than there are times. TOUCH_INPUT: the disk is full, or somebody has taken the name. */
+ * or another number of them than there are times. TOUCH_INPUT: the disk is full, or the name is taken. */
 TOUCH_API touch_status touch_writer_finish(touch_writer writer, touch_error *error);
 /** Ends a writer whose clip is not to be; nothing is left of it. */
 TOUCH_API touch_status touch_writer_abandon(touch_writer writer);

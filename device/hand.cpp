@@ -571,7 +571,8 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
     const bool all = fault == std::errc() && end == value.data() + value.size();
     const bool inside = all && number >= key->least && number <= key->greatest;  // NaN is outside
     if (!inside || (key->kind == Key::Kind::whole && std::floor(number) != number)) {
-        return option_refusal(of, name + "=" + value + " will not do; " + name + " takes " + key_takes(*key));
+        return option_refusal(of,
+                              name + "=" + value + " is not allowed; " + name + " takes " + key_takes(*key));
     }
     return Entry{&*key, number, {}};
 }

@@ -21,7 +21,7 @@ namespace touchable {
 #define BLEND_RULE_SPEED 2.0f              // m/s
 #define BLEND_RULE_SECONDS (1.0f / 24.0f)  // slower clips show no more of a movement for that
 #define BLEND_RULE_LEAST 0.0625f           // of the nearer depth
-#define BLEND_RULE_MOST 0.25f              // likewise
+#define BLEND_RULE_MOST 0.25f              // of the nearer depth, too
 
 /// `reach` in the depths' unit.
 BLEND_RULE_FUNCTION bool depths_mix(float one, float other, float reach) {

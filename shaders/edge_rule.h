@@ -1,7 +1,7 @@
 // Where a vertex at an edge is drawn. Compiled as GLSL and as C++: every painter moves alike.
 //
 // Triangles that cut_rule.h leaves out end at pixels, and seen from aside that is a saw. So where the edge is
-// between two pixels is told from its course: a vertex beside a gap follows the edge by up to EDGE_REACH
+// between two pixels is known from its course: a vertex beside a gap follows the edge by up to EDGE_REACH
 // vertices to either side, as far as it goes equally far both ways without a corner. Their mean is where the
 // edge is, in whole steps of EDGE_UNIT; half a pixel beyond is where the pixels of the surface end.
 //
@@ -16,7 +16,7 @@
 //
 // What falls away steeply at an edge is a streak from aside, of colours that a camera saw at a grazing angle
 // or mixed. It goes dark, the more the steeper it is: from a quarter to three quarters of what cut_rule.h
-// lets be. That too is told from the edge's course: from pixel to pixel it differs as the edge's steps do.
+// lets be. That too is known from the edge's course: from pixel to pixel it differs as the edge's steps do.
 #ifndef TOUCHABLE_SHADERS_EDGE_RULE_H
 #define TOUCHABLE_SHADERS_EDGE_RULE_H
 

@@ -66,7 +66,7 @@ Sums sums_of_five(vec3 values[CELLS]) {
 /// What a row of cells adds to the sums of the rows of vertices around it.
 struct Shares {
     vec3 upper[LIGHT_COLUMNS];  // of vertices at the cells' upper corners alone
-    vec3 lower[LIGHT_COLUMNS];  // likewise lower
+    vec3 lower[LIGHT_COLUMNS];  // and the lower ones
 };
 Shares shares_of(Row upper, Row lower, float x, float y) {
     vec3 right[CELLS], left[CELLS];

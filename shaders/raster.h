@@ -5,7 +5,7 @@
 // subpixels, in a list for raster_large.comp, which draws each with a whole workgroup.
 //
 // A pixel is z's bits above the colour's (PackedColour): z > 0, so the greatest of all is the nearest,
-// whoever comes first; 0 is empty.
+// the first that comes; 0 is empty.
 #ifndef TOUCHABLE_SHADERS_RASTER_H
 #define TOUCHABLE_SHADERS_RASTER_H
 
@@ -23,7 +23,7 @@ using uint = unsigned int;
 #define RASTER_LARGE_CELL 16384
 
 #define RASTER_Q 0        // words, which a software GPU reads faster than storage
-#define RASTER_COLOURS 1  // likewise
+#define RASTER_COLOURS 1  // words, too
 #define RASTER_PIXELS 2  // 64 bits each
 #define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells: room for all there are
 #define RASTER_EDGES 4   // where vertices at edges are drawn (shaders/edges.h); of any kind where they are not

@@ -58,7 +58,7 @@ Result<std::filesystem::path> LiveClips::place(const std::string& name) {
         if (unknown || !mkdtemp(folder.data()))
             return input_error(folder + ": no folder for clips can be made there");
         folder_ = folder;
-        catch_interrupts();  // a run that somebody ends leaves nothing there
+        catch_interrupts();  // an interrupted run leaves nothing there
     }
     return folder_ / name;
 }

@@ -23,7 +23,7 @@ struct FeltSource {
     std::vector<PlaneRole> planes;  ///< of it those that are sent
     std::function<Result<FeltClip>()> make;
 };
-/// globe: as generated, but colour, which nobody touches. materials: the same with few of them, each flat.
+/// globe: as generated, but colour, which is not touched. materials: the same with few of them, each flat.
 /// castel: the depth of a recording, its range as 254
 /// even levels; left out where it is not there.
 std::vector<FeltSource> felt_sources();

@@ -6,7 +6,7 @@
 namespace touchable {
 
 /// Where a scripted hand means to be, seen along the optical axis: an ellipse, a line or an eight about the
-/// middle of the picture, which turns slowly, so that it is never the same way again. Nobody's motion.
+/// middle of the picture, which turns slowly, so that it is never the same way again. No person moves so.
 struct ScriptedPath {
     std::string_view name;
     double reach_x, hz_x;  ///< device metres; x = reach_x sin(2 pi hz_x t) before it is turned

@@ -111,7 +111,7 @@ Scene in_millimetres(Scene scene) {
     return scene;
 }
 
-/// Gone with whoever holds it.
+/// Removed by its destructor.
 struct TemporaryFolder {
     fs::path path;
     explicit TemporaryFolder(const std::string& name) : path(fs::temp_directory_path() / name) {

@@ -65,7 +65,7 @@ void add_recording(std::vector<BenchCase>& cases, const CameraRecording& recordi
                      }});
 }
 
-/// Of cameras that nobody makes: what the program chooses, against what an exhaustive search finds.
+/// Of invented cameras: what the program chooses, against what an exhaustive search finds.
 void add_drawn(std::vector<BenchCase>& cases, const std::filesystem::path& data, bool quick) {
     for (int number = 1; number <= drawn_models; ++number) {
         const SensorModel model = drawn_model(number);

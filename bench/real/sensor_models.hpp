@@ -56,7 +56,7 @@ SensorModel d435(double focal_length);
 /// Short range, coded light or time of flight: noise of 1 + z^2 mm (z in metres; assumed, 1 to 2 mm within
 /// its range), three in ten pixels at silhouettes anywhere between both sides, 0.125 mm codes.
 SensorModel sr300();
-/// A camera that nobody makes: levels of disparity or none, codes of a tenth of a millimetre to one, noise
+/// An invented camera: levels of disparity or none, codes of a tenth of a millimetre to one, noise
 /// that is constant or grows, edges that are mixed or not, and a few pixels at 19.7 m, drawn at random.
 /// `number`: which, 1 to 8.
 SensorModel drawn_model(int number);

@@ -22,7 +22,7 @@ public:
     void median();     ///< stored values, filtered; on one thread: OpenCV's has no more
     void q();          ///< 1 / planar depth, with a plane of ray lengths made beforehand
     void mark_cuts();  ///< of each tile whether a triangle of it is cut, and whether one is not
-    void points();     ///< instead of q: positions in the camera's frame, with a plane of rays likewise
+    void points();     ///< instead of q: positions in the camera's frame, and a plane of rays
 
     PlaneView codes() const;
     const std::vector<float>& q_plane() const { return q_; }

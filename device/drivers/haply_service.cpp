@@ -77,7 +77,7 @@ int on_service_event(lws* connection, lws_callback_reasons reason, void*, void* 
             if (!line.take(in, count, LocalHaplyService::longest_message)) return -1;
             if (!lws_is_final_fragment(connection) || lws_remaining_packet_payload(connection) > 0) break;
             if (line.messages.size() >= most_unread_messages) {
-                line.fail("it sent a thousand messages that nobody asked for");
+                line.fail("it sent a thousand messages that were not asked for");
                 return -1;
             }
             line.messages.push_back(std::exchange(line.coming, {}));

@@ -199,7 +199,7 @@ private:
         if (from_) return ", from " + settings_.from + " alone";
         const auto own = read_udp_address(settings_.listen);
         if (own && own->is_own_machine()) return {};
-        return ", from ANY machine that reaches it: whoever sends first moves the fingers and gets "
+        return ", from ANY machine that reaches it: the first sender moves the fingers and gets "
                "the forces (the device network:from=ADDRESS lets one)";
     }
     std::string why_not(const NetworkPacket& packet, const UdpAddress& from) const;

@@ -97,7 +97,7 @@ private:
     const std::unique_ptr<ReplayClock> clock_;
     bool connected_ = false;
     std::chrono::nanoseconds since_{0};
-    std::size_t next_ = 0;  // tick that is told next
+    std::size_t next_ = 0;  // tick that is given next
     bool over_ = false;     // and that has been told
 };
 

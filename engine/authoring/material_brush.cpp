@@ -268,7 +268,7 @@ public:
         if (!otherwise.material.empty() && find_material(otherwise.material) == nullptr)
             return usage_error(no_such_material(otherwise.material));
         names_.otherwise = otherwise.material;
-        return "what nobody named is " +
+        return "unnamed segments are " +
                (otherwise.material.empty() ? std::string("guessed") : otherwise.material);
     }
 

@@ -4,9 +4,10 @@
 //
 // A ChildProcess has a process group of its own, no standard input and none of this program's files. Its
 // standard output is read piece by piece without waiting (`read`, `waits`), or as a whole, within bounds of
-// bytes and time (`all_output`). How it ended is told in words for a message, with the last line that it said
-// on standard error. Its owner's end asks the whole group to end (SIGTERM), and 2 s later makes it (SIGKILL);
-// none is left as a zombie. What reads files from strangers has limits of memory and processor time.
+// bytes and time (`all_output`). `how_it_ended` says so for a message, with the last
+// line of its standard error. Its owner's end asks the whole group to end (SIGTERM), and 2 s later makes it
+// (SIGKILL); none is left as a zombie. What reads files from strangers has limits of memory and processor
+// time.
 //
 // An object is used by one thread at a time.
 

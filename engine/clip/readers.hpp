@@ -11,7 +11,7 @@
 //
 // A LiveReader is the base of every source whose frames come as they are taken: a camera, a program that
 // sends framesets, a stream. Its sources turn bytes into frames; numbers, times, waiting, stopping, and what
-// a person is told of it are here.
+// a person reads of it are here.
 //
 // As every reader, each is used by one thread at a time; what may be called from any thread says so.
 

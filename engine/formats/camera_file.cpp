@@ -185,7 +185,7 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
         cx = pair[0], cy = pair[1];
     double fx = members.number({"fx", "focallengthx", "flx", "fu", "k00", "focalx", "fxdepth", "fxd"}),
            fy = members.number({"fy", "focallengthy", "fly", "fv", "k11", "focaly", "fydepth", "fyd"});
-    // Metashape's principal point is told from the middle, pixels' corners being whole.
+    // Metashape's principal point is measured from the middle, pixels' corners being whole.
     const Json* const resolution = members.find("resolution");
     if (const double f = members.number({"f"}); fx == 0 && f > 1 && resolution && resolution->is_object())
         if (const auto size = members.list({"resolution"}); size.size() == 2)
@@ -842,7 +842,7 @@ Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
     return input_error(
         file.string() +
         ": has no camera that could be read: must have fx, fy, cx, cy or px, py, u0, v0 (JSON, YAML, XML), a "
-        "matrix K, intrinsic_matrix or camera_matrix (likewise), fov_x in degrees, 3x3 numbers, or be "
+        "matrix K, intrinsic_matrix or camera_matrix (3x3 numbers too), fov_x in degrees, 3x3 numbers, or be "
         "COLMAP's cameras.txt, "
         "Kalibr's camchain.yaml, Middlebury's calib.txt or ARKitScenes' .pincam (width height fx fy cx cy)");
 }

@@ -80,7 +80,7 @@ public:
     bool are_kept() const { return are_kept_; }
     /// How far the codes about 1 m are apart, metres.
     double step_at_a_metre() const;
-    /// Its depth, along the optical axis whatever it was. What is nearer or deeper than the planes is at
+    /// Its depth, along the optical axis in any clip. What is nearer or deeper than the planes is at
     /// them, but never code 0.
     RawFrame of(const RawFrame& frame) const;
 

@@ -112,9 +112,9 @@ unsigned rotated_millimetres(unsigned word) {
 }
 
 /// Kinect for Windows SDK 1: millimetres x 8, with the number of the person who is there in the 3 lowest
-/// bits. Those bits may also be what is beyond 8.191 m (`is_rotated`). A person is told by surfaces that go
-/// on across the edge, or by a 2 or more where no 1 is, which would be depth from 16.384 m on behind none
-/// from 8.192 m on.
+/// bits. Those bits may also be what is beyond 8.191 m (`is_rotated`). A person's bits are known by surfaces
+/// that go on across the edge, or by a 2 or more where no 1 is, which would be depth from 16.384 m on behind
+/// none from 8.192 m on.
 bool has_player(const StoredImage& picture, const Words& words) {
     constexpr unsigned nearest = 400, deepest = 8000;  // what a Kinect sees
     constexpr std::int64_t fewest_pairs = 16, one_in = 20;

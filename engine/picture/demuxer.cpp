@@ -106,7 +106,7 @@ std::optional<std::string> entry(const AVDictionary* dictionary, const char* nam
 }  // namespace
 
 Error never_completed(const std::string& file) {
-    return input_error(file + ": was never completed: whoever wrote it stopped before the end");
+    return input_error(file + ": was never completed: its writer stopped before the end");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_matroska(const SourceFile& file, bool may_be_stream) {

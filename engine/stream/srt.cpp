@@ -85,7 +85,7 @@ public:
             return has_caller_.load();
         };
         if (wait_unless_stopped(is_there, look_for_caller_again)) return {};
-        return input_error("no connection: nobody called in time");
+        return input_error("no connection: no caller came in time");
     }
     std::optional<StreamFigures::Link> link() const override {
         const std::lock_guard lock(mutex_);

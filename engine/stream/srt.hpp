@@ -38,7 +38,7 @@ void start_srt();
 std::optional<std::string> srt_log_line(std::int64_t now_ns);
 
 /// A socket of libsrt, closed with its owner. No call waits inside libsrt; `receive` waits for an event at
-/// most as long as it is told. One thread.
+/// most as long as given. One thread.
 class SrtSocket {
 public:
     enum class Direction { sends, receives };

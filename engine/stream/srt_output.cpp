@@ -309,7 +309,7 @@ private:
         calling_.close();
         call_later(now_ns);
         if (stop_requested() || ring_.is_ended() || std::exchange(is_said_, true)) return;
-        audience_.remark(url_.name() + ": nobody answers (" + why + "); tried again until somebody does");
+        audience_.remark(url_.name() + ": no answer (" + why + "); tried again until there is one");
     }
     void call_later(std::int64_t now_ns) {
         constexpr std::chrono::milliseconds at_first{500};

@@ -390,7 +390,7 @@ public:
         if (plan_.remembers())
             return input_error(
                 "the lazy builder cannot filter in time (filter.temporal is on), because it has no history "
-                "of pixels that nobody touched; must be another builder");
+                "of pixels that were not touched; must be another builder");
         TRY(check_raw_frame(raw, scene_));
         out.width = scene_.width;
         out.height = scene_.height;

@@ -280,7 +280,7 @@ std::string why_no_spring(const HapticDevice& device, bool hands_off) {
     if (device.capabilities().axes_driven == 0) return "it exerts no force";
     if (hands_off) return {};
     if (isatty(STDIN_FILENO) == 0)
-        return "nobody was there to take the hand off the handle (--hands-off says that there is none)";
+        return "no one was there to take the hand off the handle (--hands-off says that there is none)";
     return says_yes() ? std::string() : "it was left out";
 }
 

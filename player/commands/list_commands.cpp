@@ -57,7 +57,7 @@ void add_devices_command(CLI::App& app, Command& command) {
     auto options = std::make_shared<DevicesOptions>();
     auto* json = sub->add_flag("--json", options->json, "the same as JSON");
     sub->add_flag("--udev-rules", options->rules,
-                  "the file for /etc/udev/rules.d that lets whoever sits at the machine use them")
+                  "the file for /etc/udev/rules.d that lets the person at the machine use them")
         ->excludes(json);
     sub->callback(
         [options, &command] { command = [options]() -> Result<void> { return run_devices(*options); }; });

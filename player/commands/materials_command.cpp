@@ -26,7 +26,7 @@ struct MaterialsOptions {
     std::filesystem::path save;  ///< where the segments' names are written; empty: nowhere
     Existing existing = Existing::keep;
     MaterialSettings materials{};             ///< of which `ranges` does not count
-    std::optional<std::int64_t> frame;        ///< that is told, or becomes NAME.png; nothing: the first
+    std::optional<std::int64_t> frame;        ///< that is described, or becomes NAME.png; nothing: the first
     std::vector<std::filesystem::path> read;  ///< files that were read for this, beside the clip
 };
 
@@ -265,7 +265,7 @@ Result<NamedSegment> read_named(const std::string& text, const std::string& plac
     const std::size_t equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0)
         return usage_error("--material " + in_quotes(text) +
-                           " will not do; right would be NAME=MATERIAL, such as table=wood");
+                           " is not allowed; must be NAME=MATERIAL, such as table=wood");
     NamedSegment named;
     named.name = text.substr(0, equals);
     named.material = text.substr(equals + 1);

@@ -63,8 +63,8 @@ std::string file_behind(const fs::path& path) {
     return identity_of(folder) + '/' + whole.filename().string();
 }
 
-/// Whether something has that name, be it a link to nowhere. What is no file, a folder or a device, is told
-/// on opening it.
+/// Whether something has that name, be it a link to nowhere. A folder or a device, which is no file, is
+/// refused on opening it.
 bool is_taken(const fs::path& path) {
     std::error_code ignored;
     const auto named = fs::symlink_status(path, ignored);

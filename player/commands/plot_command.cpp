@@ -104,7 +104,7 @@ struct PlotOptions {
     Existing existing = Existing::keep;
 };
 
-/// The script reads them: what would keep it waiting, or fill its memory, is told before.
+/// The script reads them: what would keep it waiting, or fill its memory, is refused before.
 Result<void> check_given(const std::vector<NamedFile>& inputs) {
     constexpr std::uint64_t largest = std::uint64_t{256} << 20;  // as compare has it
     for (const NamedFile& input : inputs) {

@@ -463,7 +463,7 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
 }  // namespace
 
 void add_serve_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand("serve", "send a clip, or a camera, to whoever listens");
+    auto* sub = app.add_subcommand("serve", "send a clip, or a camera, to its listeners");
     auto typed = std::make_shared<ServeTyped>();
     add_clip_options(*sub, typed->clip);
     sub->add_option(

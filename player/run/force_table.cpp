@@ -227,7 +227,7 @@ Result<ForceComparison> compare_forces(const ForceTable& a, const ForceTable& b)
     if (out.both + out.only_a + out.only_b + out.neither == 0)
         return usage_error(
             "no goal is the same in both; right would be two runs of the same hand, as a recording "
-            "repeats one whatever it touches",
+            "repeats one on any surface",
             {{Setting::hand, "rec:FILE"}});
     compare_noise(a, b, ticks, out);
     return out;

@@ -180,8 +180,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
 }
 
 Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
-    const std::string slow =
-        files.empty() ? "this machine was" : files + ": its disk, or whoever reads it, was";
+    const std::string slow = files.empty() ? "this machine was" : files + ": its disk or its reader was";
     return input_error(slow + " too slow for 1000 ticks a second: " + std::to_string(ticks_missing) +
                        " ticks are missing, so it is not complete, and no file is kept");
 }

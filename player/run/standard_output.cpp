@@ -33,7 +33,7 @@ Result<void> StandardOutput::write(std::string_view piece) {
 
 Error StandardOutput::lagging() {
     lags_ = true;
-    return input_error("its disk, or whoever reads it, was too slow for 1000 ticks a second: " +
+    return input_error("its disk or its reader was too slow for 1000 ticks a second: " +
                        std::to_string(ends_.size()) + " ticks are missing, so it is not complete");
 }
 
@@ -74,7 +74,7 @@ Result<void> StandardOutput::give_all() {
         }
         if (Clock::now() - since < patience_) continue;
         lags_ = true;
-        return input_error("whoever reads it takes hardly more, so it is not complete");
+        return input_error("its reader takes hardly more, so it is not complete");
     }
     return {};
 }

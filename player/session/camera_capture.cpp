@@ -73,7 +73,7 @@ Result<ClipChoice::LiveCamera> read_plugged(const std::string& words) {
     V4l2Choice choice{node};
     if (given->given("size") && !read_size(given->words("size"), choice))
         return usage_error("camera 'v4l2': size=" + printable(given->words("size")) +
-                           " will not do; right would be WIDTHxHEIGHT, such as size=640x480");
+                           " is not allowed; must be WIDTHxHEIGHT, such as size=640x480");
     if (given->given("fps")) choice.rate = given->number("fps");
     choice.colour = given->words("colour");
     return ClipChoice::LiveCamera{std::move(choice), {}, {}};

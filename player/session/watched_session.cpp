@@ -143,7 +143,7 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     for (const PlaybackCommand& command : setup->settings.playback)
         if (command.tick > 0)
             return usage_error("playback '" + in_words({command}) +
-                               "': where somebody watches, commands are given as the clip plays; right would "
+                               "': in a window, commands are given as the clip plays; right would "
                                "be what takes effect at 0 s");
     std::unique_ptr<WatchedSession> session(new WatchedSession(std::move(setup), std::move(sinks)));
     TouchSetup& s = *session->setup_;

@@ -189,7 +189,7 @@ void apply_theme(double scale) {
     style.ScaleAllSizes(static_cast<float>(scale));
 }
 
-/// The keys that a text field or a slider knows, as ImGui 1.86 numbers what it is told.
+/// The keys that a text field or a slider knows, as ImGui 1.86 numbers keys.
 int number_of_key(const std::string& name) {
     constexpr const char* names[] = {"tab",  "left", "right",  "up",        "down",  "pageup", "pagedown",
                                      "home", "end",  "delete", "backspace", "enter", "escape"};

@@ -41,7 +41,7 @@ FontFallback find_fonts(const std::string& words, const std::string& language = 
 /// are.
 std::string right_to_left_letters(const std::string& words);
 
-/// Dear ImGui: its input, and what it lays out, whoever draws it then (ImGuiVulkan). One at a time.
+/// Dear ImGui: its input, and what it lays out for a painter (ImGuiVulkan). One at a time.
 class ImGuiLayer : NonCopyable {
 public:
     /// `scale` as in ScreenSize. `words`: whose letters are there in both sizes, beside what the window says;

@@ -129,7 +129,7 @@ struct KioskTexts {
     std::string study_begin = "Begin";
     std::string study_continue = "Continue";
     std::string study_wait = "One moment, please";
-    std::string study_not_kept = "Answers cannot be kept. Please call whoever looks after this.";
+    std::string study_not_kept = "Answers cannot be kept. Please call the staff.";
     bool operator==(const KioskTexts&) const = default;
 
     /// All texts, one after the other, to find the letters that they need.

@@ -26,7 +26,7 @@ namespace touchable {
 /// The fingers of a moment as a picture shows them, with the ways they went since they last touched.
 class FingerTrails {
 public:
-    /// Once a picture. Fingers from `count` on are not shown, nor one whose place nobody knows, nor one that
+    /// Once a picture. Fingers from `count` on are not shown, nor one whose place is unknown, nor one that
     /// touches nothing and is nearer to the clip's camera than this share of the way to the surface.
     std::vector<FingerMark> marks(const WatchedTick& tick, int count, const HeightField& field,
                                   double nearest_share = 0.5);
@@ -89,7 +89,7 @@ public:
     const PersistentDevice* hand() const { return options_.hand.get(); }
     /// How many fingers are to be seen.
     int shown() const { return options_.hand ? options_.hand->fingers() : fingers_->shown(); }
-    /// Of that device in the session; null likewise.
+    /// That device's view in the session; null without a device.
     HandControl* control() const { return control_; }
     void set_force(bool on) {
         if (control_)
@@ -228,8 +228,9 @@ public:
     Result<void> begin_anew(std::span<const PlaybackCommand> first, bool loops);
     /// From the beginning again at the end, or not.
     Result<void> toggle_loop();
-    /// Once a turn of the window: goes to where it is to go, one place after the other. So whoever drags the
-    /// seek bar sees every place that there is time for, and in the end the last. `moment`: what is seen now.
+    /// Once a turn of the window: goes to where it is to go, one place after the other. So a person who drags
+    /// the seek bar sees every place that there is time for, and in the end the last. `moment`: what is seen
+    /// now.
     Result<void> go_on(const WatchedMoment* moment);
 
 private:

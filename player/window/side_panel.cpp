@@ -196,7 +196,7 @@ void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowComm
             draw_words("others", {"guessed", one.c_str()}, facts.otherwise.empty() ? 0 : 1, true);
         if (others >= 0)
             asked.push_back({.verb = WindowVerb::otherwise, .word = others == 0 ? "" : facts.material});
-        explain_row("What nobody painted: a guess for each segment, or the material in hand for all.");
+        explain_row("Unpainted places: a guess for each segment, or the material in hand for all.");
         draw_label("felt", scale);
         const int felt = draw_words("felt", {"before", "as painted"}, facts.materials_are_on ? 1 : 0, true);
         if (felt >= 0)

@@ -188,7 +188,7 @@ void WindowBrush::go_on(const ScreenSize& size) {
     do_next();
 }
 
-/// A history's fault is told once.
+/// A history's fault is said once.
 void WindowBrush::note_files() {
     for (const auto& [file, clip, written] : files_.take()) {
         const bool is_saved = !clip.empty();

@@ -122,7 +122,7 @@ private:
 Result<std::unique_ptr<TouchScreen>> TouchScreen::open(unsigned long window) {
     Connection display(XOpenDisplay(nullptr));
     if (!display) return no_touch("no other connection to the display");
-    // What GLFW's own connection has from whoever looks after it: Xlib would end the program with this one.
+    // Xlib would end the program when this connection ends; GLFW's own has such a handler already.
     XSetIOErrorExitHandler(
         display.get(), [](Display*, void*) {}, nullptr);
     int opcode = 0, first_event = 0, first_error = 0, major = 2, minor = 2;

@@ -35,7 +35,7 @@ TEST(HandOptions, RefusalNamesTheLegalKeys) {
     EXPECT_EQ(refusal_of("sped=1"),
               "hand 'test': unknown key 'sped'; keys are speed (0.001 to 2 m/s), seed (a whole number, 0 to "
               "9007199254740992), columns (names joined by '+')");
-    EXPECT_EQ(refusal_of("speed=3"), "hand 'test': speed=3 will not do; speed takes 0.001 to 2 m/s");
+    EXPECT_EQ(refusal_of("speed=3"), "hand 'test': speed=3 is not allowed; speed takes 0.001 to 2 m/s");
 }
 
 TEST(HandOptions, RefusesWhatIsNoNumberOrOutOfRange) {

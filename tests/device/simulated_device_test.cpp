@@ -167,7 +167,7 @@ TEST(SimulatedHandles, DescriptionsThatMeanNothingAreRefused) {
     const auto refusal = [](const char* words) { return make_simulated_device(words, 1).error().message; };
     EXPECT_EQ(refusal("falcon"), "unknown device 'falcon'; the one there is is simulated");
     EXPECT_EQ(refusal("simulated:mass=0"),
-              "device 'simulated': mass=0 will not do; mass takes 0.05 to 10 kg");
+              "device 'simulated': mass=0 is not allowed; mass takes 0.05 to 10 kg");
     EXPECT_NE(refusal("simulated:weight=1").find("unknown key 'weight'; keys are mass"), std::string::npos);
 }
 

@@ -106,7 +106,7 @@ TEST(LiveCameraWords, AreReadOrRefused) {
 
 TEST(LiveCameraWords, AreRefusedWhereNoCameraCanBe) {
     for (const auto& [words, fragment] : std::vector<std::pair<Words, const char*>>{
-             {{"--live", "--camera", "replay:a,fps=no"}, "fps=no will not do"},
+             {{"--live", "--camera", "replay:a,fps=no"}, "fps=no is not allowed"},
              {{"--live", "--camera", "replay:a", "a"}, "CLIP and --camera are two things to touch"},
              {{"--camera", "replay:a"}, "--camera needs a live run: its frames come in real time (--live)"},
              {{"--live", "--camera", "replay:a", "--rate", "2"}, "a camera's time only goes on"},

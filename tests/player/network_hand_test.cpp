@@ -271,9 +271,8 @@ TEST_F(NetworkTouch, AReaderThatSleepsIsNamedWithWhatItMissed) {
         const std::string rows = file_contents(log);
         if (std::count(rows.begin(), rows.end(), '\n') > 7000) break;
     }
-    EXPECT_NE(
-        said.find("--device-log -: its disk, or whoever reads it, was too slow for 1000 ticks a second: "),
-        std::string::npos)
+    EXPECT_NE(said.find("--device-log -: its disk or its reader was too slow for 1000 ticks a second: "),
+              std::string::npos)
         << said;
     EXPECT_NE(said.find(" ticks are missing"), std::string::npos) << said;
     EXPECT_NE(said.find("exit 3"), std::string::npos) << said;

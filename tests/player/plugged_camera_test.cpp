@@ -290,8 +290,8 @@ TEST(PluggedCameraWords, AreReadOrRefused) {
     EXPECT_FALSE(std::get<V4l2Choice>(*read_live_camera("v4l2:/dev/video4")->plugged).rate);
     for (const auto& [words, fragment] : std::vector<std::pair<const char*, const char*>>{
              {"v4l2:", "needs a node, such as v4l2:/dev/video0"},
-             {"v4l2:a,size=3", "size=3 will not do; right would be WIDTHxHEIGHT"},
-             {"v4l2:a,size=0x4", "size=0x4 will not do"},
+             {"v4l2:a,size=3", "size=3 is not allowed; must be WIDTHxHEIGHT"},
+             {"v4l2:a,size=0x4", "size=0x4 is not allowed"},
              {"v4l2:a,fps=0", "fps takes 0.1 to 1000 frames/s"},
              {"v4l2:a,jitter=2", "unknown key 'jitter'"}}) {
         const auto refused = read_live_camera(words);
