@@ -1,4 +1,4 @@
-# The CMake package: `find_package(touchable)` gives touchable::solver, the solver's modules in C++ (docs/linking.md), and
+# The CMake package: `find_package(touchable)` gives touchable::solver, the solver's modules in C++ (docs/install.md), and
 # where all parts are built the C libraries (cmake/libraries.cmake). These have targets of their own, which need nothing else.
 
 include(GNUInstallDirs)

@@ -64,7 +64,7 @@ public:
 };
 
 /// Makes a hand from its description: "wander|stroke|press|poke[:key=value,...]" or
-/// "csv:FILE[:key=value,...]" (docs/hands.md lists every key). An unknown name, key or an impossible value is
+/// "csv:FILE[:key=value,...]" (docs/touch.md lists every key). An unknown name, key or an impossible value is
 /// refused with the legal ones; a file that cannot be used is refused with its line and column. `probe` shows
 /// frame 0; `fingers` is 1 to 256.
 Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers,

@@ -122,7 +122,7 @@ struct MotionSettings {
 /// times that do not increase, fewer than two rows, more than an hour, and motions of more than 10 m.
 Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const MotionSettings& settings);
 
-/// Makes a hand from "FILE[:key=value,...]" (the keys are in docs/hands.md). A file's name may hold ':': the
+/// Makes a hand from "FILE[:key=value,...]" (the keys are in docs/touch.md). A file's name may hold ':': the
 /// options begin after the last one that is followed by a '='. Refuses impossible options (ErrorKind::usage)
 /// and files that cannot be used (ErrorKind::input, with line and column).
 Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,

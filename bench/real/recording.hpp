@@ -23,7 +23,7 @@ struct CameraRecording {
     DepthLength flat;
     double farthest_mm;
 };
-/// The cube of RealSense and the room of PrimeSense in a folder of recordings (docs/real-depth.md).
+/// The cube of RealSense and the room of PrimeSense in a folder of recordings (docs/measurements.md).
 CameraRecording cube_recording(const std::filesystem::path& data);
 CameraRecording redwood_recording(const std::filesystem::path& data);
 

@@ -21,7 +21,7 @@ constexpr DeviceKind kinds_of_devices[] = {
      ":file=FILE", make_woodenhaptics_driver},
     {"spacemouse", "a 3Dconnexion SpaceMouse (HID) moves the finger; it exerts no force", "",
      make_spacemouse_driver},
-    {"network", "any program that sends UDP datagrams (docs/network-hand.md)", "", make_network_driver},
+    {"network", "any program that sends UDP datagrams (docs/devices.md)", "", make_network_driver},
     {"recorded", "a log of any device, told again", ":FILE", make_recorded_driver},
 };
 

@@ -73,7 +73,7 @@ Result<void> check_packet(std::span<const std::byte> bytes) {
         !std::equal(packet_magic.begin(), packet_magic.end(), bytes.begin()))
         return input_error(
             "a packet of " + std::to_string(bytes.size()) +
-            " bytes does not begin with TCHD and a whole head; right would be docs/network-hand.md's");
+            " bytes does not begin with TCHD and a whole head; right would be docs/devices.md's");
     if (const auto version = std::to_integer<int>(bytes[4]); version != NetworkPacket::version)
         return input_error("a packet is of version " + std::to_string(version) +
                            "; this program speaks version " + std::to_string(NetworkPacket::version));

@@ -1,6 +1,6 @@
 #pragma once
 
-// A network hand (docs/network-hand.md): any program as a device, from its datagrams up to `--device
+// A network hand (docs/devices.md): any program as a device, from its datagrams up to `--device
 // network`.
 
 #include <netinet/in.h>
@@ -27,7 +27,7 @@ namespace touchable {
 
 // ---- Packets
 
-/// One datagram of a network hand (docs/network-hand.md): where fingers are, or what they feel.
+/// One datagram of a network hand (docs/devices.md): where fingers are, or what they feel.
 struct NetworkPacket {
     enum class Kind : std::uint8_t {
         places = 1,  ///< to touchable: metres
@@ -126,7 +126,7 @@ struct NetworkSettings {
 };
 
 /// Any program as a device: it sends datagrams with places, and each is answered by one with forces
-/// (docs/network-hand.md). One peer at a time: the first that sends sound packets, until it says that it
+/// (docs/devices.md). One peer at a time: the first that sends sound packets, until it says that it
 /// ends, or has been silent for `peer_gone_s`. Packets that are damaged, of others, or not newer than the
 /// last are left out and counted.
 class NetworkDriver final : public DeviceDriver {

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Makes the pictures of docs/play.md, docs/usability.md and of the README anew, by the program itself, without a display:
+# Makes the pictures of docs/play.md, docs/exhibit.md and of the README anew, by the program itself, without a display:
 #     docs/pictures/make.sh [build/release/player/touchable]
 set -euo pipefail
 cd "$(dirname "$0")"

@@ -3,8 +3,8 @@
 // Cameras that are there now, as live sources.
 //
 // A PluggedChoice names one: a V4L2 node, a program that sends framesets by a pipe or a connection
-// (docs/camera.md), or a stream. open_plugged_camera opens it as a ClipReader whose frames have the times at
-// which they were taken. SharedCamera is one camera for several runs of a window, one after the other: it
+// (docs/streaming.md), or a stream. open_plugged_camera opens it as a ClipReader whose frames have the times
+// at which they were taken. SharedCamera is one camera for several runs of a window, one after the other: it
 // stays open while the next run is made ready. cameras_in_words lists what is plugged in, for a person.
 //
 // A reader is read by one thread. A SharedCamera's readers may be on different threads.

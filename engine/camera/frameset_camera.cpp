@@ -409,7 +409,7 @@ Result<std::optional<Frameset>> FramesetParser::next() {
     }
     if (strays_ > most_strays)
         return input_error("gave " + std::to_string(most_strays >> 20U) +
-                           " MiB in which no whole frameset is (docs/camera.md has what one is)");
+                           " MiB in which no whole frameset is (docs/streaming.md has what one is)");
     return std::optional<Frameset>();
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Programs that send framesets (docs/camera.md): depth and colour of one moment, with a header that says what
-// they mean, by a pipe or a connection.
+// Programs that send framesets (docs/streaming.md): depth and colour of one moment, with a header that says
+// what they mean, by a pipe or a connection.
 //
 // open_frameset_camera gives what a FramesetChoice names as a live clip. FramesetParser finds framesets in
 // any bytes, and knows nothing of where they come from. Each object is used by one thread.
@@ -20,7 +20,7 @@
 
 namespace touchable {
 
-/// What a frameset says of itself (docs/camera.md has its bytes).
+/// What a frameset says of itself (docs/streaming.md has its bytes).
 struct FramesetHeader {
     std::uint64_t number = 0;
     std::int64_t time_ns = 0;  ///< of the sender's clock; 0: it does not say

@@ -33,7 +33,7 @@ Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
                                                        const std::optional<SceneDescription>& described,
                                                        Colour colour = Colour::wanted);
 
-/// The same in MP4, or any MP4 file whose MPEG-4 scene is a touchable clip (docs/mpeg4.md).
+/// The same in MP4, or any MP4 file whose MPEG-4 scene is a touchable clip (docs/codecs.md).
 Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
                                                   const std::optional<SceneDescription>& described,
                                                   Colour colour = Colour::wanted);

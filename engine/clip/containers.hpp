@@ -27,7 +27,7 @@ bool is_too_fast(const FrameRate& rate);
 
 }  // namespace clip_tags
 
-// How an MP4 of ours says what it is beyond its MPEG-4 scene (docs/mpeg4.md): tags of the file, as in
+// How an MP4 of ours says what it is beyond its MPEG-4 scene (docs/codecs.md): tags of the file, as in
 // Matroska (clip_tags), and these.
 inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
 inline constexpr const char* mp4_poses_tag = "T3D_POSES";  ///< timed_poses_text (engine/scene/scene.hpp)

@@ -38,7 +38,7 @@ int threads_for_pixels(int threads, std::int64_t pixels);
 Scene tabletop_scene(std::string_view name, const SceneOptions& options, double near, double far);
 inline constexpr double tabletop_distance = 1000, tabletop_width = 200;
 
-/// Camera and range coding of a preset (docs/scenes.md) at a size: the pixel width scales by 720/W, so the
+/// Camera and range coding of a preset (docs/content.md) at a size: the pixel width scales by 720/W, so the
 /// horizontal field of view stays.
 void apply_preset(CameraPreset preset, Scene& scene);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The height fields' surfaces, and the paths of a goal that tests and benchmarks share (docs/scenes.md): one
+// The height fields' surfaces, and the paths of a goal that tests and benchmarks share (docs/content.md): one
 // goal per tick of 1 ms, world, scene units.
 
 #include <cstdint>

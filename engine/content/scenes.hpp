@@ -1,7 +1,7 @@
 #pragma once
 
 // Generated scenes, most of whose surfaces are known in closed form: globes, height fields, primitives, noise
-// (docs/scenes.md).
+// (docs/content.md).
 //
 // make_scene makes one by its name and SceneOptions; scene_names lists the names. An AnalyticScene gives two
 // things: frames as a recording of it would store them (frame: codes in the scene's depth coding, haptic and
@@ -43,7 +43,7 @@ struct SceneOptions {
     int threads = 0;  ///< that share a frame's rows; 0: one for each core. No bit depends on them
 };
 
-/// A scene whose surface is known in closed form (docs/scenes.md). Everything is the same bits everywhere.
+/// A scene whose surface is known in closed form (docs/content.md). Everything is the same bits everywhere.
 class AnalyticScene : NonCopyable {
 public:
     /// The surface's nearest point to a goal under it, and the outward unit normal there.

@@ -119,7 +119,7 @@ Result<std::optional<LeRobotDepth>> find_lerobot_depth(const SourceFile& video, 
 /// The videos of depth in a data set's folder, by name; none where it is no data set with depth.
 Result<std::vector<std::filesystem::path>> lerobot_depth_videos(const std::filesystem::path& folder);
 
-// scene_text.cpp and mp4_stills.cpp (docs/mpeg4.md)
+// scene_text.cpp and mp4_stills.cpp (docs/codecs.md)
 
 /// Whether a file is the text of an MPEG-4 scene, as its first word tells.
 bool is_scene_text(const Candidate& file);
@@ -133,7 +133,7 @@ bool is_mp4_stills(const SourceFile& file);
 /// Such a scene as a clip of one frame.
 Opened open_mp4_stills(const Candidate& file);
 
-// gltf_reader.cpp (docs/mpeg4.md)
+// gltf_reader.cpp (docs/codecs.md)
 
 /// Whether a file is glTF, by its name (.gltf, .glb) or its first bytes.
 bool is_gltf(const Candidate& file);

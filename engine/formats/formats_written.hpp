@@ -39,18 +39,18 @@ Result<std::unique_ptr<ClipWriter>> create_still(const std::filesystem::path& pi
 std::vector<std::filesystem::path> still_files(const std::filesystem::path& picture);
 
 /// One frame as the paper sends a static scene: NAME.bt, the text of its MPEG-4 scene, beside NAME_depth.png,
-/// NAME_colour.png and so on (docs/mpeg4.md). What nodes cannot say the text has as a scene file's text.
+/// NAME_colour.png and so on (docs/codecs.md). What nodes cannot say the text has as a scene file's text.
 Result<std::unique_ptr<ClipWriter>> create_scene_text(const std::filesystem::path& text,
                                                       const SceneDescription& described, Existing existing);
 /// The first is the text, which opens it.
 std::vector<std::filesystem::path> described_still_files(const std::filesystem::path& text);
 
-/// One frame as a static MPEG-4 scene in one MP4 file (docs/mpeg4.md): each plane is a track with one PNG
+/// One frame as a static MPEG-4 scene in one MP4 file (docs/codecs.md): each plane is a track with one PNG
 /// picture, also of 16 bits. What nodes cannot say is in the scene as a scene file's text.
 Result<std::unique_ptr<ClipWriter>> create_mp4_stills(const std::filesystem::path& path,
                                                       const SceneDescription& described, Existing existing);
 
-/// A touchable clip as a glTF scene (docs/mpeg4.md): NAME.gltf; its planes in NAME.mp4 (create_mp4_clip), or
+/// A touchable clip as a glTF scene (docs/codecs.md): NAME.gltf; its planes in NAME.mp4 (create_mp4_clip), or
 /// of a still as PNG; NAME.bin and a poster, which programs show that know no video. `is_still`: of one
 /// frame. `storage` and `sound`: of a video.
 Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const std::filesystem::path& path,

@@ -178,8 +178,8 @@ std::string as_uri(std::string_view name) {
     return uri;
 }
 
-/// A touchable clip as glTF 2.0 (docs/mpeg4.md): extensions of MPEG, all of which a program may leave unread,
-/// and in "extras" of the mesh, under "touchable", the scene file. Indented JSON.
+/// A touchable clip as glTF 2.0 (docs/codecs.md): extensions of MPEG, all of which a program may leave
+/// unread, and in "extras" of the mesh, under "touchable", the scene file. Indented JSON.
 class GltfScene {
 public:
     GltfScene(const SceneDescription& described, const GltfClipFiles& files, const FallbackMesh& mesh)

@@ -5,7 +5,7 @@
 // GpuFacts say of each device what it is and why it cannot be used, if so. GpuDevice::open takes one by name
 // or the best, with the features that kernels and drawing need, and optional ones where it has them. A device
 // that is lost stays lost: every call says so from then on, and its memory is not freed while it may still be
-// written (docs/mechanisms.md, A GPU that is lost).
+// written (docs/architecture.md, A GPU that is lost).
 //
 // A device may be used by several threads; each has its own commands (gpu_commands.hpp).
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What an MPEG-4 scene says of a touchable clip, and its text (docs/mpeg4.md).
+// What an MPEG-4 scene says of a touchable clip, and its text (docs/codecs.md).
 //
 // The paper sends a clip as a scene of nodes: DepthImage with a camera, hapticSurface with ranges, textures
 // for colour, depth, haptic and height pictures. Nodes are a tree (node_types.hpp) that has two forms: the

@@ -364,7 +364,7 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
 
     const Bytes objects = object_descriptors(stream);
     Bytes scene = stream.scene;
-    scene.push_back(0);  // of some decoders the last byte is not read (docs/mpeg4.md)
+    scene.push_back(0);  // of some decoders the last byte is not read (docs/codecs.md)
     Bytes samples = scene;
     put_bytes(samples, objects);
     SystemsTrack scenes{

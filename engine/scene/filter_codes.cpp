@@ -65,7 +65,7 @@ std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const Depth
 static_assert(5 + 3 * most_terrace_noise < 4 * 5);
 
 /// Metric codes that are to be multiplied by less are looked up: near a camera that sees far they would be
-/// coarse (docs/real-depth.md).
+/// coarse (docs/measurements.md).
 constexpr int least_factor_of_lengths = 8, least_factor = 2;
 /// Fewer working codes are not worth a table.
 constexpr int fewest_codes = 255;

@@ -12,7 +12,7 @@
 // builder fills a free slot and publishes it at a timestamp; the haptic thread asks for the pair of frames
 // around a moment and holds it, pinned, while it reads. Neither waits for the other, and nothing is allocated
 // after the start. A moment has an epoch: a seek, a loop's way back or another clip begins one, and a pair
-// never reaches across (docs/mechanisms.md, Time).
+// never reaches across (docs/architecture.md, Time).
 //
 // Frames do not change once they are published, and may then be read by any thread. Of a timeline one thread
 // builds, one reads, and one may look at what the reader holds, to draw it.

@@ -86,7 +86,7 @@ bool removal_advised(const MeasuredDepth& measured, const Scene& scene);
 
 /// Settles the filters that a scene's description leaves open, and TerraceRemoval::automatic, by what was
 /// measured of its frames; nothing measured: they stay off. Terraces are removed and temporal noise is
-/// averaged as the measured levels and noise say, where the scene does not state these. docs/real-depth.md
+/// averaged as the measured levels and noise say, where the scene does not state these. docs/measurements.md
 /// has the measurements behind each rule.
 void choose_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
                     Scene& scene);

@@ -280,7 +280,7 @@ struct TriedFilters {
 };
 
 /// The noise that the temporal filter is given where this was measured: more, so that two levels beside each
-/// other, too, are averaged (docs/real-depth.md).
+/// other, too, are averaged (docs/measurements.md).
 DepthLength stated_noise(const DepthLength& measured, int median);
 
 /// Every median, without terrace removal and with it, of levels as far apart as these, or as rough depths

@@ -1,7 +1,7 @@
 #pragma once
 
 // Which blocks of a frame differ from the frame before, so that the rest is not built again
-// (docs/mechanisms.md, Frames that change in part).
+// (docs/architecture.md, Frames that change in part).
 //
 // FrameChanges compares depth in blocks and widens what changed by the filters' reach; StaleBlocks are the
 // blocks that one slot of the ring lacks. The CPU's builder and the GPU's use both, on the thread that

@@ -27,7 +27,7 @@ constexpr double outlier_per_residual = 4;
 /// What is as rough in all pictures together as in one has not moved.
 constexpr double moves_per_residual = 1.1;
 /// Over 8x8 pixels of all pictures noise and levels have hardly a mean: over the residual 0.08 to 0.3 was
-/// measured where nothing stands out, 0.35 to 2 beside relief (docs/real-depth.md, Low relief).
+/// measured where nothing stands out, 0.35 to 2 beside relief (docs/measurements.md, Low relief).
 constexpr double relief_per_residual = 1.0 / 3;
 constexpr int relief_block = 8, relief_blocks = SmoothPatches::core / relief_block;
 
@@ -128,7 +128,8 @@ Scene scene_of_mosaic(const Scene& scene) {
 }
 
 /// How far apart removal may take levels to be, over the least step of the sensor, and how far at most after
-/// which median: so that a step of four of these stays sharp, and a pen as high is kept (docs/real-depth.md).
+/// which median: so that a step of four of these stays sharp, and a pen as high is kept
+/// (docs/measurements.md).
 constexpr double per_least_step[] = {0.2, 0.3, 0.45, 0.7, 1, 1.2, 1.4};
 constexpr double most_after_median[] = {1.4, 0, 0, 1, 0, 0.7};
 /// The least step is a level, or what would be as rough as depths are: levels l apart are l/sqrt(12) rough.
@@ -139,8 +140,8 @@ constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.4, codes_fro
 constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
 /// What leaves this much more than the best, or so few degrees, is as good.
 constexpr double as_good = 1.10, good_deg = 0.7;
-/// What a median costs of a low pen's relief, in levels that are a least step wider (docs/real-depth.md, Low
-/// relief).
+/// What a median costs of a low pen's relief, in levels that are a least step wider (docs/measurements.md,
+/// Low relief).
 constexpr double harshness_of_median[] = {0, 0, 0, 0.17, 0, 0.37};
 
 DepthLength least_step(const DepthLength& levels, const DepthLength& codes, const DepthLength& roughness,

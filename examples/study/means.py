@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Means per condition and paired differences of a study's results (docs/usability.md).
+"""Means per condition and paired differences of a study's results (docs/exhibit.md).
 
     means.py RESULTS_FOLDER
 

@@ -230,10 +230,11 @@ Result<ClipChoice> read_clip(const ClipTyped& typed) {
 }
 
 void add_live_camera_option(CLI::App& sub, SessionOptions& session) {
-    sub.add_option("--camera", session.camera,
-                   "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; "
-                   "pipe:CMD or tcp://HOST:PORT, a program that sends framesets; stream:ADDRESS, as CLIP may "
-                   "be; or replay:PATH[,key=value,...], a recording that behaves like one (docs/camera.md)");
+    sub.add_option(
+        "--camera", session.camera,
+        "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; "
+        "pipe:CMD or tcp://HOST:PORT, a program that sends framesets; stream:ADDRESS, as CLIP may "
+        "be; or replay:PATH[,key=value,...], a recording that behaves like one (docs/streaming.md)");
 }
 
 void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {

@@ -359,7 +359,7 @@ void add_info_command(CLI::App& app, Command& command) {
     add_clip_options(*info, typed->clip)->required();
     auto* as_json = info->add_flag("--json", options.json, "the same facts as JSON");
     auto* as_text = info->add_flag("--scene-text", options.scene_text,
-                                   "the text of its MPEG-4 scene (docs/mpeg4.md) and nothing else");
+                                   "the text of its MPEG-4 scene (docs/codecs.md) and nothing else");
     as_text->excludes(as_json);
     auto* verify = info->add_flag("--verify", options.verify,
                                   "read all of it, and say what would feel wrong and what mends that");

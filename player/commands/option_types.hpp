@@ -121,7 +121,7 @@ inline constexpr const char* fragmented_names = "NAME.mp4; no other form is writ
 inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& storage) {
     return command.add_flag("--fragmented", storage.fragmented,
                             "of NAME.mp4: in pieces of half a second, as it is sent; a copy that is cut is "
-                            "readable up to there. Without an MPEG-4 scene (docs/mpeg4.md)");
+                            "readable up to there. Without an MPEG-4 scene (docs/codecs.md)");
 }
 
 class ClipReader;

@@ -301,7 +301,7 @@ Result<std::optional<Study>> read_study(const KioskWords& words, std::size_t cli
         return usage_error(named + ": there are these studies: " + names_there(folder_of_studies()) +
                            "; right would be one of them, or the name of a file");
     TRY_ASSIGN(const auto text,
-               read_given_file(file, named, "a study (JSON, docs/usability.md)", largest_study));
+               read_given_file(file, named, "a study (JSON, docs/exhibit.md)", largest_study));
     TRY_ASSIGN(auto study, parse_study(text, file.string()));
     if (study.clips() > clips)
         return usage_error(named + ": has a touch of clip " + std::to_string(study.clips()) +
@@ -464,7 +464,7 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words) {
         ->needs(kiosk);
     auto* const study = sub.add_option("--study", words.study,
                                        "what participants of a study read, touch and answer: one that comes "
-                                       "with the program (paper-4.2), or a file (docs/usability.md)")
+                                       "with the program (paper-4.2), or a file (docs/exhibit.md)")
                             ->needs(kiosk)
                             ->excludes("--labels")
                             ->excludes("--kiosk-bar")
@@ -484,9 +484,9 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                       "how large words and bars are, 0.8 to 4, instead of what display and window ask for",
                       0.8, 4);
     sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
-    sub.add_option(
-           "--painter", o.painter,
-           "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, raster by Vulkan on the CPU")
+    sub.add_option("--painter", o.painter,
+                   "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, "
+                   "raster by Vulkan on the CPU")
         ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
     sub.add_option("--dent", words.dent,
@@ -495,7 +495,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
         ->check(CLI::IsMember({"on", "off"}));
     sub.add_flag("--headless", o.headless, "draw what the window would show, without a window");
     add_file_option(sub, "--script", words.script,
-                    "timed inputs, as a person would give them (docs/play-options.md)");
+                    "timed inputs, as a person would give them (docs/play.md)");
     auto* picture = add_file_option(sub, "--screenshot", o.screenshot,
                                     "keep what the window shows in the end as this PNG file")
                         ->check(ends_in({".png"}, "a picture"));

@@ -227,7 +227,7 @@ void add_playback_options(CLI::App& sub, PlaybackTyped& typed) {
         ->expected(2);
     add_file_option(sub, "--play", typed.script,
                     "a file of commands to the clip's clock at their times: play, pause, rate, seek, step, "
-                    "loop (docs/playback.md)");
+                    "loop (docs/touch.md)");
 }
 
 Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {

@@ -473,7 +473,7 @@ void add_serve_command(CLI::App& app, Command& command) {
         "?mode=caller calls");
     sub->add_option("--camera", typed->camera,
                     "sent in place of CLIP: v4l2:/dev/videoN[,key=value,...], pipe:CMD, tcp://HOST:PORT or "
-                    "replay:PATH[,key=value,...] (docs/camera.md)");
+                    "replay:PATH[,key=value,...] (docs/streaming.md)");
     add_camera_options(*sub, typed->clip.camera);
     sub->add_flag("--loop", typed->options.loop, "the clip from its beginning again and again");
     add_whole_option(*sub, "--listeners", typed->listeners,

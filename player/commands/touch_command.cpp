@@ -96,7 +96,7 @@ void add_hand_options(CLI::App& sub, TouchWords& words) {
     sub.add_flag("--live", session.live, "in real time on the wall clock, each part on a thread of its own");
     sub.add_option(
            "--hand", session.hand,
-           "wander, stroke, press, poke, csv:FILE or rec:FILE, each with :key=value,... (docs/hands.md)")
+           "wander, stroke, press, poke, csv:FILE or rec:FILE, each with :key=value,... (docs/touch.md)")
         ->capture_default_str();
     add_whole_option(sub, "--fingers", session.fingers, "copies of the hand's path, spread on a circle", 1,
                      256)

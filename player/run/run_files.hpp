@@ -9,7 +9,7 @@
 // goals, frames and forces. `read_recording` reads one that is whole or that ends early, of this format or an
 // older one; a newer one is refused by name. RepeatingHand gives the goals of a recording again, over another
 // surface. `read_force_table` and `compare_forces` are for tables of forces. docs/forces.md has the columns,
-// docs/recording.md the format.
+// docs/touch.md the format.
 //
 // Errors name the file, its line and what would be right. Bytes that are read come from outside: every count
 // and length is checked before memory is taken for it. The thread that takes a session's ticks writes;
@@ -201,7 +201,7 @@ protected:
 inline constexpr int recording_format_version = 2;
 
 /// All that a run needs to be repeated: what was set (`facts`: clip, scene, fingers, settings, hashes), and
-/// what happened tick by tick. On disk (docs/recording.md): little-endian ticks and commands, the facts as
+/// what happened tick by tick. On disk (docs/touch.md): little-endian ticks and commands, the facts as
 /// JSON, sizes, and an XXH64 of it all, so that a file cut short or changed is refused.
 struct RecordedPart {
     /// One tick of a recording; `goals`, `forces` and `guards` have one element per finger.

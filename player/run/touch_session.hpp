@@ -1,17 +1,17 @@
 #pragma once
 
 // A run over a clip, tick by tick, in virtual time or in real time: the front door of this module.
-// docs/linking.md has a whole example.
+// docs/install.md has a whole example.
 //
 // A SurfaceFeed reads frames of a clip, builds them and publishes them to a SurfaceTimeline; a PlaybackClock
 // (playback.hpp) says which moment of the clip a tick meets; a TouchSession takes a goal for each finger,
 // makes the tick and hands it to TouchSinks (files, figures, recordings). clip_workspace says how a device
 // lies in a clip. The same inputs give the same forces to the bit, whatever the machine.
 //
-// A LiveSession is the same run in real time, on threads of its own (docs/mechanisms.md, Threads). The haptic
-// thread, which asks a HapticPort (`make_port`) for goals, waits for none of the others and hands its ticks
-// to the thread that calls `run`, which gives them to the sinks. Its figures say what was late, left out or
-// missing.
+// A LiveSession is the same run in real time, on threads of its own (docs/architecture.md, Threads). The
+// haptic thread, which asks a HapticPort (`make_port`) for goals, waits for none of the others and hands its
+// ticks to the thread that calls `run`, which gives them to the sinks. Its figures say what was late, left
+// out or missing.
 //
 // A session is one thread's, but for what a LiveSession lets any thread ask, and for the one other thread
 // that may give commands to the clip's clock. Errors are lines for a person; a stop ends a run between two
@@ -158,7 +158,8 @@ struct LiveFacts {
     std::optional<Camera> camera{};  ///< of a live source, which has no late frames
     bool interrupted = false;        ///< a person ended it
     bool sinks_fell_behind = false;  ///< ticks were lost, and that is why `run` failed
-    std::optional<Error> failure;    ///< what else ended it too early: the device, or a frame that cannot be read
+    std::optional<Error>
+        failure;  ///< what else ended it too early: the device, or a frame that cannot be read
 };
 
 /// Of a live run whose ticks did not wait for what is written of it (`files`), or, where that is empty, for

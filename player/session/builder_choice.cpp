@@ -22,7 +22,7 @@ Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& 
     return make_fallback_builder(std::move(builder), make_cpu_builder(scene), warn);
 }
 
-// Measured on a core of an AMD EPYC (docs/gpu-vs-cpu.md). Others are faster or slower, but in both columns
+// Measured on a core of an AMD EPYC (docs/measurements.md). Others are faster or slower, but in both columns
 // alike.
 
 /// CPU time of a whole frame: ns for each pixel (of terraces: and each pass), and a rest that does not depend

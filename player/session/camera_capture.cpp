@@ -90,7 +90,7 @@ Result<ClipChoice::LiveCamera> read_sender(const std::string& words) {
     if (choice.command.find_first_not_of(" \t") == std::string::npos)
         return usage_error(
             "camera 'pipe' needs a command that writes framesets, such as \"pipe:python3 realsense.py\" "
-            "(docs/camera.md)");
+            "(docs/streaming.md)");
     return ClipChoice::LiveCamera{std::move(choice), {}, {}};
 }
 

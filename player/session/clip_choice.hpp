@@ -250,8 +250,8 @@ private:
 };
 
 /// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or
-/// "replay:PATH[,key=value...]" (docs/camera.md); PATH ends with the first comma. Starts and opens nothing.
-/// Refuses (ErrorKind::usage) what is no such description, and names what would be right.
+/// "replay:PATH[,key=value...]" (docs/streaming.md); PATH ends with the first comma. Starts and opens
+/// nothing. Refuses (ErrorKind::usage) what is no such description, and names what would be right.
 Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words);
 
 /// Opens the clip; colour is decoded only where it is wanted. Refused (ErrorKind::usage) where what is wanted

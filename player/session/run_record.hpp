@@ -97,7 +97,7 @@ private:
     ForceHash hash_;
 };
 
-/// What a recording keeps of a run that has ended beside its ticks (docs/recording.md), but for its forces'
+/// What a recording keeps of a run that has ended beside its ticks (docs/touch.md), but for its forces'
 /// hash.
 nlohmann::ordered_json recorded_facts(const TouchSetup& setup);
 

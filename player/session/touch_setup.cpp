@@ -370,7 +370,7 @@ Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const
 Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file) {
     constexpr std::size_t largest = std::size_t{16} << 20;
     const auto text = read_given_file(file, "play " + file.string(),
-                                      "a file of playback commands (docs/playback.md)", largest);
+                                      "a file of playback commands (docs/touch.md)", largest);
     if (text) return parse_playback(*text, file.string());
     Error refused = text.error();
     refused.hints = {{Setting::playback}};

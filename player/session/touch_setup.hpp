@@ -101,8 +101,8 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
                                                      RunGpu& gpu);
 
 /// CPU time of whole frames by the CPU builder, but for hole filling, which depends on the holes, and of what
-/// the lazy builder adds to ticks, all threads: ms for each second of the clip (docs/gpu-vs-cpu.md, where the
-/// constants come from).
+/// the lazy builder adds to ticks, all threads: ms for each second of the clip (docs/measurements.md, where
+/// the constants come from).
 double whole_frames_ms_per_second(const BuilderChoice::Load& load);
 double lazy_ms_per_second(const BuilderChoice::Load& load);
 
@@ -117,7 +117,7 @@ BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<
 bool is_fast_builder(const GpuFacts& facts);
 
 /// What a person wants of the clip's clock, one command a line: "SECONDS play", "pause", "rate X", "seek
-/// SECONDS", "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/playback.md).
+/// SECONDS", "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/touch.md).
 /// Empty lines and what follows '#' say nothing. Refuses (ErrorKind::input), with `name` and the line, all
 /// else.
 Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name);

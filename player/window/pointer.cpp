@@ -22,7 +22,7 @@ ViewCamera with_rows_below(ViewCamera camera, int rows) {
 
 /// How far several fingers are from the pointer, as a share of the picture's height.
 constexpr double finger_spread = 0.08;
-// Device metres; docs/pointer.md says why. A finger is lifted over what is more than step_m higher, and over
+// Device metres; docs/play.md says why. A finger is lifted over what is more than step_m higher, and over
 // what holds it back by more than caught_m. A place nearer than again_m to the one that it was last lifted
 // for is the same place.
 constexpr double step_m = 0.003, caught_m = 0.005, again_m = 0.001;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The mouse as a finger, fingers on a touch screen, and the view that both turn. docs/pointer.md has what a
+// The mouse as a finger, fingers on a touch screen, and the view that both turn. docs/play.md has what a
 // person sees, how a finger gets over what is in its way, and why each length is what it is.
 //
 // PointerInput (the mouse) and TouchInput (a touch screen) take the window's events. Each event leads the

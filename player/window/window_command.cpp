@@ -256,8 +256,8 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
 
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file) {
     constexpr std::size_t largest = std::size_t{16} << 20;
-    auto text = read_given_file(file, "script " + file.string(),
-                                "a file of timed inputs (docs/play-options.md)", largest);
+    auto text =
+        read_given_file(file, "script " + file.string(), "a file of timed inputs (docs/play.md)", largest);
     const auto refuse = [](Error error) {
         error.hints = {{Setting::script}};
         return error;

@@ -116,7 +116,7 @@ private:
     double seen_s_ = 0, time_s_ = 0;
 };
 
-/// A file of timed inputs (docs/play-options.md), a line each: SECONDS, then move X Y, press BUTTON, release
+/// A file of timed inputs (docs/play.md), a line each: SECONDS, then move X Y, press BUTTON, release
 /// BUTTON, wheel NOTCHES, key NAME, key-up NAME, touch N X Y, touch-move N X Y, touch-end N, leave, drop
 /// FILE, or a command of the window. Times must not go backward. Refused with the line.
 Result<std::vector<ScriptedInput>> read_window_script(const std::filesystem::path& file);

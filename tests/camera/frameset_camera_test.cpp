@@ -24,7 +24,7 @@
 
 namespace touchable::test {
 
-/// A frameset as docs/camera.md has it, written once more.
+/// A frameset as docs/streaming.md has it, written once more.
 struct FramesetBytes {
     std::uint64_t number = 0;
     std::int64_t time_ns = 0;

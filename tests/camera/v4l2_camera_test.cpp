@@ -426,8 +426,8 @@ TEST_F(Camera, SaysWhatItAssumes) {
         EXPECT_NE(notes.find(fragment), std::string::npos) << fragment << " is not in\n" << notes;
 }
 
-// docs/camera.md: a code of Z16 is a millimetre where nobody says otherwise, even where codes are as large as
-// those of 1/5000 m, which pictures of files would be taken for.
+// docs/streaming.md: a code of Z16 is a millimetre where nobody says otherwise, even where codes are as large
+// as those of 1/5000 m, which pictures of files would be taken for.
 TEST_F(Camera, ACodeOfZ16IsAMillimetreAndOneOfY16AsItsSizeSays) {
     for (const auto& [code, preset, scale] :
          std::vector<std::tuple<std::uint32_t, std::string, double>>{{V4L2_PIX_FMT_Z16, "", 0.001},

@@ -1,4 +1,4 @@
-// The programs of examples/, as somebody who follows docs/library.md runs them.
+// The programs of examples/, as somebody who follows docs/install.md runs them.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What a gliding finger takes its ground for, by the limits of docs/hands.md ("Cliffs, holes and rough
+// What a gliding finger takes its ground for, by the limits of docs/touch.md ("Cliffs, holes and rough
 // ground"), on surfaces whose steps, slopes and bends are given.
 #include "device/hand_parts.hpp"
 

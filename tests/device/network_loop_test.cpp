@@ -1,5 +1,5 @@
 // A hand in closed loop through real sockets, in virtual time: it rests up to the stiffness that theory says
-// of its delay (docs/stability.md), and shakes beyond.
+// of its delay (docs/measurements.md), and shakes beyond.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <poll.h>

@@ -52,7 +52,7 @@ TEST(PlausibleMotion, AGapIsNoLicenceToLeap) {
     EXPECT_TRUE(motion.believe({0.06, 0, 0}, 1001 * tick_ns));
 }
 
-/// docs/network-hand.md: 5 m/s, and 52 mm after any gap; 2 mm of them are slack.
+/// docs/devices.md: 5 m/s, and 52 mm after any gap; 2 mm of them are slack.
 TEST(PlausibleMotion, AHandGoesFiveMetresASecondAndNoFartherThan52MillimetresUnseen) {
     const auto believes = [](double metres, std::int64_t ms) {
         PlausibleMotion motion;

@@ -1,5 +1,5 @@
 // The stiffness at which a spring begins to shake, found in virtual time, against what theory says of it
-// (docs/stability.md).
+// (docs/measurements.md).
 #include "device/drivers/device_catalog.hpp"
 
 #include <gtest/gtest.h>

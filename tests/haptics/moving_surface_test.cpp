@@ -55,7 +55,7 @@ TEST(MovingSurface, ASinkingSurfaceLetsTheFingerGo) {
     EXPECT_EQ(contact.proxy, goal);
 }
 
-/// The scene `moving` and the stroke over it (docs/scenes.md), at a speed in m/s.
+/// The scene `moving` and the stroke over it (docs/content.md), at a speed in m/s.
 struct Motion {
     FrameInterpolation interpolation;
     double speed;

@@ -401,7 +401,7 @@ TEST(Bifs, ConfigurationsComeBack) {
     EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{8, 0x38, 2, 0, 1, 0x80}, 3));
 }
 
-// Our binary form against GPAC's own encoder, where that is installed (docs/mpeg4.md): MP4Box on the PATH.
+// Our binary form against GPAC's own encoder, where that is installed (docs/codecs.md): MP4Box on the PATH.
 
 constexpr std::string_view head = R"(
 InitialObjectDescriptor { objectDescriptorID 1 esDescr [ ES_Descriptor { ES_ID 1 decConfigDescr DecoderConfigDescriptor {

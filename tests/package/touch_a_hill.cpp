@@ -1,4 +1,4 @@
-// A finger that presses on a hill, from another project than touchable's own (docs/linking.md).
+// A finger that presses on a hill, from another project than touchable's own (docs/install.md).
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

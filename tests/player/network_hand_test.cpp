@@ -208,9 +208,9 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     EXPECT_EQ(file_contents(folder / "plot.png").substr(1, 3), "PNG");
 }
 
-/// The block of Python in docs/network-hand.md.
+/// The block of Python in docs/devices.md.
 std::string documented_hand() {
-    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/network-hand.md");
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/devices.md");
     std::string line, script;
     while (std::getline(in, line) && line != "```python") {
     }
@@ -409,7 +409,7 @@ TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
     EXPECT_EQ(replay.code, 0) << replay.err;
 }
 
-/// docs/network-hand.md: after more than 50 ms, which a slow machine only makes longer.
+/// docs/devices.md: after more than 50 ms, which a slow machine only makes longer.
 TEST_F(NetworkTouch, ForceAfterSilenceNeedsFreeFinger) {
     const RunningProgram program(clip, device(), record);
     PressingHand hand(port);

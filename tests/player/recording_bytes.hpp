@@ -6,7 +6,7 @@
 
 namespace touchable::test {
 
-/// A recording's bytes to look into and to change, by the layout of docs/recording.md and not by the code
+/// A recording's bytes to look into and to change, by the layout of docs/touch.md and not by the code
 /// under test. Offsets are from the file's beginning.
 class RecordingBytes {
 public:

@@ -56,9 +56,9 @@ TEST_F(SenderCamera, Ros2IsTouched) {
     is_touched("ros2", "0.001");
 }
 
-/// The block of Python in docs/camera.md.
+/// The block of Python in docs/streaming.md.
 TEST_F(SenderCamera, TheDocumentedOneIsTouched) {
-    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/camera.md");
+    std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/streaming.md");
     std::string line;
     while (std::getline(in, line) && line != "```python") {
     }

@@ -100,7 +100,7 @@ Result<void> run_soak(Words& words) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    CLI::App app{"The stress suites of the touch solver (docs/proof.md)", "touchable-soak"};
+    CLI::App app{"The stress suites of the touch solver (docs/paper.md)", "touchable-soak"};
     Words words;
     words.soak.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     app.add_flag("--list", words.list, "name the suites and the scenes");

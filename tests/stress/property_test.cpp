@@ -1,6 +1,6 @@
 // Properties of any touch whatever: RapidCheck picks fields, cameras, codings, hands and changes of frames,
 // and makes what fails as small as it can. The seed is fixed, so that a build passes or not;
-// RC_PARAMS="seed=..." tries others, and a failure prints the RC_PARAMS that repeat it (docs/proof.md).
+// RC_PARAMS="seed=..." tries others, and a failure prints the RC_PARAMS that repeat it (docs/paper.md).
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>

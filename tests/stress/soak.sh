@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The stress suites of the touch solver: ./run soak [OPTION...], options of touchable-soak (docs/proof.md)
+# The stress suites of the touch solver: ./run soak [OPTION...], options of touchable-soak (docs/paper.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 

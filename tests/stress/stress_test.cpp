@@ -1,5 +1,5 @@
 // A slice of the stress suites, every tick certified: `touchable-soak` goes on where this ends
-// (docs/proof.md).
+// (docs/paper.md).
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Suites, Stress, testing::ValuesIn(suites().begin(), sui
                              return name;
                          });
 
-// docs/proof.md, what it found: a foot on the very rim of a face; a proxy that had to stay on the surface and
+// docs/paper.md, what it found: a foot on the very rim of a face; a proxy that had to stay on the surface and
 // comes to its foot there, or within its friction; a way a few roundings beside a row of vertices; a fraction
 // of a pixel whose rounding is a tenth of a millimetre.
 TEST(Stress, RunsThatOnceRestedTooSoonRestAtAMinimum) {

@@ -15,7 +15,7 @@ struct Needs {
     bool frame_changes = false, refusals = false, held_goals = false;
 };
 
-/// A family of runs that is out to break the solver in one way; docs/proof.md lists them.
+/// A family of runs that is out to break the solver in one way; docs/paper.md lists them.
 struct Suite {
     std::string_view name, what;
     std::unique_ptr<StressRun> (*make)(std::uint64_t seed);

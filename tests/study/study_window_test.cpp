@@ -289,7 +289,7 @@ TEST_F(StudyWindow, ThatCannotBeIsOneLineBeforeAnythingBegins) {
     EXPECT_FALSE(std::filesystem::exists(results()));
 }
 
-/// The study that comes with the program begins where it was built, and the analysis of docs/usability.md
+/// The study that comes with the program begins where it was built, and the analysis of docs/exhibit.md
 /// reads what it leaves.
 TEST_F(StudyWindow, ThePapersStudyBeginsAndItsResultsAreAnalysed) {
     auto typed = words("0.6 continue\n1.2 quit\n", {});

@@ -646,7 +646,7 @@ TEST(CutRule, ATriangleWithAnInvalidCornerIsCut) {
     EXPECT_TRUE(triangle_is_cut(1, 1, 0));
 }
 
-/// docs/drawing.md says so.
+/// docs/play.md says so.
 TEST(CutRule, DepthsMayDifferBySixPercentAndNoMore) {
     const float most = 1.06F * 0.01F;
     EXPECT_FALSE(triangle_is_cut(0.01F, most, 0.0105F));

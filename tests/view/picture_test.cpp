@@ -125,7 +125,7 @@ TEST(ScenePicture, AFingerThatTouchesShowsItsGoalThroughTheSurface) {
     EXPECT_GT(pixels_that_differ(*bare, *marked), 0);
 }
 
-/// docs/window.md: the arrow is the force on the finger.
+/// docs/play.md: the arrow is the force on the finger.
 TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
     FingerMark finger;
     finger.goal = {1, 2, -80};

@@ -159,7 +159,7 @@ TEST(RestOfSeveral, EachFingerHasItsOwn) {
 
 // How forces are told beside fingers, and on the bar.
 
-/// The figures of docs/drawing.md.
+/// The figures of docs/play.md.
 TEST(Ring, TightensWithForceAndClosesInWithTheSurface) {
     EXPECT_DOUBLE_EQ(ring_radii(0, 0, 10), 1.55);
     EXPECT_DOUBLE_EQ(ring_radii(0, 1, 10), 1.46);

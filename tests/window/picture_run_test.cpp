@@ -491,7 +491,7 @@ TEST(WordsScale, OfAWindowThatGrowsFollowsUnlessItIsStated) {
 }
 
 // What the front view tells of a finger: how near the surface is, how hard it is pressed, how the surface
-// gives way. By the figures of docs/drawing.md, on pictures of the window, whose plane is seen from the
+// gives way. By the figures of docs/play.md, on pictures of the window, whose plane is seen from the
 // front: there the force's arrow is a point.
 
 constexpr int width = 1280, height = 720, middle_x = 640, middle_y = 360;

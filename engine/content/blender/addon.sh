@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The add-on as a zip file that Blender installs: ./run addon (docs/blender.md)
+# The add-on as a zip file that Blender installs: ./run addon (docs/content.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../../.."
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Three scenes made with Blender, rendered to clips, and touched, into out/content/: ./run content (docs/blender.md)
+# Three scenes made with Blender, rendered to clips, and touched, into out/content/: ./run content (docs/content.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../../.."
 
