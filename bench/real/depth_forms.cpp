@@ -14,7 +14,7 @@
 #include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/import/ros2_messages.hpp"
+#include "tests/import/bag_bytes.hpp"
 
 namespace touchable {
 namespace {

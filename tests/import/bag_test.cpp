@@ -14,6 +14,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/import/bag_bytes.hpp"
 #include "tests/import/ros2_messages.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/real_data.hpp"

@@ -14,6 +14,7 @@
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/import/ros2_messages.hpp"
 #include "tests/limited_memory.hpp"

@@ -10,6 +10,7 @@
 
 #include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/import/heic_file.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
