@@ -201,7 +201,7 @@ _functions = _bind(_solver_library, _solver_functions)
 
 
 def version() -> str:
-    """Of the library that was loaded, such as "0.1.0"."""
+    """Of the library that was loaded, such as "0.2.0"."""
     number = _solver_library.touch_version()
     return f"{number // 10000}.{number // 100 % 100}.{number % 100}"
 

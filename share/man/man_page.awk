@@ -1,5 +1,5 @@
 # A manual page (roff) of what help_entries.awk makes of `touchable help COMMAND`, or, without `command`, of `touchable -h`.
-#   awk -v command=touch -v version=0.1.0 -f man_page.awk entries > touchable-touch.1
+#   awk -v command=touch -v version=0.2.0 -f man_page.awk entries > touchable-touch.1
 
 function plain(text) {  # as roff takes it: no dash that becomes a hyphen, no dot or quote that begins a request
     gsub(/\\/, "\\e", text)
