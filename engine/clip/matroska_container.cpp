@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -31,11 +32,14 @@ public:
         TRY_ASSIGN(const auto whole, whole_part(file));
         if (!whole) return rate;
         constexpr std::int64_t rounding_ns = 1'000'000;  // of two times
-        for (std::size_t n = 0; n < times_ns_.size(); ++n) {
-            if (std::abs(times_ns_[n] - rate->time_ns(static_cast<std::int64_t>(n))) <= rounding_ns) continue;
-            if (auto own = rate_of_own_times(times_ns_)) rate->own_times = std::move(own->own_times);
-            break;
-        }
+        const bool differs = std::ranges::any_of(times_ns_, [&](const auto& time) {
+            return std::abs(time.second - rate->time_ns(time.first)) > rounding_ns;
+        });
+        // Pictures that stay for several frames are in a completed clip, which says its times.
+        if (!differs || std::ssize(times_ns_) != whole->frames) return rate;
+        std::vector<std::int64_t> times;
+        for (const auto& [frame, ns] : times_ns_) times.push_back(ns);
+        if (auto own = rate_of_own_times(std::move(times))) rate->own_times = std::move(own->own_times);
         return rate;
     }
 
@@ -84,27 +88,35 @@ private:
         for (const Track& track : tracks) reading->select(track.stream);
         const double tick_ns = av_q2d(file.container().streams[tracks.front().stream]->time_base) * 1e9;
         WholePart whole{.is_cut = file.is_cut()};
+        std::vector<std::int64_t> ends(tracks.size());  // of each track: frames that its pictures show
         std::int64_t first = 0;
         for (bool is_over = false; !is_over; whole.frames += is_over ? 0 : 1) {
             std::size_t there = 0;
-            for (const Track& track : tracks) {
-                TRY_ASSIGN(const auto packet, reading->next(track.stream));
-                there += packet ? 1 : 0;
-                if (!packet || track.role != PlaneRole::depth) continue;
+            for (std::size_t k = 0; k < tracks.size(); ++k) {
+                if (ends[k] > whole.frames) {
+                    ++there;
+                    continue;
+                }
+                TRY_ASSIGN(const auto packet, reading->next(tracks[k].stream));
+                if (!packet) continue;
+                ++there;
+                const auto addition = block_addition_of(*packet);
+                ends[k] = whole.frames + (addition && addition->sound ? addition->frames : 1);
+                if (tracks[k].role != PlaneRole::depth) continue;
                 if (whole.frames == 0) first = packet->pts;
                 const auto ticks = static_cast<double>(packet->pts - first);
-                times_ns_.push_back(std::llround(std::clamp(ticks * tick_ns, 0.0, 4e18)));
+                times_ns_[whole.frames] = std::llround(std::clamp(ticks * tick_ns, 0.0, 4e18));
             }
             is_over = there < tracks.size();
             whole.is_uneven = is_over && there > 0;
         }
-        times_ns_.resize(static_cast<std::size_t>(whole.frames));
+        times_ns_.erase(times_ns_.lower_bound(whole.frames), times_ns_.end());
         whole_ = whole;
         return {};
     }
 
-    std::optional<WholePart> whole_;      // of a stream or a file that is cut, once counted
-    std::vector<std::int64_t> times_ns_;  // of its pictures of depth, from 0 up
+    std::optional<WholePart> whole_;                 // of a stream or a file that is cut, once counted
+    std::map<std::int64_t, std::int64_t> times_ns_;  // of frames that have a picture of depth, from 0 up
 };
 
 }  // namespace

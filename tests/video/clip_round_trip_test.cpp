@@ -501,6 +501,32 @@ TEST(UnchangedPictures, ComeBackExactlyAndFromAnyFrame) {
         }
 }
 
+/// Each stored picture stands for its frames there, too.
+TEST(UnchangedPictures, CutClipCountsTheirFrames) {
+    const TemporaryFolder folder;
+    const Scene scene = small_scene(24, 160, 16);
+    const std::string whole = read_bytes(partly_still_clip(folder, scene, Archive::fast));
+    std::int64_t before = 0;
+    for (const double share : {0.6, 0.8, 0.9, 0.97}) {
+        const auto cut = folder / "cut.mkv";
+        write_bytes(cut,
+                    whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
+        auto reader = open_clip(cut);
+        ASSERT_EQ(message(reader), "");
+        const std::int64_t count = (*reader)->frame_count().value();
+        EXPECT_GT(count, 0.5 * share * still_frames) << "of a cluster at most is lost";
+        EXPECT_GE(count, before);
+        EXPECT_FALSE((*reader)->scene().rate.own_times);
+        before = count;
+        for (std::int64_t n = 0; n < count; ++n) {
+            const auto frame = (*reader)->next();
+            ASSERT_EQ(message(frame), "") << share << ": " << n;
+            ASSERT_TRUE(*frame && same_frame(**frame, partly_still(scene, n))) << share << ": " << n;
+        }
+        EXPECT_FALSE((*reader)->next()->has_value());
+    }
+}
+
 TEST(UnchangedPictures, AreStoredOnceBetweenAccessPoints) {
     const TemporaryFolder folder;
     const auto file = partly_still_clip(folder, small_scene(24, 16, 16), Archive::fast);
