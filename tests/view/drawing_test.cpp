@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "player/draw/cpu_painting.hpp"
 #include "player/draw/gpu_image.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
