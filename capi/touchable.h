@@ -51,7 +51,7 @@ extern "C" {
 #endif
 
 /** Version of this header: major * 10000 + minor * 100 + patch. */
-#define TOUCH_VERSION 100
+#define TOUCH_VERSION 200
 
 /* ---- Statuses and errors ------------------------------------------------------------------------------------- */
 
