@@ -108,7 +108,7 @@ typedef struct touch_camera {
     double frames_per_second;    /**< > 0; used where frames are counted and not timed */
     double stiffness_n_per_m;    /**< where no haptic picture says otherwise; >= 0 */
     double static_friction;      /**< coefficient >= 0 */
-    double dynamic_friction;     /**< 0 to static_friction */
+    double dynamic_friction;     /**< coefficient, 0 to static_friction */
 } touch_camera;
 
 /** Fills in 640x480 pixels, 60 degrees wide, planar depth in millimetres up to 10 m, 30 frames/s, 600 N/m, friction
@@ -307,7 +307,7 @@ typedef struct touch_contact {
     touch_vec3 goal;          /**< scene units: as given, or the last one that was a number */
     touch_vec3 proxy;         /**< scene units: where the surface holds the finger; the goal itself out of contact */
     double pixel_x;           /**< column of the proxy in the picture, pixels; NaN where no pixel sees it */
-    double pixel_y;           /**< its row */
+    double pixel_y;           /**< its row, pixels */
     double stiffness_n_per_m; /**< at the proxy; 0 out of contact */
     double static_friction;   /**< a coefficient */
     double dynamic_friction;  /**< a coefficient */
