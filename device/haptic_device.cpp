@@ -3,8 +3,10 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <string_view>
 
+#include "device/force_gate.h"
 #include "device/hand.hpp"
 #include "device/point_motion.hpp"
 #include "engine/base/try.hpp"
@@ -177,13 +179,12 @@ bool SimulatedDevice::write_forces(std::span<const glm::dvec3> newtons) {
     if (!open_ || fault_) return false;
     assert(newtons.size() == exerted_.size());
     for (std::size_t finger = 0; finger < newtons.size(); ++finger) {
-        const double length = glm::length(newtons[finger]);
-        if (!std::isfinite(length)) {
+        if (!std::isfinite(glm::length(newtons[finger]))) {
             fail("was given a force that is not finite");
             return false;
         }
-        const double shorten = length > limits_.max_force ? limits_.max_force / length : 1.0;
-        exerted_[finger] = newtons[finger] * shorten;
+        exerted_[finger] = newtons[finger];
+        force_gate(glm::value_ptr(exerted_[finger]), limits_.max_force, limits_.max_force, 0);
     }
     silent_ticks_ = 0;
     return true;

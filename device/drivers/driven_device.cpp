@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
 
+#include "device/force_gate.h"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -15,8 +17,9 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr microseconds a_tick{1000};
-constexpr microseconds slowest_bus{5000};          // that a driver is given to answer, where it waits itself
-constexpr std::int64_t sent_again_ns = 5'000'000;  // zeros, while no force is asked for
+constexpr microseconds slowest_bus{5000};  // that a driver is given to answer, where it waits itself
+// Zeros, while no force is asked for. A force's ceiling rises by no more than that time's share at once.
+constexpr std::int64_t sent_again_ns = 5'000'000;
 
 /// Of a moment that may never have been.
 double age_of(std::int64_t moment_ns, std::int64_t now) {
@@ -102,14 +105,12 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
     assert(newtons.size() == static_cast<std::size_t>(fingers_));
     Asked asked;
     for (std::size_t finger = 0; finger < newtons.size(); ++finger) {
-        const double length = glm::length(newtons[finger]);
-        if (!std::isfinite(length)) {
+        if (!std::isfinite(glm::length(newtons[finger]))) {
             misuse_ = "was given a force that is not finite";
             wake();
             return false;
         }
-        asked.newtons[finger] =
-            newtons[finger] * (length > limits_.max_force ? limits_.max_force / length : 1.0);
+        asked.newtons[finger] = newtons[finger];
     }
     asked.time_ns = settings_.clock();
     asked.received_ns = received_ns_;
@@ -137,7 +138,7 @@ Result<void> DrivenDevice::take_hold() {
     if (!held) return held;
     for (PlausibleMotion& motion : motions_) motion.forget();
     received_ = {};
-    exerts_since_ns_ = {};
+    rises_ = {};
     held_ = true;
     set_words(std::nullopt, driver_->prompt());
     return {};
@@ -217,14 +218,14 @@ DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
         !misuse_.load() && !stopping_.stop_requested() && age_of(asked.time_ns, now) <= silence_s;
     Forces newtons{};
     for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger) {
-        std::int64_t& since_ns = exerts_since_ns_[finger];
+        Rise& rise = rises_[finger];
         if (!lives || age_of(received_.place_ns[finger], now) > oldest_s ||
             asked.time_ns < found_ns_[finger]) {
-            since_ns = 0;
+            rise = {};
             continue;
         }
-        if (since_ns == 0) since_ns = now;
-        newtons[finger] = std::min(1.0, age_of(since_ns, now) / rise_s) * asked.newtons[finger];
+        if (rise.since_ns == 0) rise = {.since_ns = now};
+        newtons[finger] = std::min(1.0, age_of(rise.since_ns, now) / rise_s) * asked.newtons[finger];
     }
     return newtons;
 }
@@ -235,14 +236,19 @@ Result<void> DrivenDevice::beat() {
     if (!kept_) return {};
     TRY_ASSIGN(const auto beat, kept_->beat());
     if (beat) return {};
-    exerts_since_ns_ = {};
+    rises_ = {};
     return driver_->forget_what_came();
 }
 
 Result<void> DrivenDevice::send() {
     TRY(beat());
     const std::int64_t now = settings_.clock();
-    const Forces newtons = due_forces(now);
+    Forces newtons = due_forces(now);
+    const double ramp =
+        limits_.max_force * static_cast<double>(std::min(now - sent_ns_, sent_again_ns)) * 1e-9 / rise_s;
+    for (std::size_t finger = 0; finger < static_cast<std::size_t>(fingers_); ++finger)
+        rises_[finger].ceiling =
+            force_gate(glm::value_ptr(newtons[finger]), rises_[finger].ceiling, limits_.max_force, ramp);
     sent_ns_ = now;
     ++sent_;
     auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));

@@ -50,6 +50,8 @@ struct DrivenFacts {
 /// - a force is sent only while it is younger than `silence_s`, and while the finger's newest position is
 ///   younger than `oldest_s`; otherwise zero is sent, again and again. After that the force rises over
 ///   `rise_s`;
+/// - each force that is sent has passed `force_gate`, whose ceiling is 0 after each such gap and rises to the
+///   limit over `rise_s`, however late a turn of the thread is;
 /// - a position that cannot be, or leaps, is left out (PlausibleMotion), as if it had not come;
 /// - hardware that fails is closed, with zero force if that can still be sent, and looked for again. Until it
 ///   is back its positions are not numbers, which the force guard takes for a hand that has let go;
@@ -162,7 +164,11 @@ private:
     // When each finger's place became known after it had not been: a force that is older answers another
     // place, and is not sent.
     std::array<std::int64_t, DeviceSample::most_fingers> found_ns_{};
-    std::array<std::int64_t, DeviceSample::most_fingers> exerts_since_ns_{};  // 0: it does not
+    struct Rise {
+        std::int64_t since_ns = 0;  // it exerts; 0: it does not
+        double ceiling = 0;         // force_gate's, N
+    };
+    std::array<Rise, DeviceSample::most_fingers> rises_{};
     std::int64_t sent_ns_ = 0;
     bool held_ = false;  // otherwise it is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;

@@ -74,6 +74,26 @@ TEST_F(Driven, ShortensWhatIsLongerThanItsLimit) {
     EXPECT_NEAR(force.x / force.z, -0.75, 1e-12);
 }
 
+TEST_F(Driven, ForceRisesWithinItsCeiling) {
+    for (int turns = 0; turns < 150; ++turns) {
+        const double force = glm::length(tick({300, -400, 0}));
+        ASSERT_LE(force, std::min(10.0, 0.1 * turns + 0.1) + 1e-12) << turns;
+        ASSERT_GE(force, std::min(10.0, 0.1 * turns - 0.2) - 1e-12) << turns;
+    }
+}
+
+TEST_F(Driven, ForceDoesNotLeapAfterALateTurn) {
+    double before = 0;
+    for (int turns = 0; turns < 30; ++turns) before = tick({0, 0, 10}).z;
+    ASSERT_GT(before, 2.5);
+    now += 14 * ms;
+    const double after = tick({0, 0, 10}).z;
+    EXPECT_GT(after, before);
+    EXPECT_LE(after - before, 0.7) << "five milliseconds of a tenth of a second, and a tick of headroom";
+    for (int turns = 0; turns < 100; ++turns) tick({0, 0, 10});
+    EXPECT_EQ(hardware.force, glm::dvec3(0, 0, 10));
+}
+
 TEST_F(Driven, IsLimpAfterASilentCaller) {
     settle();
     int exerted = 0;
