@@ -440,11 +440,17 @@ constexpr std::array poke{speed,  depth,     lift, Key{"period", "s", 0.05, 60, 
                           extent, max_speed, glide};
 }  // namespace hand_keys
 
+const struct {
+    std::string_view name;
+    std::span<const Key> keys;
+} scripts[] = {{"wander", hand_keys::wander},
+               {"stroke", hand_keys::stroke},
+               {"press", hand_keys::press},
+               {"poke", hand_keys::poke}};
+
 std::span<const Key> keys_of(std::string_view name) {
-    if (name == "wander") return hand_keys::wander;
-    if (name == "stroke") return hand_keys::stroke;
-    if (name == "press") return hand_keys::press;
-    if (name == "poke") return hand_keys::poke;
+    for (const auto& script : scripts)
+        if (script.name == name) return script.keys;
     return {};
 }
 
@@ -510,6 +516,13 @@ Error option_refusal(std::string_view of, const std::string& what) {
 
 }  // namespace
 
+std::vector<std::string> hand_words() {
+    std::vector<std::string> words;
+    for (const auto& script : scripts) words.emplace_back(script.name);
+    words.insert(words.end(), {"csv:FILE", "rec:FILE"});
+    return words;
+}
+
 Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers,
                                         const Workspace& workspace, const SurfaceProbe& probe) {
     constexpr int most_fingers = 256;
@@ -523,8 +536,7 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
     if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
     const std::span<const Key> keys = keys_of(name);
     if (keys.empty())
-        return usage_error("unknown hand '" + name +
-                           "'; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
+        return usage_error("unknown hand '" + printable(name) + "'; must be one of " + listed(hand_words()));
     return make_scripted_hand(name, keys, rest, fingers, workspace, probe);
 }
 

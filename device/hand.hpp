@@ -63,6 +63,10 @@ public:
     virtual std::vector<std::string> remarks() const { return {}; }
 };
 
+/// What make_hand takes, without keys: "wander", ..., "csv:FILE", "rec:FILE". (A run opens the last one by
+/// itself.)
+std::vector<std::string> hand_words();
+
 /// Makes a hand from its description: "wander|stroke|press|poke[:key=value,...]" or
 /// "csv:FILE[:key=value,...]" (docs/touch.md lists every key). An unknown name, key or an impossible value is
 /// refused with the legal ones; a file that cannot be used is refused with its line and column. `probe` shows

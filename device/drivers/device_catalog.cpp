@@ -44,8 +44,7 @@ Error unknown_device(const std::string& name) {
         return usage_error("device mouse is the window's, where no device is needed: touchable play CLIP",
                            {{Setting::device}});
     std::vector<std::string> words;
-    for (const DeviceKind& each : kinds_of_devices) words.emplace_back(each.name);
-    words.emplace_back("simulated");
+    for (const std::string& each : device_words()) words.push_back(each.substr(0, each.find(':')));
     const std::string nearest = nearest_word(name, words);
     return usage_error("unknown device '" + printable(name) + "'" +
                        (nearest.empty() ? "; there are " : "; did you mean " + nearest + "? There are ") +
@@ -87,6 +86,14 @@ std::string device_lines(const ConnectedDevice& device, const std::string& namin
 
 std::span<const DeviceKind> device_kinds() {
     return kinds_of_devices;
+}
+
+std::vector<std::string> device_words() {
+    std::vector<std::string> words;
+    for (const DeviceKind& each : kinds_of_devices)
+        words.push_back(std::string(each.name) + std::string(each.keys));
+    words.emplace_back("simulated");
+    return words;
 }
 
 Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description,

@@ -37,6 +37,10 @@ namespace touchable {
 Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description,
                                                   const DrivenSettings& driven);
 
+/// What describes a device, with the keys that it needs: "falcon:firmware=FILE", ...; the last one is
+/// "simulated", which a scripted hand holds.
+std::vector<std::string> device_words();
+
 // ---- What is connected
 
 /// A device that is connected and known.

@@ -386,9 +386,10 @@ const Format* probe(const Candidate& candidate) {
 /// The file says itself what a camera, a unit or a preset would say.
 Error refused_description(const std::string& name, bool has_scene) {
     if (!has_scene)
-        return usage_error(
-            name + ": is no picture, so a camera, a unit or a preset says nothing of it: leave them out",
-            of_bare_pictures());
+        return usage_error(name +
+                               ": has a scene of its own; a camera, a unit and a preset are for pictures "
+                               "alone: leave them out",
+                           of_bare_pictures());
     return usage_error(
         name +
             ": is no picture and has its scene in it, which a camera, a unit or a preset does "

@@ -126,9 +126,19 @@ const SourceDescription::Preset* preset_named(const std::string& name) {
     return found == std::end(presets) ? nullptr : found;
 }
 
+constexpr std::pair<const char*, VideoValues> of_videos[] = {{"hue", VideoValues::hue},
+                                                             {"mean", VideoValues::mean}};
+
+std::vector<std::string> preset_names() {
+    std::vector<std::string> names;
+    for (const SourceDescription::Preset& preset : presets) names.emplace_back(preset.name);
+    for (const auto& [name, values] : of_videos) names.emplace_back(name);
+    return names;
+}
+
 std::optional<VideoValues> video_values_named(const std::string& name) {
-    if (name == "hue") return VideoValues::hue;
-    if (name == "mean") return VideoValues::mean;
+    for (const auto& [known, values] : of_videos)
+        if (name == known) return values;
     return std::nullopt;
 }
 

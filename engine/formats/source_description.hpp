@@ -70,7 +70,9 @@ std::span<const SourceDescription::Preset> all_presets();
 /// Null: there is none of that name.
 const SourceDescription::Preset* preset_named(const std::string& name);
 
-/// Which number of a video's pixels is depth, by a preset's name that is for videos alone: hue, mean.
+/// Names of all of them, and then of those that are for videos alone: hue, mean.
+std::vector<std::string> preset_names();
+/// Which number of a video's pixels is depth, by a preset's name that is for videos alone.
 std::optional<VideoValues> video_values_named(const std::string& name);
 
 /// Those of the first camera in a camera's own file of up to 16 MiB: JSON, YAML, XML, a matrix, or the files

@@ -57,23 +57,21 @@ std::vector<FilterSetting> all_filter_settings() {
     reach.opens = removal_is_open;
     FilterSetting temporal =
         filter_row<&Filter::temporal>("temporal", {.words = {"off", "on"}}, &Open::temporal,
-                                      "Calms depth that trembles from frame to frame, where nothing moves: "
-                                      "by its noise, which is given, or "
-                                      "as the clip has it.",
+                                      "Calms depth that trembles from frame to frame where nothing moves. "
+                                      "Its noise is given, or as the clip has it.",
                                       "temporal[=C[+Q]]", "on");
     temporal.length = &Filter::temporal_noise;
     return {
         filter_row<&Filter::median>(
             "median", {.words = {"0", "3", "5"}, .whole = true}, &Open::median,
-            "Takes out single wrong pixels: each becomes the middle one of its 3 x 3 or 5 x 5 neighbours.",
+            "Takes out single wrong pixels: each becomes the median of its 3 x 3 or 5 x 5 neighbours.",
             "median[=3|5]", "5"),
         filter_row<&Filter::fill_holes>(
             "fill_holes", {.most = 16, .whole = true, .unit = "passes"}, &Open::fill_holes,
-            "Closes gaps in the depth from their rims, one pixel with each pass.", "holes[=PASSES]", "2"),
-        filter_row<&Filter::terraces>(
-            "terraces", {.words = {"off", "on", "auto"}}, &Open::terraces,
-            "Smooths the steps that coarsely stored depth has, as a hillside has terraces.", "terraces",
-            "on"),
+            "Fills gaps in depth from their edges, one pixel with each pass.", "holes[=PASSES]", "2"),
+        filter_row<&Filter::terraces>("terraces", {.words = {"off", "on", "auto"}}, &Open::terraces,
+                                      "Smooths the steps (terraces) of coarsely stored depth.", "terraces",
+                                      "on"),
         filter_row<&Filter::terrace_noise>("terrace_noise", {.most = 4, .unit = "codes"}),
         std::move(reach),
         filter_row<&Filter::levels>("levels", {}),
@@ -107,8 +105,10 @@ std::string SettingRange::in_words() const {
     if (is_length) return "a length above 0 in scene units, C or C+Q for C + Q depth^2, such as 1.5+2e-6";
     const char* const kind = whole ? "whole number" : "number";
     std::string right = words.empty() ? formatted("a %s from %.4g to %.4g", kind, least, most) : "";
-    for (const char* const& word : words)
+    for (const char* const& word : words) {
         right += (&word == &words.front() ? "" : &word == &words.back() ? " or " : ", ") + std::string(word);
+        if (whole && right == "0") right += " (off)";
+    }
     return right + (*unit ? " " : "") + unit;
 }
 

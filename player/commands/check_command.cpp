@@ -250,21 +250,26 @@ Result<CheckOptions> read_words(const CheckWords& words, bool asks) {
 }
 
 void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
+    begin_topic(check, "Device");
     auto* device = add_file_option(check, "--device", options.device,
-                                   "a haptic device instead, NAME[:key=value,...] (touchable devices): its "
-                                   "reports, their age and noise, the stiffness that it bears")
-                       ->type_name("NAME[:key=value,...]");
-    add_whole_option(check, "--seconds", options.seconds, "with --device: its reports are watched", 1, 600)
+                                   "measure a haptic device instead: its reports, their age and noise, and "
+                                   "the stiffness that it bears. It takes :key=value,... (docs/devices.md)")
+                       ->type_name(type_with_words("DEVICE", device_words()));
+    add_whole_option(check, "--seconds", options.seconds, "how long to watch the reports of --device", 1, 600)
+        ->type_name("SECONDS")
         ->capture_default_str()
         ->needs(device);
-    add_whole_option(check, "--wait", options.wait, "with --device: seconds for its first position", 1, 3600)
+    add_whole_option(check, "--wait", options.wait, "how long to wait for the first position of --device", 1,
+                     3600)
+        ->type_name("SECONDS")
         ->capture_default_str()
         ->needs(device);
     check
         .add_flag("--hands-off", options.hands_off,
-                  "with --device: no hand is on the handle, so springs are tried without asking")
+                  "try springs without asking: no hand is on the handle of --device")
         ->needs(device);
-    add_file_option(check, "--out", options.out, "with --device: a file for the report, to attach to a fault")
+    add_file_option(check, "--out", options.out,
+                    "write the report on --device to a file, to attach to a bug report")
         ->needs(device);
     add_overwrite_option(check, options.existing);
     check.get_option("--overwrite")->needs(device);
@@ -289,16 +294,18 @@ Result<void> run_check(const CheckOptions& options) {
 }  // namespace
 
 void add_check_command(CLI::App& app, Command& command) {
-    auto* check = app.add_subcommand("check",
-                                     "say what this machine is, whether it can (--size 1920x1080 --fingers 5 "
-                                     "--rate 30), or what a --device does");
+    auto* check =
+        app.add_subcommand("check", "say what this machine can do, or measure what a haptic device does");
     auto words = std::make_shared<CheckWords>();
-    check->add_flag("--json", words->options.json, "the same as JSON");
+    begin_topic(*check, "Machine");
+    check->add_flag("--json", words->options.json, "print the same as JSON");
     const std::vector<CLI::Option*> question{
-        check->add_option("--size", words->size, "can it: WxH of the clip, pixels")->capture_default_str(),
-        add_whole_option(*check, "--fingers", words->demand.fingers, "can it: that touch it", 1, 256)
+        check->add_option("--size", words->size, "can it touch a clip of this size in pixels?")
+            ->type_name("WxH")
             ->capture_default_str(),
-        add_whole_option(*check, "--rate", words->demand.rate, "can it: frames per second", 1, 1000)
+        add_whole_option(*check, "--fingers", words->demand.fingers, "with so many fingers?", 1, 256)
+            ->capture_default_str(),
+        add_whole_option(*check, "--rate", words->demand.rate, "at so many frames per second?", 1, 1000)
             ->capture_default_str()};
     add_device_options(*check, words->device);
     check->callback([words, question, &command] {

@@ -77,31 +77,44 @@ Result<void> take_stream(SessionOptions& session) {
 }  // namespace
 
 void add_camera_options(CLI::App& sub, CameraTyped& typed) {
-    const std::string names = listed(all_presets(), &SourceDescription::Preset::name);
+    begin_topic(sub, "Camera");
     auto* intrinsics = sub.add_option("--intrinsics", typed.intrinsics,
-                                      "of pictures without a scene file: focal lengths and principal point, "
-                                      "pixels, or a file of the camera that has them (JSON, YAML, calib.txt)")
+                                      "focal lengths and principal point in pixels, or a file with them. For "
+                                      "pictures without a scene file; camera files are JSON, YAML or "
+                                      "calib.txt")
                            ->type_name("FX,FY[,CX,CY]|FILE");
     auto* fov = add_number_option(sub, "--fov", typed.fov,
-                                  "likewise: degrees that are seen from left to right", 1, 179)
+                                  "horizontal field of view. For pictures without a scene file", 1, 179)
                     ->type_name("DEGREES")
                     ->excludes(intrinsics);
     auto* unit = add_number_option(sub, "--depth-unit", typed.depth_unit,
-                                   "likewise: metres that a stored 1 stands for", 1e-9, 1e6)
+                                   "length of a stored 1. For pictures without a scene file", 1e-9, 1e6)
                      ->type_name("METRES");
+    static const SettingRange axes{.words = {"range", "planar"}};
     const auto read_depth = [&typed](const std::string& word) -> Result<void> {
-        TRY_ASSIGN(const double place, read_word({.words = {"range", "planar"}}, word));
+        TRY_ASSIGN(const double place, read_word(axes, word));
         typed.depth = place == 0 ? DepthSemantics::range : DepthSemantics::planar;
         return {};
     };
-    auto* depth = add_read_option(sub, "--depth", read_depth,
-                                  "likewise: whether depth is a distance along each pixel's ray (range) or "
-                                  "along the camera's axis (planar)")
-                      ->type_name("WORD");
-    auto* preset = sub.add_option("--preset", typed.preset,
-                                  "likewise, what is known of " + names +
-                                      "; of videos also that depth is hue, or the mean of colours")
-                       ->type_name("NAME");
+    auto* depth =
+        add_read_option(sub, "--depth", read_depth,
+                        "how depth is measured. range: along each pixel's ray; planar: along the camera's "
+                        "axis; for pictures without a scene file")
+            ->type_name(type_with_words("WORD", axes.words));
+    const auto read_preset = [&typed](const std::string& word) -> Result<void> {
+        const auto names = preset_names();
+        if (std::ranges::find(names, word) == names.end()) {
+            const std::string meant = nearest_word(word, names);
+            return not_allowed(
+                "", word, "one of " + listed(names) + (meant.empty() ? "" : "; did you mean " + meant + "?"));
+        }
+        typed.preset = word;
+        return {};
+    };
+    auto* preset = add_read_option(sub, "--preset", read_preset,
+                                   "how a camera, program or data set stores depth. For pictures and videos "
+                                   "without a scene file; touchable formats lists what each is")
+                       ->type_name(type_with_words("NAME", preset_names()));
     if (CLI::Option* const scene = sub.get_option_no_throw("--scene"))
         for (CLI::Option* option : {intrinsics, fov, unit, depth, preset}) option->excludes(scene);
 }
@@ -131,9 +144,8 @@ Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
         !std::filesystem::exists(*typed.intrinsics, ignored))
         return input_error(printable(*typed.intrinsics) + ": does not exist: must be a file of the camera");
     if (!std::filesystem::exists(*typed.intrinsics, ignored))
-        return usage_error("--intrinsics '" + printable(*typed.intrinsics) +
-                           "' is not allowed; must be FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a "
-                           "file of the camera");
+        return not_allowed("--intrinsics", *typed.intrinsics,
+                           "FX,FY or FX,FY,CX,CY in pixels, such as 525,525, or a file of the camera");
     TRY_ASSIGN(known.intrinsics, read_intrinsics(*typed.intrinsics));
     known.file = *typed.intrinsics;
     return with_likely_pixels(std::move(known), *typed.intrinsics);
@@ -150,44 +162,42 @@ Result<FiltersChoice> read_filters(const std::string& typed) {
         const auto value =
             equals == std::string::npos ? std::nullopt : std::optional(part.substr(equals + 1));
         if (const std::string why = why_not(part.substr(0, equals), value, choice); !why.empty())
-            return usage_error("'" + part + "' is not allowed" + why +
-                               "; must be auto, off, or those that shall be on, such as "
-                               "median=5,terraces,temporal=1.5+2e-6,holes=2");
+            return usage_error(refused_value(part) + " is not allowed" + why +
+                               "; must be auto, off, or a comma-separated list of filters to enable, such "
+                               "as median=5,terraces,temporal=1.5+2e-6,holes=2");
     }
     return choice;
 }
 
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
+    begin_topic(sub, "Clip");
     auto* clip = add_file_option(sub, "CLIP", typed.choice.file,
-                                 "a clip, a folder of images, a depth picture, a scene file, or the address "
-                                 "of a stream or a clip (tcp://, http://, srt://, udp://, -)");
+                                 "clip, folder of pictures, depth picture, scene file or stream. A stream is "
+                                 "an address (tcp://, http://, srt://, udp://) or - for standard input");
     add_file_option(sub, "--scene", typed.choice.scene_file,
-                    "scene file that describes the clip instead of its own");
+                    "describe the clip by this scene file instead of its own");
     add_file_option(sub, "--haptic", typed.choice.maps.haptic,
-                    "map of stiffness and friction for all frames, instead of the clip's: a picture (RGB, or "
-                    "grey: stiffness), X3D or glTF");
+                    "map of stiffness and friction for all frames, instead of the clip's. A picture (RGB, or "
+                    "grey for stiffness alone), X3D or glTF");
     add_file_option(sub, "--height", typed.choice.maps.height,
-                    "map of heights for all frames, instead of the clip's: a picture in grey");
+                    "map of heights for all frames, instead of the clip's. A grey picture");
     add_word_option(sub, "--align", typed.choice.alignment,
-                    "depth without a scale, as networks guess it, to one scale for all frames: off, on, or "
-                    "auto (of pictures and videos that came without one, where it pumps)",
+                    "bring guessed depth without a scale to one scale for all frames. auto (default): of "
+                    "pictures and videos without a scale whose depth pumps",
                     {"auto", "on", "off"});
     add_word_option(sub, "--fill-from-motion", typed.choice.fill_from_motion,
-                    "of a clip whose camera stands still: fill holes of depth from frames that saw what is "
-                    "behind: off or on",
+                    "fill holes in depth from frames that saw the background. The camera must stand still",
                     {"off", "on"});
     add_number_option(sub, "--least-confidence", typed.camera.least_confidence,
-                      "of a .npz with an array conf beside depth: what is below it is no depth; otherwise "
-                      "half of the median of frame 0",
-                      -1e9, 1e9)
-        ->type_name("C");
-    sub.add_option(
-           "--channel", typed.camera.channel,
-           "of a rendering (OpenEXR): the channel or layer that is depth; otherwise found by its name")
+                      "ignore depth with less confidence. For a .npz with an array conf beside depth; by "
+                      "default half the median of frame 0",
+                      -1e9, 1e9);
+    sub.add_option("--channel", typed.camera.channel,
+                   "channel or layer of an OpenEXR rendering that is depth. By default found by its name")
         ->type_name("NAME");
     sub.add_option("--dataset", typed.camera.dataset,
-                   "of an HDF5 file or a .npz: the data set or array that is depth, such as "
-                   "/data/demo_0/obs/depth; otherwise found by its name")
+                   "data set or array of an HDF5 or .npz file that is depth, such as "
+                   "/data/demo_0/obs/depth. By default found by its name")
         ->type_name("NAME");
     return clip;
 }
@@ -198,28 +208,29 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
         TRY_ASSIGN(clip.filters, read_filters(words));
         return {};
     };
-    std::string parts;
+    std::vector<const char*> parts{"auto", "off"};
     for (const FilterSetting& setting : filter_settings())
-        if (*setting.in_list) parts += (parts.empty() ? "" : ", ") + std::string(setting.in_list);
+        if (*setting.in_list) parts.push_back(setting.in_list);
+    begin_topic(sub, "Filters");
     std::vector<CLI::Option*> options{
         add_read_option(sub, "--filters", read_all,
-                        "all filters at once, instead of the scene's: off, auto (what the first frames ask "
-                        "for), or those that shall be on: " +
-                            parts + ", with commas between")
-            ->type_name("WORD|LIST")};
+                        "which filters clean depth, instead of the scene's. auto: what the first frames "
+                        "need; off: none; or a comma-separated list of filters to enable")
+            ->type_name(type_with_words("LIST", parts))};
     for (const FilterSetting& setting : filter_settings()) {
         if (!*setting.what) continue;
         const auto read = [&clip, &setting](const std::string& word) -> Result<void> {
             if (clip.single_filters.state(setting, word)) return {};
-            return usage_error("'" + word + "' is not allowed; must be " + setting.right());
+            return not_allowed("", word, setting.right());
         };
-        options.push_back(add_read_option(sub, "--" + setting.typed_name(), read,
-                                          setting.right() + ", instead of the scene's. " + setting.what)
-                              ->type_name(setting.length        ? "WORD|C[,Q]"
-                                          : setting.range.whole ? "N"
-                                                                : "WORD"));
+        const auto& words = setting.range.words;
+        const bool has_only_words = !words.empty() && !setting.length;
+        options.push_back(
+            add_read_option(sub, "--" + setting.typed_name(), read,
+                            setting.what + (has_only_words ? std::string() : " Must be " + setting.right()))
+                ->type_name(
+                    words.empty() ? "N" : type_with_words(setting.length ? "off|on|C[,Q]" : "WORD", words)));
     }
-    for (CLI::Option* const option : options) option->group("Filters of depth");
     return options;
 }
 
@@ -230,25 +241,27 @@ Result<ClipChoice> read_clip(const ClipTyped& typed) {
 }
 
 void add_live_camera_option(CLI::App& sub, SessionOptions& session) {
+    begin_topic(sub, "Camera");
     sub.add_option(
-        "--camera", session.camera,
-        "live, in place of CLIP: v4l2:/dev/videoN[,key=value,...], a camera that is plugged in; "
-        "pipe:CMD or tcp://HOST:PORT, a program that sends framesets; stream:ADDRESS, as CLIP may "
-        "be; or replay:PATH[,key=value,...], a recording that behaves like one (docs/streaming.md)");
+           "--camera", session.camera,
+           "touch a live camera instead of CLIP. v4l2: one that is plugged in; pipe and tcp: a "
+           "program that sends frames; stream: what CLIP takes; replay: a recording that behaves like "
+           "a camera. v4l2 and replay take ,key=value,... (docs/streaming.md)")
+        ->type_name(type_with_words("CAMERA", camera_words()));
 }
 
 void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {
     add_number_option(sub, "--stale-after", milliseconds,
-                      "ms: a live surface that no newer frame has renewed for so long is not felt any more, "
-                      "until one comes; 0: it stays as it is (otherwise 250 of a stream, 0 of a camera)",
-                      0, 3'600'000);
+                      "stop feeling a live surface after so long without a new frame. 0: keep it; default "
+                      "250 for a stream, 0 for a camera",
+                      0, 3'600'000)
+        ->type_name("MS");
 }
 
 CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session) {
     return add_whole_option(sub, "--latency", session.stream_latency_ms,
-                            "live, of a stream: the longest that framesets wait until nearly all come in "
-                            "time, ms; they wait no longer than its jitter",
-                            1, 5000)
+                            "longest wait for late frames of a live stream. Less where its jitter allows", 1,
+                            5000)
         ->type_name("MS")
         ->capture_default_str();
 }

@@ -6,12 +6,14 @@
 
 #include <functional>
 #include <span>
+#include <string>
 
 #include "engine/base/result.hpp"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace touchable {
 
@@ -30,6 +32,21 @@ struct DepthSource {
 };
 /// All of them. Any thread may ask.
 std::span<const DepthSource> depth_sources();
+
+/// Gives `app` and all commands that were added to it --help, which is short where they have many options,
+/// and
+/// --help-all.
+void set_help(CLI::App& app);
+/// The options of a command that stand under a topic, or under all; refused (ErrorKind::usage) with the names
+/// of the topics.
+Result<std::string> help_on(const CLI::App& command, const std::string& topic);
+/// The value of an option as its help has it: "FILE", "on|off".
+std::string value_in_words(const CLI::Option& option);
+/// `text` in lines of at most so many columns, each behind so many spaces.
+std::string paragraph(const std::string& text, std::size_t spaces, std::size_t columns = 80);
+/// Every command, option and example of help, a line each, with tabs between the fields:
+/// "command NAME WHAT USAGE", "option COMMAND TOPIC NAMES VALUE WORDS TEXT", "example COMMAND LINE".
+std::string option_table(const CLI::App& app);
 
 void add_make_command(CLI::App& app, Command& command);
 /// A window in which a clip is watched and touched.

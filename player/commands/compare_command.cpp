@@ -109,12 +109,12 @@ Result<void> compare(const CompareOptions& options) {
 }  // namespace
 
 void add_compare_command(CLI::App& app, Command& command) {
-    auto* sub =
-        app.add_subcommand("compare", "say what differs between the forces of two runs of the same hand");
+    auto* sub = app.add_subcommand("compare", "compare the forces of two runs of the same hand");
     auto options = std::make_shared<CompareOptions>();
-    add_file_option(*sub, "A", options->a, "forces file of the first run (touch --forces)")->required();
+    add_file_option(*sub, "A", options->a, "forces file of the first run (touchable touch --forces)")
+        ->required();
     add_file_option(*sub, "B", options->b, "forces file of the second run")->required();
-    sub->add_flag("--json", options->json, "the same figures as JSON");
+    sub->add_flag("--json", options->json, "print the same figures as JSON");
     sub->callback([options, &command] {
         command = [options] {
             return within_memory("the forces of both runs", [&] { return compare(*options); });

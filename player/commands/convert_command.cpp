@@ -26,9 +26,7 @@ struct ConvertTyped {
 /// "45", a frame; "1.5s", a time.
 Result<ClipMoment> read_moment(const std::string& option, std::string_view text) {
     const auto refused = [&] {
-        return usage_error(
-            option + " '" + printable(text) +
-            "' is no moment; right would be a frame's number, such as 45, or seconds, such as 1.5s");
+        return not_allowed(option, text, "a frame's number, such as 45, or seconds, such as 1.5s");
     };
     if (!text.ends_with('s')) {
         const auto frame = read_whole_number<std::int64_t>(option, text, 0, last_frame);
@@ -47,9 +45,9 @@ Result<ClipMoment> read_moment(const std::string& option, std::string_view text)
 /// "X,Y,WxH".
 Result<ClipPart::Crop> read_crop(const std::string& text) {
     const auto refused = [&] {
-        return usage_error("--crop '" + printable(text) +
-                           "' is no part of a picture; right would be X,Y,WxH: the column and row that it "
-                           "begins with, from 0, and its size, such as 100,50,320x240");
+        return not_allowed("--crop", text,
+                           "X,Y,WxH: the column and row that it begins with, from 0, and its size, such as "
+                           "100,50,320x240");
     };
     const std::string_view view = text;
     const std::size_t first = view.find(','), second = view.find(',', first + 1);
@@ -70,9 +68,9 @@ Result<ClipForm> read_form(const fs::path& out) {
     if (ending == ".gltf") return ClipForm::gltf;
     std::error_code ignored;
     if (ending.empty() || fs::is_directory(out, ignored)) return ClipForm::folder;
-    return usage_error("OUT '" + printable(out.string()) +
-                       "' is no name of a clip; right would be NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, "
-                       "NAME.bt, or the name of a folder, which ends in / if it has a dot");
+    return not_allowed("OUT", out.string(),
+                       "NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, NAME.bt, or the name of a folder, which "
+                       "ends in / if it has a dot");
 }
 
 /// An option that would do nothing is refused.
@@ -216,45 +214,46 @@ Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const
 
 void add_convert_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand(
-        "convert", "write a clip as a clip, a folder of pictures, one picture or a static MPEG-4 scene");
+        "convert", "write a clip in another form, or a part of it: a clip, pictures or an MPEG-4 scene");
     auto typed = std::make_shared<ConvertTyped>();
     ConvertOptions& options = typed->options;
     add_clip_options(*sub, typed->clip)->required();
     add_file_option(
         *sub, "OUT", options.out,
-        "NAME.mkv: a clip; NAME.mp4: the same as MPEG-4 has it; NAME.gltf: a glTF scene beside its NAME.mp4, "
-        "which any glTF viewer shows; a name without a dot, or that ends in /: a folder of pictures that "
-        "opens as it is; NAME.png: a depth picture, with its scene file NAME.json; NAME.bt: one frame as the "
-        "paper sends a static scene, a text beside its pictures")
+        "what to write: .mkv, .mp4, .gltf, .png, .bt or a folder. NAME.mkv: a clip; NAME.mp4: the same as "
+        "MPEG-4; NAME.gltf: a glTF scene for any glTF viewer, beside its NAME.mp4; a name without a dot, or "
+        "with / at its end: a folder of pictures that opens again; NAME.png: a depth picture with its scene "
+        "file NAME.json; NAME.bt: one frame as the paper sends a static scene, a text beside its pictures")
         ->required();
     add_camera_options(*sub, typed->clip.camera);
+    begin_topic(*sub, files_topic);
     add_overwrite_option(*sub, options.existing);
-    typed->archive = add_word_option(*sub, "--archive", options.storage.archive,
-                                     "of a clip. fast: decodes quickest (default); small: fewest bytes",
-                                     {"fast", "small"});
-    typed->exact_colour =
-        sub->add_flag("--exact-colour", options.storage.exact_colour,
-                      "of a clip: colour keeps every value too; otherwise it is as good as the eye can tell");
+    typed->archive = add_archive_option(*sub, options.storage);
+    typed->exact_colour = add_exact_colour_option(*sub, options.storage);
     typed->fragmented = add_fragmented_option(*sub, options.storage);
     sub->add_flag("--still", options.still,
-                  "of NAME.mp4: one frame as the paper's static scene, whose pictures are PNG");
-    sub->add_flag("--lerobot", options.lerobot,
-                  "of NAME.mp4: depth alone as LeRobot stores it (HEVC of 12 bits), and NAME.info.json, the "
-                  "entry for a data set's meta/info.json");
-    sub->add_option("--from", typed->from, "the first frame: its number, from 0, or seconds such as 1.5s");
-    sub->add_option("--to", typed->to, "the last frame: its number, or the seconds at which it ends");
+                  "write NAME.mp4 with one frame, as the paper's static scene. Its pictures are PNG");
+    sub->add_flag(
+        "--lerobot", options.lerobot,
+        "write NAME.mp4 with depth alone, as LeRobot stores it (HEVC, 12 bits). NAME.info.json gets "
+        "the entry for a data set's meta/info.json");
+    begin_topic(*sub, "Part");
+    sub->add_option("--from", typed->from, "first frame: its number, from 0, or seconds such as 1.5s")
+        ->type_name("N|SECONDS");
+    sub->add_option("--to", typed->to, "last frame: its number, or the seconds at which it ends")
+        ->type_name("N|SECONDS");
     typed->every_typed =
-        sub->add_option("--every", typed->every, "only each Nth frame; the rate is so much lower")
+        sub->add_option("--every", typed->every, "keep only every Nth frame. The rate is so much lower")
             ->type_name("N");
-    sub->add_option("--crop", typed->crop, "only these pixels: first column and row, and size")
+    sub->add_option("--crop", typed->crop, "keep only these pixels: first column and row, and size")
         ->type_name("X,Y,WxH");
     sub->add_option("--size", typed->size,
-                    "pictures of this size, after --crop: of depth, haptic and height the nearest samples, "
-                    "of colour the mean. Needs --allow-lossy")
+                    "scale pictures to this size, after --crop. Depth, haptic and height by the nearest "
+                    "samples, colour by the mean; needs --allow-lossy")
         ->type_name("WxH");
     sub->add_flag(
         "--allow-lossy", options.allow_lossy,
-        "values of what is touched may change; the report says by how much, and what that does to the force");
+        "let values of what is touched change. The report says by how much, and what that does to forces");
     sub->callback([typed, &command] {
         command = [typed]() -> Result<void> {
             TRY_ASSIGN(const auto chosen, read_words(*typed));

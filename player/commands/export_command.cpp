@@ -269,8 +269,7 @@ Result<void> read_frames(const std::string& text, ExportOptions& out) {
     const auto first = number(view.substr(0, dash));
     const auto last = dash == std::string::npos ? first : number(view.substr(dash + 1));
     if (!first || !last || *last < *first)
-        return usage_error("--frames '" + text +
-                           "' is no range; right would be A-B with A <= B, such as 0-9, or all");
+        return not_allowed("--frames", text, "A-B with A <= B, such as 0-9, or all");
     out.first = *first;
     out.last = *last;
     return {};
@@ -287,8 +286,7 @@ Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
     if (typed.one) {
         const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, 0, last_number);
         if (!number && typed.one->find('-', 1) != std::string::npos)
-            return usage_error("--frame '" + printable(*typed.one) +
-                               "' will not do; right would be one frame's number; several are --frames A-B");
+            return not_allowed("--frame", *typed.one, "one frame's number; several are --frames A-B");
         if (!number) return number.error();
         out.first = *number;
         out.last = *number;
@@ -430,16 +428,19 @@ void add_export_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<FramesTyped>();
     auto mesh = std::make_shared<bool>(false);
     add_clip_options(*sub, *clip)->required();
-    add_file_option(*sub, "--out", options->out, "folder to write to; may be left out with --picture")
+    begin_topic(*sub, files_topic);
+    add_file_option(*sub, "--out", options->out, "folder to write to. May be left out with --picture")
         ->type_name("FOLDER");
     add_overwrite_option(*sub, options->existing);
-    auto* one = sub->add_option("--frame", typed->one, "this frame, from 0, into the folder itself");
+    auto* one = sub->add_option("--frame", typed->one, "write this frame, from 0, into the folder itself")
+                    ->type_name("N");
     auto* many = sub->add_option("--frames", typed->many,
-                                 "A-B or all: each frame n into the folder's n/, without mesh. To unpack a "
-                                 "whole clip so that it opens as one: touchable convert")
+                                 "write these frames, each into a folder of its number. Without meshes; "
+                                 "touchable convert unpacks a clip so that it opens again")
+                     ->type_name(type_with_words("A-B|all", std::array{"all"}))
                      ->excludes(one);
+    sub->add_flag("--mesh", *mesh, "write the meshes too, with --frames")->needs(many);
     add_picture_options(*sub, options->picture);
-    sub->add_flag("--mesh", *mesh, "with --frames: write the meshes too")->needs(many);
     add_camera_options(*sub, clip->camera);
     add_filter_options(*sub, *clip);
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});

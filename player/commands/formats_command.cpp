@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/formats/source_description.hpp"
 #include "player/commands/commands.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"
 
 namespace touchable {
@@ -162,21 +162,6 @@ constexpr std::pair<std::string_view, std::string_view> guesses[] = {
     {"coding", "coding: how depth is stored, by its values (--preset NAME)"},
 };
 
-/// `text` in lines of at most 80 columns, each behind so many spaces.
-std::string paragraph(const std::string& text, std::size_t spaces) {
-    constexpr std::size_t columns = 80;
-    std::istringstream words(text);
-    std::string all, line;
-    for (std::string word; words >> word;) {
-        if (!line.empty() && spaces + line.size() + 1 + word.size() > columns) {
-            all += std::string(spaces, ' ') + line + '\n';
-            line.clear();
-        }
-        line += (line.empty() ? "" : " ") + word;
-    }
-    return all + std::string(spaces, ' ') + line + '\n';
-}
-
 /// Whether a row's example is of that kind of file.
 bool is_in_rows(const ClipFormat& format) {
     std::string command = format.command + typed_options(format.settings);
@@ -242,9 +227,12 @@ std::span<const DepthSource> depth_sources() {
 }
 
 void add_formats_command(CLI::App& app, Command& command) {
-    auto* const sub = app.add_subcommand("formats", "what can be opened, and how");
+    auto* const sub = app.add_subcommand("formats", "list what can be opened, and how");
     auto name = std::make_shared<std::string>();
-    sub->add_option("NAME", *name, "one of the names that touchable formats prints: its row, whole");
+    std::vector<const char*> names;
+    for (const DepthSource& row : rows) names.push_back(row.name);
+    sub->add_option("NAME", *name, "print all about this one, or about a preset")
+        ->type_name(type_with_words("NAME", names));
     sub->callback([name, &command] {
         command = [name] { return name->empty() ? print_formats() : print_source(*name); };
     });

@@ -357,15 +357,16 @@ void add_info_command(CLI::App& app, Command& command) {
     auto typed = std::make_shared<Typed>();
     InfoOptions& options = typed->options;
     add_clip_options(*info, typed->clip)->required();
-    auto* as_json = info->add_flag("--json", options.json, "the same facts as JSON");
+    begin_topic(*info, "Facts");
+    auto* as_json = info->add_flag("--json", options.json, "print the same facts as JSON");
     auto* as_text = info->add_flag("--scene-text", options.scene_text,
-                                   "the text of its MPEG-4 scene (docs/codecs.md) and nothing else");
+                                   "print only the text of its MPEG-4 scene (docs/codecs.md)");
     as_text->excludes(as_json);
     auto* verify = info->add_flag("--verify", options.verify,
                                   "read all of it, and say what would feel wrong and what mends that");
     verify->excludes(as_text);
     add_file_option(*info, "--picture", options.picture.file,
-                    "with --verify: the first frame with the places where that is, as a PNG")
+                    "draw the first frame with those places as a PNG, with --verify")
         ->check(ends_in({".png"}, "a picture"))
         ->needs(verify);
     add_overwrite_option(*info, options.picture.existing);

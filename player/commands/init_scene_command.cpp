@@ -68,15 +68,14 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
 }  // namespace
 
 void add_init_scene_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand("init-scene",
-                                   "write the scene file of pictures, a video or a recording without one, "
-                                   "guesses marked; or that of a packed clip, to change it");
+    auto* sub = app.add_subcommand(
+        "init-scene", "write a scene file for pictures or a video, guesses marked, to change it");
     auto options = std::make_shared<InitSceneOptions>();
-    add_file_option(*sub, "PICTURES", options->pictures,
-                    "a folder of pictures, a picture or video of depth, a .bag, or a packed clip")
+    add_file_option(*sub, "PICTURES", options->pictures, "pictures or video of depth, .bag, or packed clip")
         ->required();
+    begin_topic(*sub, files_topic);
     add_file_option(*sub, "--out", options->out,
-                    "the file; otherwise scene.json in the folder, or beside the picture");
+                    "file to write. By default scene.json in the folder, or beside the picture");
     add_camera_options(*sub, options->camera);
     add_overwrite_option(*sub, options->existing);
     sub->callback([options, &command] { command = [options] { return run_init_scene(*options); }; });

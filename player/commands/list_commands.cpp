@@ -43,7 +43,7 @@ Result<void> run_devices(const DevicesOptions& options) {
 }  // namespace
 
 void add_cameras_command(CLI::App& app, Command& command) {
-    app.add_subcommand("cameras", "which cameras are plugged in, and how they are touched")
+    app.add_subcommand("cameras", "list the cameras that are plugged in, and how to touch them")
         ->callback([&command] {
             command = []() -> Result<void> {
                 std::cout << cameras_in_words(*system_video(), how_to_touch);
@@ -53,11 +53,12 @@ void add_cameras_command(CLI::App& app, Command& command) {
 }
 
 void add_devices_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand("devices", "which haptic devices are plugged in, ready or not, and why");
+    auto* sub =
+        app.add_subcommand("devices", "list the haptic devices that are plugged in, ready or not, and why");
     auto options = std::make_shared<DevicesOptions>();
-    auto* json = sub->add_flag("--json", options->json, "the same as JSON");
+    auto* json = sub->add_flag("--json", options->json, "print the same as JSON");
     sub->add_flag("--udev-rules", options->rules,
-                  "the file for /etc/udev/rules.d that lets the person at the machine use them")
+                  "print the file for /etc/udev/rules.d that permits them to the person at the machine")
         ->excludes(json);
     sub->callback(
         [options, &command] { command = [options]() -> Result<void> { return run_devices(*options); }; });

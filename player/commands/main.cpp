@@ -9,6 +9,7 @@
 #include "engine/base/words.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/commands/commands.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"
 #include "player/run/terminal.hpp"
 
@@ -30,28 +31,40 @@ int fail(const CLI::App& app, const Error& error) {
 /// What the program can do, on one screen.
 Result<void> print_overview(const CLI::App& app) {
     std::cout << "touchable " << TOUCHABLE_VERSION
-              << ". touchable FILE opens a window in which it is touched. Options: touchable help COMMAND\n";
+              << ". touchable FILE opens a window in which it is touched. More: touchable help COMMAND\n";
     for (const CLI::App* command : app.get_subcommands({})) {
         const std::string& name = command->get_name();
         if (name == "cameras")  // a line for both
-            std::printf("  cameras, devices  which of them are plugged in, ready or not, and why\n");
+            std::printf("  cameras, devices  list those that are plugged in, ready or not, and why\n");
         else if (name != "devices")
             std::printf("  %-12s%s\n", name.c_str(), command->get_description().c_str());
     }
     return {};
 }
 
-/// What `help [COMMAND]` asks for in options' words, from the last to the first as CLI11 takes them.
-Result<std::vector<std::string>> words_of_help(const CLI::App& app, int argc, char** argv) {
-    if (argc == 2) return std::vector<std::string>();
-    const std::string name = argv[2];
-    std::string known;
-    for (const CLI::App* command : app.get_subcommands({})) {
-        if (argc == 3 && command->get_name() == name) return std::vector<std::string>{"-h", name};
-        known += (known.empty() ? "" : ", ") + command->get_name();
+/// help COMMAND [TOPIC]
+Result<void> print_help(const CLI::App& app, std::span<const std::string> words) {
+    const auto commands = app.get_subcommands({});
+    const auto command = std::ranges::find(commands, words[0], &CLI::App::get_name);
+    if (words.size() > 2 || command == commands.end())
+        return usage_error((words.size() > 2 ? "too many words for help; it takes a command and a topic"
+                                             : "unknown command " + refused_value(words[0])) +
+                           ("; must be one of " + listed(commands, &CLI::App::get_name)));
+    if (words.size() == 1) {
+        std::cout << (*command)->help();
+        return {};
     }
-    if (argc == 3) return usage_error("there is no command " + name + "; there are " + known);
-    return usage_error("help goes with one command at most; there are " + known);
+    TRY_ASSIGN(const auto help, help_on(**command, words[1]));
+    std::cout << help;
+    return {};
+}
+
+/// The words behind `help`, where it was asked for so, or as COMMAND --help TOPIC.
+std::vector<std::string> words_of_help(std::vector<std::string> words) {
+    if (words.size() == 3 && (words[1] == "--help" || words[1] == "-h")) return {words[0], words[2]};
+    if (words.empty() || words[0] != "help") return {};
+    words.erase(words.begin());
+    return words;
 }
 
 /// A file or folder in place of a command is a clip to play.
@@ -89,11 +102,21 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
             message = "unknown command or file '" + first + '\'';
             if (!meant.empty()) message += " (did you mean " + meant + "?)";
         } else {
-            message = "not expected:";
-            for (const std::string& word : words) message += ' ' + word;
-            if (!meant.empty()) message += "; did you mean " + meant + '?';
+            message = (first.starts_with('-') ? "unknown option '" : "unexpected word '") + first + '\'';
+            if (!meant.empty()) message += " (did you mean " + meant + "?)";
         }
     }
+    const auto reword = [&](const std::string& from, const std::string& to, const char* behind) {
+        if (const auto at = message.find(from); at != std::string::npos)
+            message = message.replace(at, from.size(), to) + behind;
+    };
+    if (dynamic_cast<const CLI::RequiresError*>(&error)) reword(" requires ", " needs ", "");
+    if (dynamic_cast<const CLI::ExcludesError*>(&error))
+        reword(" excludes ", " does not go with ", "; leave one of them out");
+    const std::string named = message.substr(0, message.find(": "));
+    const CLI::Option* const option = chosen.empty() ? nullptr : chosen[0]->get_option_no_throw(named);
+    if (option && dynamic_cast<const CLI::ArgumentMismatch*>(&error))
+        message = named + " needs a value: " + value_in_words(*option);
     std::error_code ignored;
     for (const std::string& word : app.remaining(true))
         if (word.starts_with('-') && std::filesystem::exists(word, ignored))
@@ -109,7 +132,6 @@ int run(int argc, char** argv) {
         "Touch a depth video and feel its forces.\n"
         "touchable FILE opens a window, as touchable play FILE does.",
         "touchable"};
-    app.set_version_flag("-V,--version", "touchable " TOUCHABLE_VERSION, "Print the version and end");
     app.require_subcommand(0, 1);
     Command command;
     add_make_command(app, command);
@@ -128,6 +150,11 @@ int run(int argc, char** argv) {
     add_compare_command(app, command);
     add_plot_command(app, command);
     add_check_command(app, command);
+    set_help(app);
+    app.set_version_flag("-V,--version", "touchable " TOUCHABLE_VERSION, "print the version")
+        ->group(help_topic);
+    bool is_table = false;
+    app.add_flag("--list-options", is_table)->group("");
 
     try {
         if (is_clip(app, argc, argv)) {
@@ -135,11 +162,9 @@ int run(int argc, char** argv) {
             words.insert(words.begin(), "play");
             std::ranges::reverse(words);  // as CLI11 takes them
             app.parse(std::move(words));
-        } else if (argc > 1 && std::string_view(argv[1]) == "help") {
-            auto asked = words_of_help(app, argc, argv);
-            if (!asked) return fail(app, asked.error());
-            app.parse(std::move(*asked));
-        } else {
+        } else if (const auto asked = words_of_help({argv + 1, argv + argc}); !asked.empty()) {
+            command = [&app, asked] { return print_help(app, asked); };
+        } else if (argc != 2 || std::string_view(argv[1]) != "help") {
             app.parse(argc, argv);
         }
     } catch (const CLI::Success& success) {
@@ -147,6 +172,11 @@ int run(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         return fail(app, bad_usage(app, error));
     }
+    if (is_table)
+        command = [&app]() -> Result<void> {
+            std::cout << option_table(app);
+            return {};
+        };
     if (!command) command = [&app] { return print_overview(app); };
 
     catch_interrupts();

@@ -117,34 +117,37 @@ constexpr std::int64_t most_frames = 1'000'000;
 
 void add_globe_options(CLI::App& make, GlobeWords& words) {
     GlobeMapFiles& maps = words.maps;
-    add_file_option(
-        make, "--colour", maps.colour,
-        "globe of maps: a picture of all of it, longitude -180 to 180 from left to right, north up");
-    add_file_option(make, "--elevation", maps.elevation, "globe of maps: the same of heights, in any unit");
-    add_file_option(make, "--mask", maps.mask,
-                    "globe of maps: land and ocean, black and white or white and black (default: ocean is "
-                    "where elevation is least, or up to --sea-level)");
-    add_file_option(make, "--haptic", maps.haptic,
-                    "globe of maps: RGB, the codes of stiffness (0.1 to 2 N/mm), static and dynamic friction "
-                    "(0 to 1), in place of land and ocean");
-    add_number_option(make, "--sea-level", maps.sea_level,
-                      "globe of maps: value of the elevation map up to which it is sea (default: where the "
-                      "mask says so; without a mask the least value)");
-    add_number_option(make, "--relief", maps.relief_percent,
-                      "globe of maps: how far the highest place rises, percent of the radius (default 3)",
-                      0.01, 10);
-    add_number_option(make, "--smoothing", maps.smoothing_degrees,
-                      "globe of maps: mountains narrower than some degrees are in the height plane, wider "
-                      "ones in the depth (default 1; 0: all in the depth)",
-                      0, 10);
-    add_number_option(make, "--turn", words.seconds_per_turn, "globe: seconds for a turn (default 12)", 0.1,
-                      1e9);
+    begin_topic(make, "Globe");
+    add_number_option(make, "--turn", words.seconds_per_turn, "seconds for a turn of the globe (default 12)",
+                      0.1, 1e9)
+        ->type_name("SECONDS");
     add_number_option(make, "--axial-tilt", words.axial_tilt,
-                      "globe: degrees from upright, of the pole, to the right (default 26; of maps 23.4)",
-                      -90, 90);
+                      "how far the globe's pole leans to the right (default 26; of maps 23.4)", -90, 90)
+        ->type_name("DEGREES");
     add_number_option(make, "--longitude", words.longitude,
-                      "globe: degrees east that face the camera at first (default -72; of maps 80)", -180,
-                      180);
+                      "degrees east that face the camera at first (default -72; of maps 80)", -180, 180)
+        ->type_name("DEGREES");
+    begin_topic(make, "Maps");
+    add_file_option(make, "--colour", maps.colour,
+                    "colour of a globe of maps: longitude -180 to 180 from left to right, north up");
+    add_file_option(make, "--elevation", maps.elevation, "heights of a globe of maps, in any unit");
+    add_file_option(make, "--mask", maps.mask,
+                    "land and ocean of a globe of maps, in black and white. By default ocean is where "
+                    "elevation is least, or up to --sea-level");
+    add_file_option(make, "--haptic", maps.haptic,
+                    "touch of a globe of maps, in place of land and ocean: RGB. Codes of stiffness (0.1 to 2 "
+                    "N/mm), static and dynamic friction (0 to 1)");
+    add_number_option(make, "--sea-level", maps.sea_level,
+                      "elevation up to which it is sea. By default where the mask says so; without a mask "
+                      "the least elevation");
+    add_number_option(make, "--relief", maps.relief_percent,
+                      "height of the highest place, percent of the radius (default 3)", 0.01, 10)
+        ->type_name("PERCENT");
+    add_number_option(make, "--smoothing", maps.smoothing_degrees,
+                      "put mountains narrower than this into the height plane, wider ones into depth "
+                      "(default 1; 0: all into depth)",
+                      0, 10)
+        ->type_name("DEGREES");
 }
 
 void take_motion(const GlobeWords& words, SceneOptions& options) {
@@ -161,7 +164,7 @@ void take_motion(const GlobeWords& words, SceneOptions& options) {
 struct MakeWords {
     MakeOptions options;
     GlobeWords globe;
-    std::string size, preset, frames = "90", rate = "30", seed = "1", archive = "fast";
+    std::string size, frames = "90", rate = "30", seed = "1";
     bool properties = false, plain = false;
     const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
                       *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
@@ -173,18 +176,6 @@ Result<void> check_name(const std::filesystem::path& out) {
     if (ending == ".mkv" || ending == ".mp4") return {};
     return usage_error("OUT '" + out.string() +
                        "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
-}
-
-Result<void> read_preset(const std::string& text, SceneOptions& out) {
-    if (text == "A")
-        out.preset = CameraPreset::a;
-    else if (text == "A'")
-        out.preset = CameraPreset::a_prime;
-    else if (text == "B")
-        out.preset = CameraPreset::b;
-    else
-        return usage_error("--preset '" + text + "' is not known; there are A, A' and B");
-    return {};
 }
 
 /// Scenes whose pixels know nothing of each other; published at 128x128.
@@ -234,12 +225,6 @@ Result<void> refuse_idle_options(const MakeWords& words) {
     return {};
 }
 
-Result<Archive> read_archive(const std::string& text) {
-    if (text == "fast") return Archive::fast;
-    if (text == "small") return Archive::small;
-    return usage_error("--archive '" + text + "' is not known; there are fast and small");
-}
-
 Result<MakeOptions> read_words(const MakeWords& words) {
     TRY(check_name(words.options.out));
     if (words.options.storage.fragmented && !is_mp4_name(words.options.out))
@@ -253,10 +238,8 @@ Result<MakeOptions> read_words(const MakeWords& words) {
         generator.width = size.width;
         generator.height = size.height;
     }
-    if (words.preset_typed->count() > 0) TRY(read_preset(words.preset, generator));
     TRY_ASSIGN(options.frames, read_whole_number<std::int64_t>("--frames", words.frames, 1, most_frames));
     TRY_ASSIGN(generator.rate, read_frame_rate("--rate", words.rate));
-    TRY_ASSIGN(options.storage.archive, read_archive(words.archive));
     TRY_ASSIGN(generator.seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
                                                                 std::numeric_limits<std::uint64_t>::max()));
     generator.properties = options.scene == "globe" && !words.plain;
@@ -325,42 +308,49 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
 }
 
 void add_make_command(CLI::App& app, Command& command) {
-    auto* make = app.add_subcommand("make", "make a clip of a generated scene: " + listed(scene_names()));
+    auto* make = app.add_subcommand("make", "make a clip of a generated scene, such as a globe");
     auto words = std::make_shared<MakeWords>();
     SceneOptions& generator = words->options.generator;
-    make->add_option("SCENE", words->options.scene, "one of " + listed(scene_names()))->required();
-    add_file_option(*make, "OUT", words->options.out,
-                    "the clip to write: .mkv, or .mp4 as the paper sends it")
+    begin_topic(*make, "Clip");
+    make->add_option("SCENE", words->options.scene, "what the clip shows")
+        ->required()
+        ->type_name(type_with_words("SCENE", scene_names()));
+    add_file_option(*make, "OUT", words->options.out, "clip to write: .mkv, or .mp4 as the paper sends it")
         ->required();
-    add_overwrite_option(*make, words->options.existing);
-    words->size_typed = make->add_option("--size", words->size,
-                                         "WxH in pixels (default 720x480; noise, cliffs and grain 128x128)");
-    make->add_option("--frames", words->frames, "how many")->capture_default_str();
+    words->size_typed =
+        make->add_option("--size", words->size,
+                         "size in pixels. By default 720x480; of noise, cliffs and grain 128x128")
+            ->type_name("WxH");
+    make->add_option("--frames", words->frames, "number of frames")->type_name("N")->capture_default_str();
     make->add_option("--rate", words->rate, "frames per second, exactly: 30, 29.97, 30000/1001")
+        ->type_name("RATE")
         ->capture_default_str();
-    add_whole_option(*make, "--bits", generator.bits, "of a stored depth, 8 to 16", 8, 16)
+    add_whole_option(*make, "--bits", generator.bits, "bits of a stored depth, 8 to 16", 8, 16)
         ->capture_default_str();
-    make->add_option("--archive", words->archive,
-                     "fast: decodes quickest; small: fewest bytes. Both keep every value of depth, haptic "
-                     "and height (docs/codecs.md)")
-        ->capture_default_str();
-    make->add_flag("--exact-colour", words->options.storage.exact_colour,
-                   "colour keeps every value too; otherwise it is as good as the eye can tell");
-    add_fragmented_option(*make, words->options.storage);
-    words->preset_typed = make->add_option("--preset", words->preset, "globe: camera A, A' or B (default B)");
-    auto* properties = make->add_flag("--properties", words->properties,
-                                      "globe: turning planet; land and ocean differ to the touch (default)");
-    make->add_flag("--plain", words->plain, "globe: at rest, depth alone")->excludes(properties);
     words->seed_typed =
-        make->add_option("--seed", words->seed, "noise, cliffs, grain, and the planet of globe")
+        make->add_option("--seed", words->seed, "seed of noise, cliffs, grain and the planet of globe")
+            ->type_name("N")
             ->capture_default_str();
     words->tilt_typed =
-        add_number_option(*make, "--tilt", generator.tilt_degrees, "plane: degrees, 0 to 60", 0, 60)
+        add_number_option(*make, "--tilt", generator.tilt_degrees, "slope of plane, 0 to 60", 0, 60)
+            ->type_name("DEGREES")
             ->capture_default_str();
     words->tilt_direction_typed =
         add_number_option(*make, "--tilt-direction", generator.tilt_direction_degrees,
-                          "plane: degrees in the picture")
+                          "direction in the picture in which plane slopes")
+            ->type_name("DEGREES")
             ->capture_default_str();
+    begin_topic(*make, files_topic);
+    add_overwrite_option(*make, words->options.existing);
+    add_archive_option(*make, words->options.storage);
+    add_exact_colour_option(*make, words->options.storage);
+    add_fragmented_option(*make, words->options.storage);
+    begin_topic(*make, "Globe");
+    words->preset_typed =
+        add_word_option(*make, "--preset", generator.preset, "camera of globe (default B)", {"A", "A'", "B"});
+    auto* properties = make->add_flag("--properties", words->properties,
+                                      "let globe turn, and land and ocean differ to the touch (default)");
+    make->add_flag("--plain", words->plain, "let globe rest, with depth alone")->excludes(properties);
     add_globe_options(*make, words->globe);
     make->callback([words, &command] {
         command = [words]() -> Result<void> {

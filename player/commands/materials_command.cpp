@@ -383,36 +383,40 @@ Result<void> run_typed(const MaterialsTyped& typed) {
 }  // namespace
 
 void add_materials_command(CLI::App& app, Command& command) {
-    auto* sub =
-        app.add_subcommand("materials", "write a clip whose segments feel like wood, metal, cloth, ...");
+    auto* sub = app.add_subcommand("materials",
+                                   "write a clip whose segments feel like materials, such as wood or cloth");
     auto typed = std::make_shared<MaterialsTyped>();
     add_clip_options(*sub, typed->clip);
     typed->many.add_option(*sub,
-                           "NAME.mkv: the clip with what its segments feel like; NAME.png: a map of one "
-                           "frame for --haptic; nothing: its segments are only told");
+                           "clip to write, NAME.mkv, or a map of one frame for --haptic, NAME.png. Left out: "
+                           "the segments are only listed");
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, typed->options.existing);
-    sub->add_flag("--list", typed->list, "print the materials, their values and where these are from");
+    begin_topic(*sub, "Materials");
+    std::vector<std::string> materials;
+    for (const PaletteMaterial& material : palette()) materials.emplace_back(material.name);
+    sub->add_flag("--list", typed->list, "print all materials, their values and where these are from");
     sub->add_option("--material", typed->materials,
-                    "what a segment is, with --at behind it; as often as needed")
+                    "material of the segment at the --at behind it. Give it as often as needed")
         ->allow_extra_args(false)
         ->type_name("NAME=MATERIAL");
-    sub->add_option("--at", typed->places, "a pixel of that segment, and its frame (0)")
+    sub->add_option("--at", typed->places, "pixel in that segment, and its frame (by default 0)")
         ->allow_extra_args(false)
         ->type_name("X,Y[,FRAME]");
-    add_file_option(*sub, "--segments", typed->segments, "what segments are, NAME.json, as --save writes it");
+    add_file_option(*sub, "--segments", typed->segments,
+                    "materials of segments, NAME.json, as --save writes it");
     add_file_option(*sub, "--map", typed->map,
-                    "which segment of frame 0 is which: a PNG with a palette, or grey, whose values are the "
-                    "index of --segments");
+                    "PNG that says which pixel of frame 0 is in which segment. With a palette, or grey; its "
+                    "values are the index of --segments");
     sub->add_option("--otherwise", typed->otherwise,
-                    "material of all segments that are not named, rather than a guess for each")
-        ->type_name("MATERIAL");
+                    "material of all other segments. By default a guess for each")
+        ->type_name(type_with_words("MATERIAL", materials));
     sub->add_flag("--scale-relief", typed->options.materials.scale_relief,
-                  "heights of touchable relief as high as each material's relief says");
-    sub->add_option("--frame", typed->frame, "of NAME.png, or whose segments are told; from 0")
+                  "scale the heights of touchable relief by each material's relief");
+    sub->add_option("--frame", typed->frame, "frame of NAME.png, or whose segments are listed, from 0")
         ->type_name("N");
     add_file_option(*sub, "--save", typed->options.save,
-                    "write what was used, guesses of frame 0 too, for --segments, NAME.json");
+                    "write what was used, guesses of frame 0 too, as NAME.json for --segments");
     sub->callback([typed, &command] { command = [typed] { return run_typed(*typed); }; });
 }
 

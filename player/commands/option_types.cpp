@@ -97,9 +97,7 @@ Result<FrameRate> read_frame_rate(const std::string& option, std::string_view te
         const std::int64_t common = std::gcd(rate->num, rate->den);
         return FrameRate{rate->num / common, rate->den / common};
     }
-    return usage_error(option + " '" + std::string(text) +
-                       "' is not allowed; must be frames per second, 0.001 to 1000, such as 30, 29.97 "
-                       "or 30000/1001");
+    return not_allowed(option, text, "frames per second, 0.001 to 1000, such as 30, 29.97 or 30000/1001");
 }
 
 Result<double> read_number(const std::string& option, std::string_view text, double least, double most) {
@@ -110,21 +108,20 @@ Result<double> read_number(const std::string& option, std::string_view text, dou
     if (failure == std::errc() && end == text.data() + text.size() && std::isfinite(value) &&
         value >= least && value <= most)
         return value;
-    std::string message = (option.empty() ? "'" : option + " '").append(text);
-    message += "' is not allowed; must be a number";
+    std::string right = "a number";
     const bool has_least = least != std::numeric_limits<double>::lowest(),
                has_most = most != std::numeric_limits<double>::max();
     if (has_least && has_most)
-        message += formatted(", %g to %g", least, most);
+        right += formatted(", %g to %g", least, most);
     else if (has_least)
-        message += formatted(", %g or more", least);
-    if (has_decimal_comma(text)) message += ", with a decimal point in place of the comma";
-    return usage_error(std::move(message));
+        right += formatted(", %g or more", least);
+    if (has_decimal_comma(text)) right += ", with a decimal point in place of the comma";
+    return not_allowed(option, text, right);
 }
 
 Result<double> read_word(const SettingRange& range, const std::string& word) {
     if (const auto value = range.value_of(word)) return *value;
-    return usage_error("'" + word + "' is not allowed; must be " + range.in_words());
+    return not_allowed("", word, range.in_words());
 }
 
 Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most) {
@@ -134,15 +131,16 @@ Result<PixelSize> read_pixel_size(const std::string& option, std::string_view te
         const auto height = read_whole_number(option, text.substr(cross + 1), least, most);
         if (width && height) return PixelSize{*width, *height};
     }
-    return usage_error(option + " '" + std::string(text) +
-                       "' is no size; right would be WIDTHxHEIGHT in pixels, each " + std::to_string(least) +
-                       " to " + std::to_string(most) + ", such as 720x480");
+    return not_allowed(option, text,
+                       "WIDTHxHEIGHT in pixels, each " + std::to_string(least) + " to " +
+                           std::to_string(most) + ", such as 720x480");
 }
 
 void add_overwrite_option(CLI::App& sub, Existing& existing) {
     sub.add_flag_callback(
-        "--overwrite", [&existing] { existing = Existing::replace; },
-        "replace files that are there already, rather than refuse");
+           "--overwrite", [&existing] { existing = Existing::replace; },
+           "replace files that exist, instead of refusing to")
+        ->group(files_topic);
 }
 
 void add_inputs(std::vector<NamedFile>& inputs, const fs::path& clip, const ClipReader& reader) {

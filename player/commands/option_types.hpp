@@ -12,6 +12,8 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -27,6 +29,33 @@ CLI::Option* add_file_option(CLI::App& sub, const std::string& name, Path& file,
 
 /// Refuses a file's name with none of these endings, as `what` has one: other programs go by it.
 CLI::Validator ends_in(const std::vector<std::string>& endings, const std::string& what);
+
+/// Topics of the help. What few people need stands under the first one, which comes last but for the second.
+inline constexpr const char *expert_topic = "Expert", *help_topic = "Help";
+inline constexpr const char *files_topic = "Files", *picture_topic = "Picture";
+
+/// Options that are added from here on stand under this topic of the help.
+inline void begin_topic(CLI::App& sub, const char* topic) {
+    sub.option_defaults()->group(topic);
+}
+
+/// The type of an option whose value is one of these words, or may be: "NAME:{a,b}". Help and completion
+/// take the words from it. "WORD": there is no other value.
+template <class Words>
+std::string type_with_words(const std::string& name, const Words& words) {
+    return name + ":{" + listed(words, {}, ",") + "}";
+}
+
+/// A value that a message refuses: as it is, or in quotes where it would not be seen to be one word.
+inline std::string refused_value(std::string_view value) {
+    const bool is_plain = !value.empty() && value.find_first_of(" \t\n;:,'\"") == std::string_view::npos;
+    return is_plain ? printable(value) : "'" + printable(value) + "'";
+}
+/// "--size: 5 is not allowed; must be ...". `option` may be empty: CLI11 puts it in front.
+inline Error not_allowed(const std::string& option, std::string_view value, const std::string& right) {
+    return usage_error((option.empty() ? "" : option + ": ") + refused_value(value) +
+                       " is not allowed; must be " + right);
+}
 
 /// An option whose word `read` takes, or refuses: its error follows the option's name.
 inline CLI::Option* add_read_option(CLI::App& sub, const std::string& name,
@@ -46,11 +75,10 @@ Result<Whole> read_whole_number(const std::string& option, std::string_view text
     const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (failure == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
         return value;
-    std::string message = (option.empty() ? "'" : option + " '").append(text);
-    message += "' is not allowed; must be a whole number";
+    std::string right = "a whole number";
     if (least != std::numeric_limits<Whole>::min() || most != std::numeric_limits<Whole>::max())
-        message += ", " + std::to_string(least) + " to " + std::to_string(most);
-    return usage_error(std::move(message));
+        right += ", " + std::to_string(least) + " to " + std::to_string(most);
+    return not_allowed(option, text, right);
 }
 
 /// A finite number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range.
@@ -77,7 +105,7 @@ CLI::Option* add_number_option(CLI::App& sub, const std::string& name, Option& n
             return read ? std::string() : read.error().message;
         },
         "");
-    return sub.add_option(name, number, what)->check(finite);
+    return sub.add_option(name, number, what)->check(finite)->type_name("NUMBER");
 }
 
 /// An option that takes a whole number, `least` to `most`, in decimal as people write it: 010 is ten.
@@ -99,19 +127,37 @@ CLI::Option* add_whole_option(CLI::App& sub, const std::string& name, Option& nu
 /// What a setting's word stands for; refused (ErrorKind::usage) where it is none of the range's.
 Result<double> read_word(const SettingRange& range, const std::string& word);
 
-/// An option whose value, an enumerator or a bool, is said by one of some words, which are in the order of
-/// its values. `what` says which.
+/// An option whose value is one of some words; of an enumerator or a bool they are in the order of its
+/// values.
 template <class Value>
 CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Value& value, const std::string& what,
                              std::vector<const char*> words) {
+    const std::string type = type_with_words("WORD", words);
     const auto read =
         [&value, range = SettingRange{.words = std::move(words)}](const std::string& word) -> Result<void> {
-        const auto place = read_word(range, word);
-        if (!place) return place.error();
-        value = static_cast<Value>(*place);
+        TRY_ASSIGN(const double place, read_word(range, word));
+        if constexpr (std::is_same_v<Value, std::string>)
+            value = range.words[static_cast<std::size_t>(place)];
+        else
+            value = static_cast<Value>(place);
         return {};
     };
-    return add_read_option(sub, name, read, what)->type_name("WORD");
+    return add_read_option(sub, name, read, what)->type_name(type);
+}
+
+/// --archive, of the commands that write clips.
+inline CLI::Option* add_archive_option(CLI::App& command, ClipStorage& storage) {
+    return add_word_option(command, "--archive", storage.archive,
+                           "how a clip is compressed. fast (default): decodes quickest; small: fewest bytes; "
+                           "both keep every value of depth, haptic and height (docs/codecs.md)",
+                           {"fast", "small"});
+}
+
+/// --exact-colour, of the same.
+inline CLI::Option* add_exact_colour_option(CLI::App& command, ClipStorage& storage) {
+    return command.add_flag(
+        "--exact-colour", storage.exact_colour,
+        "keep every value of a clip's colour. Otherwise it is as good as the eye can tell");
 }
 
 /// What --fragmented is for, where it is refused.
@@ -120,8 +166,8 @@ inline constexpr const char* fragmented_names = "NAME.mp4; no other form is writ
 /// --fragmented, of the commands that write clips.
 inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& storage) {
     return command.add_flag("--fragmented", storage.fragmented,
-                            "of NAME.mp4: in pieces of half a second, as it is sent; a copy that is cut is "
-                            "readable up to there. Without an MPEG-4 scene (docs/codecs.md)");
+                            "write NAME.mp4 in pieces of half a second, as it is sent. A copy that is cut "
+                            "off is readable up to there; it has no MPEG-4 scene (docs/codecs.md)");
 }
 
 class ClipReader;

@@ -338,9 +338,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (options.screenshot && !options.seconds) options.seconds = options.screenshot_s;
     if (options.headless && !options.seconds && !ends_by_itself(options.script))
         return usage_error(
-            "--headless: nobody can close what nobody sees; --seconds, --screenshot, or quit in --script "
-            "says "
-            "when it ends");
+            "--headless needs an end: give --seconds or --screenshot, or put quit into --script");
     TRY(check_files(options, words.script));
     if (options.segments) TRY(check_segments(*options.segments));
     return options;
@@ -431,100 +429,99 @@ Result<void> run_play(PlayOptions options) {
 }
 
 void add_kiosk_options(CLI::App& sub, KioskWords& words) {
+    begin_topic(sub, "Kiosk");
     auto* const kiosk =
         sub.add_flag("--kiosk", words.kiosk,
-                     "for a place where nobody watches over it: full screen, again and again, an "
-                     "invitation to touch, and nothing that ends it (docs/exhibit.md)")
+                     "unattended exhibit mode: full screen, loops for ever. Invites visitors to touch, and "
+                     "nothing that they do ends it (docs/exhibit.md)")
             ->excludes("--record")
             ->excludes("--settings")
             ->excludes("--brush-history");
     add_number_option(sub, "--idle", words.idle,
-                      "two times in seconds: how long nobody touches a kiosk until it invites to, and until "
-                      "it begins anew; 20 60 where they are left out",
+                      "seconds without a touch until a kiosk invites to touch, and until it starts over. 20 "
+                      "60 by default",
                       0.1, 1e6)
         ->expected(2)
+        ->type_name("INVITE RESTART")
         ->needs(kiosk);
-    sub.add_option(
-           "--kiosk-texts", words.texts,
-           "what a kiosk says: a language that comes with the program (en, de), or a file of texts; left "
-           "out: this person's language (docs/exhibit.md)")
+    sub.add_option("--kiosk-texts", words.texts,
+                   "language of a kiosk (en, de), or a file of its texts. By default your own language "
+                   "(docs/exhibit.md)")
         ->needs(kiosk)
         ->type_name("LANGUAGE|FILE");
-    sub.add_option(
-           "--kiosk-bar", words.bar,
-           "whether visitors of a kiosk have a bar of large buttons: on, as where it is left out, or off")
-        ->needs(kiosk)
-        ->check(CLI::IsMember({"on", "off"}));
+    add_word_option(sub, "--kiosk-bar", words.bar,
+                    "whether a kiosk shows a bar of large buttons. on by default", {"on", "off"})
+        ->needs(kiosk);
     add_file_option(sub, "--labels", words.labels,
-                    "captions and sounds of places of the clip, which a kiosk shows and plays where a finger "
-                    "rests (docs/exhibit.md)")
+                    "captions and sounds for places in the clip, given where a finger rests "
+                    "(docs/exhibit.md)")
         ->needs(kiosk);
     add_file_option(sub, "--use-log", words.use_log,
-                    "a table, CSV, to which a kiosk adds each visit and each fault")
+                    "add each visit to a kiosk, and each fault, to this CSV file")
         ->needs(kiosk);
     auto* const study = sub.add_option("--study", words.study,
-                                       "what participants of a study read, touch and answer: one that comes "
-                                       "with the program (paper-4.2), or a file (docs/exhibit.md)")
+                                       "run a user study: what participants read, touch and answer. One "
+                                       "that comes with the program (paper-4.2), or a file "
+                                       "(docs/exhibit.md)")
                             ->needs(kiosk)
                             ->excludes("--labels")
                             ->excludes("--kiosk-bar")
                             ->excludes("--idle")
                             ->type_name("NAME|FILE");
-    auto* const results = sub.add_option("--results", words.results,
-                                         "the folder that gets a table, CSV, of each participant of --study")
-                              ->needs(study)
-                              ->type_name("FOLDER");
+    auto* const results =
+        sub.add_option("--results", words.results, "folder for a CSV file of each participant of --study")
+            ->needs(study)
+            ->type_name("FOLDER");
     study->needs(results);
 }
 
 void add_window_options(CLI::App& sub, PlayWords& words) {
     PlayOptions& o = words.options;
-    words.typed_size = sub.add_option("--size", words.size, "of the window, pixels")->capture_default_str();
+    begin_topic(sub, "Window");
+    words.typed_size = sub.add_option("--size", words.size, "size of the window in pixels")
+                           ->type_name("WxH")
+                           ->capture_default_str();
     add_number_option(sub, "--scale", o.scale,
-                      "how large words and bars are, 0.8 to 4, instead of what display and window ask for",
-                      0.8, 4);
-    sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen; F11 does so later");
-    sub.add_option("--painter", o.painter,
-                   "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, "
-                   "raster by Vulkan on the CPU")
-        ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
+                      "size of words and bars, 0.8 to 4. By default as display and window ask for", 0.8, 4);
+    sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen (F11 does so later)");
+    add_word_option(sub, "--dent", words.dent,
+                    "show how the surface gives way under a finger. Changes no force; by default as in the "
+                    "last window, at first on",
+                    {"on", "off"});
+    add_number_option(sub, "--seconds", o.seconds, "close the window after so many seconds", 0.1, 1e6)
+        ->type_name("SECONDS");
+    sub.add_flag("--rumble", o.rumble, "let a gamepad that is plugged in rumble with what is felt");
+    begin_topic(sub, files_topic);
+    auto* picture =
+        add_file_option(sub, "--screenshot", o.screenshot, "save what the window shows in the end as a PNG")
+            ->check(ends_in({".png"}, "a picture"));
+    add_number_option(sub, "--at", o.screenshot_s,
+                      "when to take --screenshot, in seconds after the window opens", 0.1, 1e6)
+        ->type_name("SECONDS")
+        ->needs(picture)
         ->capture_default_str();
-    sub.add_option("--dent", words.dent,
-                   "on or off: whether you see the surface give way under a finger; it changes no force. "
-                   "Otherwise as it was in the last window; at first on")
-        ->check(CLI::IsMember({"on", "off"}));
+    sub.get_option("--seconds")->excludes("--at");
+    add_file_option(sub, "--record", o.record,
+                    "save what it takes to repeat the touch. touchable touch --replay FILE repeats it");
+    add_file_option(sub, "--video", o.video, "save what is seen and heard as a film, .mp4 or .mkv")
+        ->check(ends_in({".mp4", ".mkv"}, "a film"));
+    add_file_option(sub, "--sound", o.sound, "save what is heard as a WAV file")
+        ->check(ends_in({".wav"}, "sound"));
+    add_file_option(sub, "--segments", o.segments,
+                    "let segments feel like the materials in this file, NAME.json (docs/content.md)")
+        ->excludes("--record")
+        ->excludes("--camera");
+    add_file_option(sub, "--settings", o.settings_file,
+                    "keep settings from one window to the next in this file, instead of your own");
+    sub.add_option("--brush-history", o.brush_history,
+                   "keep what the material brush changed in this folder, instead of your own")
+        ->type_name("FOLDER");
+    add_overwrite_option(sub, o.existing);
+    begin_topic(sub, expert_topic);
+    add_painter_option(sub, o.painter);
     sub.add_flag("--headless", o.headless, "draw what the window would show, without a window");
     add_file_option(sub, "--script", words.script,
                     "timed inputs, as a person would give them (docs/play.md)");
-    auto* picture = add_file_option(sub, "--screenshot", o.screenshot,
-                                    "keep what the window shows in the end as this PNG file")
-                        ->check(ends_in({".png"}, "a picture"));
-    add_number_option(sub, "--at", o.screenshot_s,
-                      "the moment of --screenshot, seconds after the window opens", 0.1, 1e6)
-        ->needs(picture)
-        ->capture_default_str();
-    add_number_option(sub, "--seconds", o.seconds, "close the window after so long", 0.1, 1e6)
-        ->excludes("--at");
-    add_file_option(sub, "--record", o.record,
-                    "keep what it takes to repeat the touch: touchable touch --replay FILE");
-    add_file_option(sub, "--settings", o.settings_file,
-                    "where settings are kept from one window to the next, instead of this person's own file");
-    add_file_option(sub, "--segments", o.segments,
-                    "what segments are, NAME.json: they feel so once they are read (docs/content.md)");
-    sub.add_option("--brush-history", o.brush_history,
-                   "where changes by the brush of materials last from window to window, instead of this "
-                   "person's own folder")
-        ->type_name("FOLDER");
-    add_file_option(sub, "--sound", o.sound, "keep what is heard as this WAV file")
-        ->check(ends_in({".wav"}, "sound"));
-    sub.add_flag("--rumble", o.rumble, "a gamepad that is plugged in rumbles by what is felt");
-    add_file_option(sub, "--video", o.video,
-                    "keep what the window shows, and what is heard, as this film, .mp4 or .mkv")
-        ->check(ends_in({".mp4", ".mkv"}, "a film"));
-    sub.get_option("--segments")->excludes("--record")->excludes("--camera");
-    add_overwrite_option(sub, o.existing);
-    for (const char* expert : {"--headless", "--script", "--painter"})
-        sub.get_option(expert)->group("Expert");
 }
 
 }  // namespace
@@ -532,14 +529,11 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
 void add_play_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<PlayWords>();
     CLI::App* const sub =
-        app.add_subcommand("play", "watch a clip in a window, and touch it with the mouse or a device");
+        app.add_subcommand("play", "watch a clip in a window and touch it with the mouse or a device");
     SessionOptions& session = words->options.session;
-    // In the help each option stands under what it is about; what few people need comes last.
-    const auto begin_group = [sub](const char* name) { sub->option_defaults()->group(name); };
-    begin_group("The clip");
     words->clip_word = add_clip_options(*sub, words->clip);
     add_file_option(*sub, "MORE", words->more_clips,
-                    "further clips, shown one after the other; a folder of clips is all of them")
+                    "further clips, shown one after another. A folder of clips stands for all of them")
         ->expected(0, -1);
     add_live_camera_option(*sub, session);
     words->latency = add_latency_option(*sub, session);
@@ -548,18 +542,14 @@ void add_play_command(CLI::App& app, Command& command) {
     add_playback_options(*sub, words->playback);
     // Of commands that come later the person in the window is the one who gives them.
     sub->remove_option(sub->get_option("--play"));
-    begin_group("The window");
     add_window_options(*sub, *words);
-    begin_group("A kiosk");
     add_kiosk_options(*sub, words->kiosk);
-    begin_group("A device that you hold");
     add_device_options(*sub, words->held, session, true);
     const SettingRange& force = session_setting("max-force")->range;
     add_number_option(*sub, "--max-force", words->options.most_newtons,
-                      "N: no finger's force is above it, whatever is chosen in the panel", force.least,
-                      force.most);
+                      "largest force on a finger, whatever the panel says", force.least, force.most)
+        ->type_name(force.unit);
     words->filters = add_filter_options(*sub, words->clip);
-    begin_group("Expert");
     add_builder_options(*sub, session.builder, {"auto", "cpu", "vulkan"});
     sub->callback([words, &command] {
         command = [words]() -> Result<void> {

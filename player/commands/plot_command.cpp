@@ -137,15 +137,15 @@ Result<void> plot(const PlotOptions& options) {
 }  // namespace
 
 void add_plot_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand("plot", "draw the forces of a run over time, or its ways over a frame");
+    auto* sub =
+        app.add_subcommand("plot", "draw the forces of a run over time, or the fingers' paths over a frame");
     auto options = std::make_shared<PlotOptions>();
-    add_file_option(*sub, "FORCES", options->forces, "forces file (touch --forces)")->required();
+    add_file_option(*sub, "FORCES", options->forces, "forces file (touchable touch --forces)")->required();
     add_file_option(*sub, "PICTURE", options->picture, "PNG file to write")
         ->required()
         ->check(ends_in({".png"}, "a picture"));
-    add_file_option(
-        *sub, "--over", options->over,
-        "instead: where the fingers went over the depth of the frame in this folder (export --out)")
+    add_file_option(*sub, "--over", options->over,
+                    "draw the fingers' paths over depth of the frame in this folder (touchable export --out)")
         ->type_name("FOLDER");
     add_overwrite_option(*sub, options->existing);
     sub->callback([options, &command] { command = [options] { return plot(*options); }; });

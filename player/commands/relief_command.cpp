@@ -43,13 +43,15 @@ Result<void> run_relief(const ReliefTyped& typed, const std::filesystem::path& c
 }  // namespace
 
 void add_relief_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand("relief", "write a clip with a relief to be felt, made of its colour");
+    auto* sub =
+        app.add_subcommand("relief", "write a clip with a relief that can be felt, made from its colour");
     auto typed = std::make_shared<ReliefTyped>();
     ReliefSettings& relief = typed->relief.settings;
     add_clip_options(*sub, typed->clip)->required();
-    typed->many.add_option(*sub, "the clip to write, NAME.mkv")->required();
+    typed->many.add_option(*sub, "clip to write, NAME.mkv")->required();
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, typed->options.existing);
+    begin_topic(*sub, "Relief");
     const char* share = "per cent, -400 to 400";
     add_whole_option(*sub, "--fine", relief.bands[0], std::string("details of 2 to 4 pixels, ") + share, -400,
                      400)
@@ -60,14 +62,16 @@ void add_relief_command(CLI::App& app, Command& command) {
     add_whole_option(*sub, "--coarse", relief.bands[2], std::string("details of 11 to 25 pixels, ") + share,
                      -400, 400)
         ->capture_default_str();
-    add_whole_option(*sub, "--amount", relief.amount, "of all of it, per cent, 0 to 400", 0, 400)
+    add_whole_option(*sub, "--amount", relief.amount, "strength of the whole relief, per cent, 0 to 400", 0,
+                     400)
         ->capture_default_str();
-    sub->add_flag("--invert", relief.invert, "what is dark stands out, not what is bright");
+    sub->add_flag("--invert", relief.invert, "let dark parts stand out, not bright ones");
     add_number_option(*sub, "--max-height", typed->relief.height_mm,
-                      "from the deepest to the highest, mm of the hand, up to 20", 0.001, 20)
+                      "height from the lowest to the highest point, mm of the hand, up to 20", 0.001, 20)
+        ->type_name("MM")
         ->capture_default_str();
     sub->add_flag("--of-world", typed->relief.is_of_world,
-                  "--max-height is mm of the world that was recorded, not of the hand");
+                  "measure --max-height in mm of the recorded world, not of the hand");
     sub->callback([typed, &command] {
         command = [typed] {
             return typed->many.for_each(

@@ -84,19 +84,19 @@ constexpr int largest_side = 8192;
 
 }  // namespace
 
-void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names) {
-    std::string what = "how frames become a surface, all with the same bits:";
-    for (const std::string& name : names) {
-        what += (&name == &names.front() ? " " : ", ") + name;
-        if (name == "lazy") what += " (only where touched)";
-        if (name == "reference") what += " (slow)";
-        if (name == "vulkan") what += " (on a GPU)";
-        if (name == "auto") what += " (what costs least here)";
+void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<const char*>& names) {
+    std::string what = "how frames become a surface. All give the same bits; vulkan: on a GPU";
+    for (const std::string_view name : names) {
+        if (name == "lazy") what += ", lazy: only where it is touched";
+        if (name == "reference") what += ", reference: slow";
+        if (name == "auto") what += ", auto: what costs least here";
     }
-    sub.add_option("--builder", choice.name, what)->check(CLI::IsMember(names))->capture_default_str();
+    begin_topic(sub, expert_topic);
+    add_word_option(sub, "--builder", choice.name, what, names)->default_str(choice.name);
     sub.add_option("--gpu", choice.gpu,
-                   "the GPU of --builder vulkan and --picture, which auto may take: auto, cpu (a Vulkan in "
-                   "software, as lavapipe), or index or part of the name of a device (touchable check)")
+                   "which GPU builds and draws. cpu: Vulkan in software, as lavapipe; GPU: index or part of "
+                   "the name of a device (touchable check lists them)")
+        ->type_name(type_with_words("auto|cpu|GPU", std::array{"auto", "cpu"}))
         ->capture_default_str();
 }
 
@@ -109,21 +109,28 @@ Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu) {
 }
 
 void add_device_options(CLI::App& sub, HeldDeviceWords& words, SessionOptions& session, bool in_window) {
-    sub.add_option(
-           "--device", words.devices,
-           in_window
-               ? "what leads the fingers: mouse, or NAME[:key=value,...] of a device that you hold "
-                 "(docs/devices.md). Several are fingers of one hand. Forces begin when you ask for them"
-               : "live: what is held, NAME[:key=value,...] (touchable devices; docs/devices.md). Several are "
-                 "fingers of one hand. simulated is held by --hand, others by you")
-        ->allow_extra_args(false);
+    begin_topic(sub, "Device");
+    std::vector<std::string> names = device_words();
+    if (in_window) {
+        names.pop_back();  // simulated is moved by a scripted hand
+        names.insert(names.begin(), "mouse");
+    }
+    sub.add_option("--device", words.devices,
+                   std::string(in_window ? "what moves the fingers. Forces start when you ask for them"
+                                         : "haptic device that you hold, with --live. simulated is moved by "
+                                           "--hand") +
+                       "; a device takes :key=value,... (docs/devices.md), and several are fingers of one "
+                       "hand. touchable devices lists those that are connected")
+        ->allow_extra_args(false)
+        ->type_name(type_with_words("DEVICE", names));
     if (!in_window)
         sub.add_flag("--force-on", words.force_on,
-                     "a device that you hold exerts forces from the start; otherwise its button or Enter "
-                     "asks for them");
+                     "let the device exert forces from the start. Otherwise its button or Enter turns them "
+                     "on");
     sub.add_option("--world-from-camera", words.world_from_camera,
-                   "the device's places are in a world (a robot's) that the camera stands in: 16 numbers, "
-                   "row by row, or a file with them");
+                   "where the camera stands in the device's world, such as a robot's. 16 numbers row by row, "
+                   "or a file with them")
+        ->type_name("MATRIX|FILE");
     const SessionSetting& scale = *session_setting("hand-scale");
     add_number_option(sub, "--" + scale.name, session.hand_scale, scale.what, scale.range.least,
                       scale.range.most)
@@ -216,18 +223,19 @@ std::string state_of(const HapticDevice& device, const HandControl& control) {
 }
 
 void add_playback_options(CLI::App& sub, PlaybackTyped& typed) {
-    add_number_option(sub, "--start", typed.start, "seconds: the moment of the clip to begin with", 0,
-                      longest_seconds);
+    begin_topic(sub, "Playback");
+    add_number_option(sub, "--start", typed.start, "where in the clip to begin", 0, longest_seconds)
+        ->type_name("SECONDS");
     add_number_option(sub, "--rate", typed.rate,
-                      "how fast the clip is played, 0.001 to 8; 0.5: in slow motion. Fingers and forces keep "
-                      "their own time",
+                      "playback speed, 0.001 to 8. 0.5: slow motion; fingers and forces keep their own time",
                       slowest_rate * 1e-3, fastest_rate * 1e-3);
-    add_number_option(sub, "--loop", typed.loop,
-                      "two times in seconds: play the clip between them, and again", 0, longest_seconds)
-        ->expected(2);
+    add_number_option(sub, "--loop", typed.loop, "repeat the part between two times in seconds", 0,
+                      longest_seconds)
+        ->expected(2)
+        ->type_name("FROM TO");
     add_file_option(sub, "--play", typed.script,
-                    "a file of commands to the clip's clock at their times: play, pause, rate, seek, step, "
-                    "loop (docs/touch.md)");
+                    "file of timed commands to the clip's clock: play, pause, rate, seek, step, loop "
+                    "(docs/touch.md)");
 }
 
 Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {
@@ -246,30 +254,40 @@ Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {
     return commands;
 }
 
+CLI::Option* add_painter_option(CLI::App& sub, std::string& painter) {
+    return add_word_option(
+               sub, "--painter", painter,
+               "what draws. raster (compute) and mesh (triangles) need Vulkan; auto: the faster of "
+               "the two on a GPU, otherwise what there is",
+               {"auto", "cpu", "raster", "mesh"})
+        ->default_str(painter);
+}
+
 void add_picture_options(CLI::App& sub, PictureOptions& options) {
-    auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene to this PNG file")
+    begin_topic(sub, picture_topic);
+    auto* picture = add_file_option(sub, "--picture", options.file, "draw the scene as a PNG")
                         ->check(ends_in({".png"}, "a picture"));
-    sub.add_option("--view", options.view,
-                   "from where: own (the clip's camera), or orbit:az=DEGREES,el=DEGREES,zoom=Z,fov=DEGREES; "
-                   "what is left out is the clip's camera's")
+    sub.add_option(
+           "--view", options.view,
+           "where to look from. own: the clip's camera; or orbit, with az=DEGREES, el=DEGREES, zoom=Z "
+           "and fov=DEGREES, of which those left out are the clip's camera's")
+        ->type_name(type_with_words("own|orbit:...", std::array{"own", "orbit:KEYS"}))
         ->needs(picture)
         ->capture_default_str();
-    sub.add_option("--painter", options.painter,
-                   "cpu, raster (compute), mesh (triangles), or auto: the faster one of the two on a GPU, "
-                   "else what there is")
+    add_painter_option(sub, options.painter)->needs(picture);
+    sub.add_option("--picture-size", options.size, "size in pixels")
+        ->type_name("WxH")
         ->needs(picture)
-        ->check(CLI::IsMember({"auto", "cpu", "raster", "mesh"}))
         ->capture_default_str();
-    sub.add_option("--picture-size", options.size, "pixels")->needs(picture)->capture_default_str();
     const auto read_overlay = [&options](const std::string& name) -> Result<void> {
         if (name.empty()) return usage_error("names no overlay");
         TRY_ASSIGN(options.show, overlay_after(options.show, name));
         return {};
     };
     add_read_option(sub, "--show", read_overlay,
-                    "coloured by: colour (the clip's), depth (equalised), depth-linear, stiffness, friction "
-                    "(static), dynamic-friction, height, normals, tiles (which are drawn) or validity")
-        ->type_name("WORD")
+                    "what colours the surface. depth: equalised; friction: static; tiles: which are drawn; "
+                    "validity: where there is depth")
+        ->type_name(type_with_words("WORD", overlay_names()))
         ->needs(picture);
 }
 

@@ -17,7 +17,7 @@
 namespace touchable {
 
 /// Adds --builder, which may be one of `names`, and --gpu.
-void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<std::string>& names);
+void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<const char*>& names);
 
 /// Refused (ErrorKind::usage) where GPU options are given and nothing of the run uses a GPU.
 Result<void> check_gpu_options(const BuilderChoice& choice, bool draws_on_gpu);
@@ -75,6 +75,9 @@ struct PictureOptions {
 
     bool draws_on_gpu() const { return file && painter != "cpu"; }
 };
+
+/// Adds --painter, as make_painter takes it.
+CLI::Option* add_painter_option(CLI::App& sub, std::string& painter);
 
 /// Adds --picture FILE, --view, --painter, --picture-size and --show.
 void add_picture_options(CLI::App& sub, PictureOptions& options);

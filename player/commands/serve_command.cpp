@@ -463,45 +463,49 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
 }  // namespace
 
 void add_serve_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand("serve", "send a clip, or a camera, to its listeners");
+    auto* sub = app.add_subcommand("serve", "send a clip or a live camera over the network");
     auto typed = std::make_shared<ServeTyped>();
     add_clip_options(*sub, typed->clip);
-    sub->add_option(
-        "URL", typed->urls,
-        "where it is sent: tcp://HOST:PORT, http://HOST:PORT/NAME or srt://HOST:PORT, at which several "
-        "may listen (HOST is this machine's; port 0 of tcp and http: any that is free); srt:// with "
-        "?mode=caller calls");
-    sub->add_option("--camera", typed->camera,
-                    "sent in place of CLIP: v4l2:/dev/videoN[,key=value,...], pipe:CMD, tcp://HOST:PORT or "
-                    "replay:PATH[,key=value,...] (docs/streaming.md)");
+    sub->add_option("URL", typed->urls,
+                    "where to send: tcp://HOST:PORT, http://HOST:PORT/NAME or srt://HOST:PORT. HOST is this "
+                    "machine's address; several may listen; port 0 of tcp and http is any free one; srt:// "
+                    "with ?mode=caller calls");
     add_camera_options(*sub, typed->clip.camera);
-    sub->add_flag("--loop", typed->options.loop, "the clip from its beginning again and again");
+    sub->add_option("--camera", typed->camera,
+                    "send a live camera instead of CLIP. v4l2 and replay take ,key=value,... "
+                    "(docs/streaming.md)")
+        ->type_name(type_with_words("CAMERA", camera_words()));
+    begin_topic(*sub, "Sending");
+    sub->add_flag("--loop", typed->options.loop, "send the clip again and again");
     add_whole_option(*sub, "--listeners", typed->listeners,
-                     "that are there before it begins, 0 to 64; otherwise 1, and with --loop or --camera 0",
+                     "listeners to wait for before it begins, 0 to 64. By default 1; with --loop or --camera "
+                     "0",
                      0, StreamAudience::most_listeners);
-    add_number_option(*sub, "--seconds", typed->seconds, "end after so many", 0.001, 1e8)->type_name("S");
+    add_number_option(*sub, "--seconds", typed->seconds, "end after so many seconds", 0.001, 1e8)
+        ->type_name("SECONDS");
     sub->add_flag("--mpegts", typed->options.mpegts,
-                  "over srt:// as MPEG-TS, whose colour stock programs show, in place of Matroska");
+                  "send MPEG-TS over srt://, in place of Matroska. Stock programs show its colour");
+    begin_topic(*sub, "HLS");
     add_file_option(
         *sub, "--hls", typed->hls,
-        "a folder, new or of a stream before, for any web server: segments and playlists (HLS), in "
-        "which ordinary players find the colour; a whole clip as fast as it can be encoded")
+        "write HLS (segments and playlists) into a folder, for any web server. New or of an earlier "
+        "stream; ordinary players show the colour; a whole clip as fast as it can be encoded")
         ->type_name("FOLDER");
     add_number_option(*sub, "--hls-segment", typed->hls_segment, "length of a segment, 0.5 to 10 (default 1)",
                       0.5, 10)
-        ->type_name("S");
+        ->type_name("SECONDS");
     add_number_option(
         *sub, "--hls-window", typed->hls_window,
-        "live: so much of the stream is in the playlists, 3 to 86400 (default 20 with --loop or "
-        "--camera; otherwise all of the clip)",
+        "how much of the stream the playlists hold, 3 to 86400. 20 by default with --loop or --camera; "
+        "otherwise all of the clip",
         3, 86400)
-        ->type_name("S");
-    sub->add_option(
-           "--hls-low", typed->hls_low,
-           "on or off (default): a second level of about half the bytes, which viewers read where the "
-           "link is narrow: coarser colour, and every second frameset")
-        ->check(CLI::IsMember({"on", "off"}));
-    add_file_option(*sub, "--json", typed->options.json, "write the report there; - is standard output");
+        ->type_name("SECONDS");
+    add_word_option(*sub, "--hls-low", typed->hls_low,
+                    "add a second level of about half the bytes, for slow links. Coarser colour, and every "
+                    "second frame; off by default",
+                    {"on", "off"});
+    begin_topic(*sub, files_topic);
+    add_file_option(*sub, "--json", typed->options.json, "write the report as JSON. -: to standard output");
     add_overwrite_option(*sub, typed->options.existing);
     sub->callback([typed, &command] {
         command = [typed]() -> Result<void> {

@@ -46,7 +46,7 @@ Result<void> check_replay(const CLI::App& command) {
                                      "--builder", "--gpu",   "--painter"};
     for (const CLI::Option* const option : command.get_options()) {
         const std::string &group = option->get_group(), name = option->get_name();
-        if (option->count() > 0 && group != "Files" && group != "A picture" && !free.contains(name))
+        if (option->count() > 0 && group != files_topic && group != picture_topic && !free.contains(name))
             return usage_error(name + " comes from the recording; leave it out with --replay");
     }
     return {};
@@ -75,36 +75,38 @@ Result<TouchOptions> read_words(const TouchWords& words) {
 
 /// What is written of the run.
 void add_file_options(CLI::App& sub, TouchOptions& o) {
-    add_file_option(sub, "--json", o.json, "write the figures as JSON; -: to standard output");
+    begin_topic(sub, files_topic);
+    add_file_option(sub, "--json", o.json, "write the figures as JSON. -: to standard output");
     add_file_option(sub, "--forces", o.forces,
-                    "write goal, proxy and force of every tick and finger as CSV; -: to standard output");
+                    "write goal, proxy and force of every tick and finger as CSV. -: to standard output");
     add_file_option(sub, "--device-log", o.device_log,
-                    "of a device that you hold: places, buttons and forces of every tick as CSV, which "
-                    "replays as a device; -: to standard output");
-    auto* record = add_file_option(sub, "--record", o.record, "keep what it takes to repeat the run");
+                    "write positions, buttons and forces of a device that you hold as CSV. It replays as the "
+                    "device recorded; -: to standard output");
+    auto* record = add_file_option(sub, "--record", o.record, "save what it takes to repeat the run");
     auto* replay =
         add_file_option(sub, "--replay", o.replay, "repeat a recorded run and compare every force with it");
     record->excludes(replay);
     add_overwrite_option(sub, o.existing);
-    sub.add_flag("--verbose", o.verbose, "print the whole table of figures, not the four lines of it");
-    sub.add_flag("--strict", o.strict, "end with code 6 where the first line is a warning");
+    sub.add_flag("--verbose", o.verbose, "print all figures, not only the first four lines");
+    sub.add_flag("--strict", o.strict, "exit with code 6 if the first line is a warning");
 }
 
 /// What touches, and for how long.
 void add_hand_options(CLI::App& sub, TouchWords& words) {
     SessionOptions& session = words.options.session;
-    sub.add_flag("--live", session.live, "in real time on the wall clock, each part on a thread of its own");
-    sub.add_option(
-           "--hand", session.hand,
-           "wander, stroke, press, poke, csv:FILE or rec:FILE, each with :key=value,... (docs/touch.md)")
+    begin_topic(sub, "Hand");
+    sub.add_flag("--live", session.live, "run in real time on the wall clock. Each part has its own thread");
+    sub.add_option("--hand", session.hand, "how the hand moves. Each takes :key=value,... (docs/touch.md)")
+        ->type_name(type_with_words("HAND", hand_words()))
         ->capture_default_str();
-    add_whole_option(sub, "--fingers", session.fingers, "copies of the hand's path, spread on a circle", 1,
-                     256)
+    add_whole_option(sub, "--fingers", session.fingers,
+                     "number of fingers. They copy the hand's path, spread on a circle", 1, 256)
         ->capture_default_str();
     add_number_option(sub, "--seconds", words.seconds,
-                      "length of the run; otherwise that of a recorded hand or device; with a device that "
-                      "you hold until Ctrl-C; else the clip's and at least 3",
-                      0.001, 1e6);
+                      "length of the run. By default that of a recorded hand or device; with a device that "
+                      "you hold, until Ctrl-C; otherwise the clip's, but at least 3",
+                      0.001, 1e6)
+        ->type_name("SECONDS");
 }
 
 /// A run's setting. Numbers may be any: the run refuses those that cannot be.
@@ -119,55 +121,51 @@ CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, Se
         setting.set(*number, session);
         return {};
     };
-    return add_read_option(sub, "--" + setting.name, read,
-                           (is_number ? range.unit : range.in_words()) + ". " + setting.what)
+    return add_read_option(sub, "--" + setting.name, read, setting.what)
         ->default_str(setting.usual)
-        ->type_name(is_number ? "FLOAT" : "WORD");
+        ->type_name(!is_number    ? type_with_words("WORD", range.words)
+                    : *range.unit ? range.unit
+                                  : "NUMBER");
 }
 
 /// How forces come about. Few people need most of it.
 void add_force_options(CLI::App& sub, SessionOptions& session) {
+    begin_topic(sub, expert_topic);
     sub.add_flag("--start-buried", session.start_buried,
-                 "live: a finger that is inside the surface when it first meets it is pushed out at once; "
-                 "otherwise it feels nothing until it has been free");
+                 "push out a finger that starts inside the surface at once, with --live. Otherwise it feels "
+                 "nothing until it has been free");
     for (const SessionSetting& setting : run_settings())
         if (setting.of == SettingOf::felt || setting.of == SettingOf::expert)
             add_setting_option(sub, setting, session);
-    for (const char* limit : {"--max-force", "--max-stiffness"}) sub.get_option(limit)->group("The hand");
-    sub.get_option("--interpolation")->group("Filters of depth");
+    for (const char* limit : {"--max-force", "--max-stiffness"}) sub.get_option(limit)->group("Hand");
+    sub.get_option("--interpolation")->group("Playback");
 }
 
 }  // namespace
 
 void add_touch_command(CLI::App& app, Command& command) {
-    auto* sub = app.add_subcommand(
-        "touch", "touch a clip with a scripted or recorded hand: forces, figures, a recording");
+    auto* sub =
+        app.add_subcommand("touch", "touch a clip without a window, by a scripted hand or a haptic device");
     auto words = std::make_shared<TouchWords>();
     TouchOptions& o = words->options;
     words->command = sub;
-    // In the help each option stands under what it is about; what few people need comes last.
-    const auto begin_group = [sub](const char* name) { sub->option_defaults()->group(name); };
-    begin_group("The clip");
     words->clip_word = add_clip_options(*sub, words->clip);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
     add_live_camera_option(*sub, o.session);
     words->latency = add_latency_option(*sub, o.session);
     add_stale_after_option(*sub, words->stale_after_ms);
-    begin_group("The hand");
     add_hand_options(*sub, *words);
     add_device_options(*sub, o.held, o.session, false);
     add_filter_options(*sub, words->clip);
-    begin_group("Files");
     add_file_options(*sub, o);
-    begin_group("A picture");
     add_picture_options(*sub, o.picture);
-    add_number_option(
-        *sub, "--picture-at", words->picture_seconds,
-        "the moment drawn, seconds; otherwise 60 % of the run (of 3 s where its length is not known)", 0, 1e6)
+    add_number_option(*sub, "--picture-at", words->picture_seconds,
+                      "when to draw. By default at 60 % of the run (of 3 s where its length is not known)", 0,
+                      1e6)
+        ->type_name("SECONDS")
         ->needs("--picture");
-    begin_group("Expert");
-    sub->get_option("--painter")->group("Expert");
+    sub->get_option("--painter")->group(expert_topic);
     add_force_options(*sub, o.session);
     add_builder_options(*sub, o.session.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
     sub->callback([words, &command] {

@@ -277,16 +277,16 @@ void draw_bar(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& fram
 constexpr struct {
     Overlay overlay;
     const char* name;
-} overlay_names[] = {{Overlay::colour, "colour"},
-                     {Overlay::depth, "depth"},
-                     {Overlay::depth_linear, "depth-linear"},
-                     {Overlay::stiffness, "stiffness"},
-                     {Overlay::static_friction, "friction"},
-                     {Overlay::dynamic_friction, "dynamic-friction"},
-                     {Overlay::height, "height"},
-                     {Overlay::normals, "normals"},
-                     {Overlay::tiles, "tiles"},
-                     {Overlay::validity, "validity"}};
+} named_overlays[] = {{Overlay::colour, "colour"},
+                      {Overlay::depth, "depth"},
+                      {Overlay::depth_linear, "depth-linear"},
+                      {Overlay::stiffness, "stiffness"},
+                      {Overlay::static_friction, "friction"},
+                      {Overlay::dynamic_friction, "dynamic-friction"},
+                      {Overlay::height, "height"},
+                      {Overlay::normals, "normals"},
+                      {Overlay::tiles, "tiles"},
+                      {Overlay::validity, "validity"}};
 
 /// Linear light of sRGB's primaries (OKLab: Ottosson 2020).
 glm::dvec3 linear_rgb(double lightness, double a, double b) {
@@ -308,20 +308,25 @@ std::uint32_t byte_of_light(double light_share) {
 }  // namespace
 
 std::string name_of(Overlay overlay) {
-    for (const auto& named : overlay_names)
+    for (const auto& named : named_overlays)
         if (named.overlay == overlay) return named.name;
     return "";
 }
 
+std::vector<std::string> overlay_names() {
+    std::vector<std::string> names;
+    for (const auto& named : named_overlays) names.emplace_back(named.name);
+    return names;
+}
+
 Result<Overlay> overlay_after(Overlay now, const std::string& name) {
-    std::string known;
-    for (std::size_t k = 0; k < std::size(overlay_names); ++k) {
-        if (name.empty() && overlay_names[k].overlay == now)
-            return overlay_names[(k + 1) % std::size(overlay_names)].overlay;
-        if (name == overlay_names[k].name) return overlay_names[k].overlay;
-        known += (known.empty() ? "" : ", ") + std::string(overlay_names[k].name);
+    for (std::size_t k = 0; k < std::size(named_overlays); ++k) {
+        if (name.empty() && named_overlays[k].overlay == now)
+            return named_overlays[(k + 1) % std::size(named_overlays)].overlay;
+        if (name == named_overlays[k].name) return named_overlays[k].overlay;
     }
-    return usage_error("there is no overlay '" + name + "'; there are " + known);
+    return usage_error("unknown overlay '" + printable(name) + "'; must be one of " +
+                       listed(overlay_names()));
 }
 
 double Overlays::Scale::share_of(double value) const {

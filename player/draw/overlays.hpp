@@ -19,6 +19,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"
@@ -44,6 +46,8 @@ enum class Overlay {
 
 /// The name that options and scripts have for it.
 std::string name_of(Overlay overlay);
+/// All of them.
+std::vector<std::string> overlay_names();
 /// The overlay of that name; the one after `now` where the name is empty, and from the last to the first.
 /// Refused (ErrorKind::usage) with the right names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);

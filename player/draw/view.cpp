@@ -359,7 +359,7 @@ Result<Viewpoint> parse_viewpoint(const std::string& words) {
     std::string_view rest = words;
     if (!rest.starts_with("orbit") || (rest.size() > 5 && rest[5] != ':'))
         return usage_error(
-            "view '" + words + "' is not known; there are own, and orbit such as " + usual_viewpoint,
+            "view '" + words + "' is not allowed; must be own, or orbit such as " + usual_viewpoint,
             {{Setting::view}});
     rest.remove_prefix(std::min<std::size_t>(rest.size(), 6));
     std::set<std::string_view> read;

@@ -174,6 +174,17 @@ private:
 
 }  // namespace
 
+std::vector<std::string> camera_words() {
+    std::vector<std::string> words;
+    for (const auto& [kind, place] : {std::pair{plugged_kind, "/dev/videoN"},
+                                      {pipe_kind, "CMD"},
+                                      {tcp_kind, "HOST:PORT"},
+                                      {stream_kind, "ADDRESS"},
+                                      {replay_kind, "PATH"}})
+        words.push_back(std::string(kind) + place);
+    return words;
+}
+
 Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words) {
     if (words.starts_with(plugged_kind)) return read_plugged(words);
     if (words.starts_with(replay_kind)) return read_replay(words);

@@ -249,6 +249,8 @@ private:
     Result<std::unique_ptr<ClipReader>> open_anew(Colour colour) const;
 };
 
+/// What read_live_camera takes, without keys: "v4l2:/dev/videoN", ...
+std::vector<std::string> camera_words();
 /// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or
 /// "replay:PATH[,key=value...]" (docs/streaming.md); PATH ends with the first comma. Starts and opens
 /// nothing. Refuses (ErrorKind::usage) what is no such description, and names what would be right.

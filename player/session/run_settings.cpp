@@ -62,25 +62,25 @@ std::vector<SessionSetting> all_settings() {
     std::vector<SessionSetting> all{
         setting_row(
             felt, "metric",
-            "How lengths are measured: as they are (world), or in two ways that are there to compare: by "
+            "How lengths are measured. As they are (world), or in two ways that are there to compare: in "
             "pixels and grey levels, as the first papers did (pixel), or those made equal (scaled).",
             {.words = {"world", "pixel", "scaled"}},
             [](auto& run) -> auto& { return Place::touch(run).metric; }),
         setting_row(
             felt, "interpolation",
-            "Between two frames the surface moves smoothly (linear), or it waits for the next (hold).",
+            "How the surface moves between two frames: smoothly (linear), or not until the next (hold).",
             {.words = {"hold", "linear"}}, [](auto& run) -> auto& { return Place::interpolation(run); }),
         // No more than a pointer exerts in a window.
-        setting_row(felt, "max-force", "No force on a finger is ever larger.",
+        setting_row(felt, "max-force", "The largest force on a finger.",
                     {.least = 0.1, .most = 20, .unit = "N"}, in_guard(&GuardSettings::max_force)),
         setting_row(
             felt, "max-stiffness",
-            "How hard the surface can be at most: newtons for each millimetre that a finger is pressed in.",
+            "How hard the surface can be at most. Newtons for each millimetre that a finger is pressed in.",
             {.least = 0.1, .most = 10, .unit = "N/mm"}, in_guard(&GuardSettings::max_stiffness), per_mm),
         setting_row(
             device, "hand-scale",
-            "How far a finger goes for a way of the hand: at 1 the picture fits into the device's reach, "
-            "below it is finer.",
+            "Scale from device motion to scene motion. 1: the device's reach covers the picture; 0.5: half "
+            "as far.",
             {.least = 0.01, .most = 100, .by_ratio = true},
             [](auto& run) -> auto& { return run.hand_scale; }),
         {.name = "filters",
@@ -131,22 +131,22 @@ std::vector<SessionSetting> all_settings() {
          .get = [](const TouchSetup& setup) { return std::string(setup.clip.painted ? "on" : "off"); }},
         setting_row(
             expert, "stribeck",
-            "Friction falls from static to dynamic about this speed; 0: the moment it slides.",
+            "Speed about which friction falls from static to dynamic. 0: as soon as the finger slides.",
             {.unit = "m/s"}, [](auto& run) -> auto& { return Place::touch(run).stribeck_speed; }),
         setting_row(
             expert, "stiffness",
-            "In contact it is the clip's (map), or rises only as far as losses pay for (passive).",
+            "Stiffness in contact: the clip's (map), or rising only as far as losses pay for it (passive).",
             {.words = {"map", "passive"}}, [](auto& run) -> auto& { return Place::guard(run).rise.paid; }),
         {.name = "stiffness-slew",
-         .what = "How fast stiffness may rise in contact; otherwise at once.",
+         .what = "How fast stiffness may rise in contact. By default at once.",
          .of = expert,
          .range = {.unit = "N/mm per second"},
          .set = [](double slew,
                    SessionOptions& options) { options.guard.rise.per_tick = slew * per_mm * tick_seconds; }},
-        setting_row(expert, "damping", "Beside the spring, against the hand's motion.", {.unit = "N s/m"},
+        setting_row(expert, "damping", "Damping of the hand's motion, beside the spring.", {.unit = "N s/m"},
                     in_guard(&GuardSettings::damping)),
         setting_row(expert, "passivity",
-                    "The most by which a controller may brake to take back created energy; 0: off.",
+                    "The most damping that may take back energy created by the controller. 0: off.",
                     {.unit = "N s/m"}, in_guard(&GuardSettings::passivity))};
     all.insert(all.end(), rest.begin(), rest.end());
     return all;

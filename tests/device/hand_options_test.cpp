@@ -58,8 +58,9 @@ TEST(MakeHand, RefusesUnknownHandsKeysAndCounts) {
         return hand.error().message;
     };
     EXPECT_EQ(refusal("wave", 1),
-              "unknown hand 'wave'; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
-    EXPECT_EQ(refusal("", 1), "unknown hand ''; hands are wander, stroke, press, poke, csv:FILE, rec:FILE");
+              "unknown hand 'wave'; must be one of wander, stroke, press, poke, csv:FILE, rec:FILE");
+    EXPECT_EQ(refusal("", 1),
+              "unknown hand ''; must be one of wander, stroke, press, poke, csv:FILE, rec:FILE");
     EXPECT_EQ(refusal("wander", 0), "a hand has 1 to 256 fingers, not 0");
     EXPECT_EQ(refusal("wander:speed=1.5,max_speed=1", 1),
               "hand 'wander': max_speed is below speed; raise it to at least speed");

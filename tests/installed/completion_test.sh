@@ -37,7 +37,7 @@ expect 'play plot' pl
 expect 'clip.mkv' cl
 expect '--version' --v
 expect 'info init-scene' help in
-expect '' help info ''
+expect 'all camera clip facts files filters help' help info ''
 expect 'globe grain' make g
 expect '--json' touch --js
 expect '--fill-from-motion --fill-holes --filters --fingers --force-on --forces --fov' touch --f
@@ -52,11 +52,24 @@ expect 'lazy' touch --builder = l
 expect '' touch --fingers ''
 expect '--fullscreen' clip.mkv --fu  # a file is played
 
-# Every command of the program, and every option of its help.
-commands=$("$program" -h | awk '/^Subcommands:/ { within = 1; next } within && /^  [^ ]/ { print $1 }')
+expect 'depth depth-linear dynamic-friction' touch clip.mkv --show d
+expect 'csv:' touch --hand c
+expect 'mouse' play clip.mkv --device m
+expect 'camera' help play ca
+expect 'device' play --help d
+
+# Every command of the program, every option, and every value that is one of a list.
+table=$("$program" --list-options)
+commands=$(awk -F '\t' '$1 == "command" && $2 != "touchable" { print $2 }' <<<"$table")
 for command in $commands; do
-    wanted=$("$program" help "$command" | grep -o '^  -[a-z,-]*' | tr ', ' '\n\n' | grep -e - | sort | paste -s -d ' ')
+    wanted=$(awk -F '\t' -v command="$command" '$1 == "option" && $2 == command && $3 != "Arguments" { gsub(/, /, "\n", $4); print $4 }' <<<"$table" |
+        sort | paste -s -d ' ')
     expect "$wanted" "$command" -
 done
-[[ $(wc -w <<<"$commands") -gt 10 ]] || { echo "the help names few commands: $commands"; faults=1; }
+values=0
+while IFS=$'\t' read -r command option words; do
+    expect "$(tr , '\n' <<<"$words" | sed -E 's/\[.*//; s/([:=]).*/\1/' | sort | paste -s -d ' ')" "$command" "$option" ''
+    values=$((values + 1))
+done < <(awk -F '\t' -v OFS='\t' '$1 == "option" && $4 ~ /^--/ && $6 != "" { print $2, $4, $6 }' <<<"$table")
+[[ $(wc -w <<<"$commands") -gt 10 && $values -gt 20 ]] || { echo "few commands and values: $commands, $values"; faults=1; }
 ((faults == 0))

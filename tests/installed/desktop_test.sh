@@ -19,7 +19,7 @@ update-mime-database "$work/mime" >"$work/said" 2>&1 || { cat "$work/said"; exit
 grep -q '^application/x-mcap$' "$work/mime/types"
 
 # A page for the program and for each command, each with its options and without a word of roff's against it.
-commands=$("$program" -h | awk '/^Subcommands:/ { within = 1; next } within && /^  [^ ]/ { print $1 }')
+commands=$("$program" --list-options | awk -F '\t' '$1 == "command" && $2 != "touchable" { print $2 }')
 pages=$(cd "$built/man" && ls)
 wanted=$({ echo touchable.1.gz; printf 'touchable-%s.1.gz\n' $commands; } | sort)
 diff <(LC_ALL=C sort <<<"$pages") <(LC_ALL=C sort <<<"$wanted") || { echo "these pages differ from the program's commands"; exit 1; }
@@ -29,7 +29,7 @@ for page in $pages; do
 done
 for command in $commands; do
     LC_ALL=C MANWIDTH=1000 man --local-file "$built/man/touchable-$command.1.gz" >"$work/page"
-    "$program" help "$command" | grep -o -E '^  (-[a-z],)?--[a-z-]+' | sed 's/.*--/--/' | while read -r option; do
+    "$program" help "$command" all | grep -o -E '^  (-[a-z], )?--[a-z-]+' | sed 's/.*--/--/' | while read -r option; do
         grep -q -E -e "(^|[ ,])$option( |\$)" "$work/page" || { echo "the page of $command lacks $option"; exit 1; }
     done
 done

@@ -157,11 +157,11 @@ TEST_F(Picture, OfManyFramesIsRefused) {
 
 TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
     expect_refused(touch({"--view", "above"}), 2,
-                   "--view 'above' is not known; there are own, and orbit such");
+                   "--view 'above' is not allowed; must be own, or orbit such");
     expect_refused(touch({"--view", "orbit:az=1,el=2,az=3"}), 2, "az is given twice");
     expect_refused(touch({"--view", "orbit:zoom=99"}), 2, "zoom must be a number from 0.1 to 20");
     for (const char* size : {"10", "0x10", "10x", "10x9000", "1e2x10", "-5x5"})
-        expect_refused(touch({"--picture-size", size}), 2, std::string("--picture-size '") + size);
+        expect_refused(touch({"--picture-size", size}), 2, std::string("--picture-size: ") + size);
     expect_refused(run_touchable({"touch", clip(), "--seconds", "0.1", "--picture", folder / "no/where.png"}),
                    3, "--picture");
     const TemporaryFolder elsewhere;
@@ -174,7 +174,7 @@ TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
     EXPECT_EQ(run_touchable({"touch", clip(), "--show", "depth"}).code, 2);
     expect_refused(
         touch({"--show", "smell"}), 2,
-        "there is no overlay 'smell'; there are colour, depth, depth-linear, stiffness, friction,");
+        "unknown overlay 'smell'; must be one of colour, depth, depth-linear, stiffness, friction,");
     EXPECT_EQ(run_touchable({"touch", clip(), "--picture-at", "1"}).code, 2);
 }
 
