@@ -13,7 +13,7 @@
 
 namespace touchable::test {
 
-/// What h5import makes a data set of.
+/// The input of h5import for a data set.
 struct Hdf5Numbers {
     std::string path;  ///< without the slash before it
     std::vector<int> shape;

@@ -10,14 +10,16 @@
 
 namespace touchable::test {
 
-/// A .npy file of floats of 32 bits, as NumPy writes it.
-inline std::string npy_bytes(const std::string& shape, const std::vector<float>& numbers) {
-    std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + shape + "), }";
+/// The header of a .npy file, as NumPy writes it.
+inline std::string npy_header(const std::string& type, const std::string& shape) {
+    std::string text = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }";
     text.resize(117, ' ');
-    text += '\n';
-    std::string bytes = std::string("\x93NUMPY\1\0v\0", 10) + text;
-    bytes.append(reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size());
-    return bytes;
+    return std::string("\x93NUMPY\1\0v\0", 10) + text + '\n';
+}
+
+/// A .npy file of floats of 32 bits.
+inline std::string npy_bytes(const std::string& shape, const std::vector<float>& numbers) {
+    return npy_header("<f4", shape).append(reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size());
 }
 
 /// A .npz file of such arrays, packed.

@@ -1,15 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <optional>
 #include <string>
 
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/picture/raw_png.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 namespace {
@@ -30,8 +27,9 @@ std::string rows_of(int row_bytes, int rows) {
     return bytes;
 }
 
-TEST(PngKinds, GreyOfFewBitsIsAsItWasStored) {
-    const TemporaryFolder folder;
+using PngKinds = FolderTest;
+
+TEST_F(PngKinds, KeepsGreyOfFewBits) {
     for (const int bits : {2, 4}) {
         const std::string rows = rows_of(6 * bits, 5);
         const auto image = read_png(folder, raw_png({48, 5, bits}, rows));
@@ -48,8 +46,7 @@ TEST(PngKinds, GreyOfFewBitsIsAsItWasStored) {
 }
 
 /// Wide enough for rows to be whole pages of memory, and more of them than are copied at once.
-TEST(PngKinds, LargePicturesAreAsTheyWereStored) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, KeepsLargePictures) {
     constexpr int width = 3000, height = 150;
     const std::string palette = png_chunk("PLTE", rows_of(3 * 256, 1).substr(1));
     struct Case {
@@ -81,20 +78,11 @@ TEST(PngKinds, LargePicturesAreAsTheyWereStored) {
     }
 }
 
-/// The most memory that this process has had since it was told to look anew, KiB.
-std::optional<long> most_memory() {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.starts_with("VmHWM:")) return std::stol(line.substr(6));
-    return {};
-}
-
-TEST(PngKinds, WhatStandsBeforeTheHeaderIsRefused) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, RefusesChunkBeforeHeader) {
     std::string png = raw_png({48, 5, 4}, rows_of(24, 5));
     constexpr std::size_t signature = 8;
     png.insert(signature, png_chunk("prVt", std::string(13, '\0')));
-    EXPECT_NE(message(read_png(folder, png)).find("must begin with its header, IHDR"), std::string::npos);
+    EXPECT_TRUE(is_refused(read_png(folder, png), "must begin with its header, IHDR"));
 }
 
 /// A row of 16 indices of so many bits, and a palette.
@@ -116,8 +104,7 @@ std::string indexed_png(int bits, const std::vector<int>& indices, int colours,
                    png_chunk("PLTE", palette) + more);
 }
 
-TEST(PngKinds, PalettesOfAnyBitsBecomeTheirColoursWhateverTheirTransparency) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, ReadsPalettesOfAnyBits) {
     for (const int bits : {1, 2, 4, 8})
         for (const std::string& more : {std::string(), png_chunk("tRNS", std::string("\0\x80", 2))}) {
             std::vector<int> indices;
@@ -134,8 +121,7 @@ TEST(PngKinds, PalettesOfAnyBitsBecomeTheirColoursWhateverTheirTransparency) {
         }
 }
 
-TEST(PngKinds, AnIndexBeyondItsPaletteIsRefused) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, RefusesIndexBeyondPalette) {
     for (const int bits : {1, 2, 4, 8}) {
         std::vector<int> indices(16);
         indices[13] = 1;
@@ -148,21 +134,15 @@ TEST(PngKinds, AnIndexBeyondItsPaletteIsRefused) {
     EXPECT_NE(message(read_png(folder, raw_png({1, 1, 8, 3}, std::string(2, '\0')))), "") << "no palette";
 }
 
-TEST(PngKinds, LargePicturesAreHeldOnce) {
-#ifdef TOUCHABLE_SANITIZED
-    GTEST_SKIP() << "a sanitizer keeps what is freed";
-#endif
-    const TemporaryFolder folder;
+TEST_F(PngKinds, HoldsLargePicturesOnce) {
     constexpr int width = 4096, height = 3000;
-    constexpr long picture = 3L * width * height / 1024;
+    constexpr double picture = 3.0 * width * height / (1 << 20);
     write_bytes(folder / "image.png",
                 raw_png({width, height, 8, 2}, std::string((3 * width + 1) * height, '\0')));
-    if (!(std::ofstream("/proc/self/clear_refs") << 5 << std::flush)) GTEST_SKIP() << "it cannot be measured";
-    const auto before = most_memory();
-    const auto image = read_image(folder / "image.png");
-    ASSERT_EQ(message(image), "");
+    const PeakMemory memory;
+    const auto image = must(read_image(folder / "image.png"));
     // The file and the decoder's copy of it, which are as large here, beside it.
-    EXPECT_LT(*most_memory() - *before, 3 * picture + picture / 3);
+    EXPECT_LT(memory.mebibytes(), 3 * picture + picture / 3);
 }
 
 /// A folder of one depth picture of 4 bits, and a colour picture that is the same.
@@ -181,10 +161,9 @@ std::string refusal_of_four_bits(const std::string& depth, std::vector<RawFrame>
     return message(read);
 }
 
-TEST(PngKinds, FewBitsMustHoldTheScenesCodes) {
-    EXPECT_NE(refusal_of_four_bits(R"({"coding": "linear", "near": 10, "far": 20})")
-                  .find("is 4-bit grey, but the scene's depth.code_max is 255: must be at most 15"),
-              std::string::npos);
+TEST_F(PngKinds, RefusesTooFewBits) {
+    EXPECT_TRUE(has_words(refusal_of_four_bits(R"({"coding": "linear", "near": 10, "far": 20})"),
+                          "is 4-bit grey, but the scene's depth.code_max is 255: must be at most 15"));
     EXPECT_EQ(refusal_of_four_bits(R"({"coding": "linear", "near": 10, "far": 20, "code_max": 15})"), "");
     std::vector<RawFrame> frames;
     EXPECT_EQ(refusal_of_four_bits(R"({"coding": "metric", "scale": 1, "far": 20, "bits": 8})", &frames), "");
@@ -193,8 +172,7 @@ TEST(PngKinds, FewBitsMustHoldTheScenesCodes) {
         ASSERT_EQ(frames[0].colour.sample(x, 1, 2), 17 * frames[0].depth.sample(x, 1)) << x;
 }
 
-TEST(PngKinds, DataThatEndBeforeThePictureAreFoundOut) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, RefusesDataThatEndEarly) {
     const std::string palette = png_chunk("PLTE", std::string(3 * 256, '\x55'));
     const std::string transparent = png_chunk("tRNS", std::string(2, '\0'));
     struct Case {
@@ -217,13 +195,11 @@ TEST(PngKinds, DataThatEndBeforeThePictureAreFoundOut) {
     }
 }
 
-TEST(PngKinds, InterlacedPicturesAreSeenButNotTouched) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, ReadsInterlacedColourOnly) {
     // 4x1: passes 1 (pixel 0), 4 (pixel 2) and 6 (pixels 1 and 3).
     write_bytes(folder / "i.png", raw_png({4, 1, 8, 0, 1}, std::string("\0\x0a\0\x0c\0\x0b\x0d", 7)));
-    const auto image = read_image(folder / "i.png");
-    ASSERT_EQ(message(image), "");
-    EXPECT_EQ(image->samples, (Samples{10, 11, 12, 13}));
+    const auto image = must(read_image(folder / "i.png"));
+    EXPECT_EQ(image.samples, (Samples{10, 11, 12, 13}));
     write_bytes(folder / "d.png", raw_png({4, 1}, std::string("\0\x0a\x0b\x0c\x0d", 5)));
     Scene scene = small_scene(4, 1);
     scene.folder = FolderSource{.depth = "d.png", .colour = "i.png", .haptic = "", .height = ""};
@@ -231,8 +207,7 @@ TEST(PngKinds, InterlacedPicturesAreSeenButNotTouched) {
     EXPECT_EQ(message(open_clip(folder / "scene.json")), "");
     scene.folder->depth = "i.png";
     write_bytes(folder / "scene.json", scene_to_json(scene));
-    EXPECT_NE(message(open_clip(folder / "scene.json")).find("i.png (depth, frame 0): is an interlaced PNG"),
-              std::string::npos);
+    EXPECT_TRUE(is_refused(open_clip(folder / "scene.json"), "i.png (depth, frame 0): is an interlaced PNG"));
 }
 
 /// Deflated with fixed codes: zeros, 258 at a time.
@@ -257,18 +232,16 @@ std::string packed_zeros(std::size_t count) {
 }
 
 /// FFmpeg would unpack all of it: time that no picture needs.
-TEST(PngKinds, RefusesDataBehindPixels) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, RefusesDataBehindPixels) {
     const std::string rows = rows_of(8, 4);
     EXPECT_EQ(message(read_png(folder, raw_png({4, 4, 16}, rows + std::string(60'000, '\0')))), "");
     const std::string refusal =
         message(read_png(folder, raw_png({4, 4, 16}, rows + std::string(70'000, '\0'))));
-    EXPECT_NE(refusal.find("is damaged: has 700"), std::string::npos) << refusal;
-    EXPECT_NE(refusal.find(" bytes of data for 16 pixels"), std::string::npos) << refusal;
+    EXPECT_TRUE(has_words(refusal, "is damaged: has 700"));
+    EXPECT_TRUE(has_words(refusal, " bytes of data for 16 pixels"));
 }
 
-TEST(PngKinds, PassesOverPackedTexts) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, PassesOverPackedTexts) {
     const std::string rows = rows_of(8, 4), bomb = std::string("a\0\0", 3) + packed_zeros(256U << 20U);
     for (const char* name : {"zTXt", "iCCP"}) {
         const std::string png = raw_png({4, 4, 16}, rows, true, png_chunk(name, bomb));
@@ -277,12 +250,10 @@ TEST(PngKinds, PassesOverPackedTexts) {
     }
 }
 
-TEST(PngKinds, PixelsThatAreWrittenAreSquare) {
-    const TemporaryFolder folder;
+TEST_F(PngKinds, WritesSquarePixels) {
     const std::uint8_t grey = 7;
     ASSERT_TRUE(write_png(folder / "image.png", PlaneView{&grey, 1, 1, 1, 1, 1}));
-    std::ifstream file(folder / "image.png", std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const std::string bytes = read_bytes(folder / "image.png");
     const auto shape = bytes.find("pHYs");
     if (shape == std::string::npos) return;  // which means that they are square, too
     EXPECT_EQ(bytes.substr(shape + 4, 8), std::string("\0\0\0\1\0\0\0\1", 8));

@@ -14,7 +14,7 @@ extern "C" {
 
 namespace touchable::test {
 
-/// What a PNG says of its pictures: bits of a sample, kind (0 grey, 2 RGB, 3 palette), interlacing.
+/// The header's fields: bits of a sample, kind (0 grey, 2 RGB, 3 palette), interlacing.
 struct PngKind {
     int width, height, bits = 8, colour = 0, interlaced = 0;
 };

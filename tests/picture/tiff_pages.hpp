@@ -10,6 +10,13 @@
 
 namespace touchable::test {
 
+/// A number of so many bytes.
+inline std::string tiff_number(std::uint64_t value, int bytes, bool big) {
+    std::string text = big_endian(value, bytes);
+    if (!big) std::reverse(text.begin(), text.end());
+    return text;
+}
+
 /// A page of a TIFF: grey integers in one strip, not packed.
 struct TiffPageOf {
     int width = 0, height = 0;
@@ -30,11 +37,7 @@ inline TiffPageOf even_page(std::uint32_t code, int width = 7, int height = 5, i
 /// The whole file; `behind_last` is where the last directory says that another one is.
 inline std::string tiff_pages(const std::vector<TiffPageOf>& pages, bool big = false,
                               std::uint32_t behind_last = 0) {
-    const auto number = [big](std::uint64_t value, int bytes) {
-        std::string text = big_endian(value, bytes);
-        if (!big) std::reverse(text.begin(), text.end());
-        return text;
-    };
+    const auto number = [big](std::uint64_t value, int bytes) { return tiff_number(value, bytes, big); };
     std::string file = (big ? std::string("MM\0*", 4) : std::string("II*\0", 4)) + number(8, 4);
     for (std::size_t k = 0; k < pages.size(); ++k) {
         const TiffPageOf& page = pages[k];

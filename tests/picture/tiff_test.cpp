@@ -5,21 +5,14 @@
 #include <bit>
 
 #include "engine/picture/image.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/results.hpp"
 #include "tests/picture/tiff_pages.hpp"
 
 namespace touchable::test {
 namespace {
-
-/// A number of so many bytes.
-std::string tiff_number(std::uint64_t value, int bytes, bool big) {
-    std::string text = big_endian(value, bytes);
-    if (!big) std::reverse(text.begin(), text.end());
-    return text;
-}
 
 struct TiffTag {
     int number;
@@ -61,7 +54,7 @@ std::vector<TiffTag> tiff_tags(std::size_t width, std::size_t height, std::size_
             {262, {1}},     {277, {1}},      {339, {format}}};
 }
 
-/// What a sample of so many bits is, of the number 100 y + x.
+/// A sample of so many bits that holds the number 100 y + x.
 std::string tiff_sample(int number, int bits, bool floating, bool big) {
     if (!floating) return tiff_number(static_cast<std::uint64_t>(number), bits / 8, big);
     const float value = static_cast<float>(number) / 3;
@@ -109,7 +102,7 @@ std::string tiled_tiff(bool big) {
     return tiff_of(big, tags, tile_offsets, tile_sizes, tiles);
 }
 
-TEST(Tiff, FloatsAndIntegersInStripsOfBothByteOrders) {
+TEST(Tiff, ReadsStripsOfBothOrders) {
     for (const bool big : {false, true}) {
         const auto floats = decode_stored_image(striped_tiff(32, true, big, 3), "picture"),
                    doubles = decode_stored_image(striped_tiff(64, true, big, 3), "picture"),
@@ -119,13 +112,13 @@ TEST(Tiff, FloatsAndIntegersInStripsOfBothByteOrders) {
         for (const auto* stored : {&floats, &doubles, &codes, &wide, &with_sign})
             expect_hundreds(*stored, 7, 5);
         EXPECT_EQ(floats->pixel_format + doubles->pixel_format, "grayf32legrayf64le");
-        for (const auto* stored : {&codes, &wide, &with_sign}) EXPECT_EQ((*stored)->pixel_format, "gray16le");
-        for (const auto* stored : {&codes, &wide, &with_sign}) EXPECT_EQ((*stored)->bits, 16);
+        for (const auto* stored : {&codes, &wide, &with_sign})
+            EXPECT_EQ((*stored)->pixel_format + std::to_string((*stored)->bits), "gray16le16");
         EXPECT_EQ(floats->bits, 32);
     }
 }
 
-TEST(Tiff, Tiles) {
+TEST(Tiff, ReadsTiles) {
     for (const bool big : {false, true})
         expect_hundreds(decode_stored_image(tiled_tiff(big), "picture"), 20, 18);
 }
@@ -138,22 +131,21 @@ std::string packed_tiff(AVPixelFormat format, int row_bytes) {
     });
 }
 
-TEST(Tiff, WhatFfmpegPacksComesBackExactly) {
+TEST(Tiff, ReadsFfmpegFiles) {
     const auto byte = [](int k, int y) { return (k / 9 * 37 + y) & 255; };
-    const auto grey = decode_stored_image(packed_tiff(AV_PIX_FMT_GRAY8, 31), "picture"),
-               deep = decode_stored_image(packed_tiff(AV_PIX_FMT_GRAY16LE, 62), "picture"),
-               colour = decode_stored_image(packed_tiff(AV_PIX_FMT_RGB24, 93), "picture");
-    ASSERT_EQ(message(grey) + message(deep) + message(colour), "");
-    EXPECT_EQ(grey->pixel_format + deep->pixel_format + colour->pixel_format, "graygray16lergb24");
+    const auto grey = must(decode_stored_image(packed_tiff(AV_PIX_FMT_GRAY8, 31), "picture")),
+               deep = must(decode_stored_image(packed_tiff(AV_PIX_FMT_GRAY16LE, 62), "picture")),
+               colour = must(decode_stored_image(packed_tiff(AV_PIX_FMT_RGB24, 93), "picture"));
+    EXPECT_EQ(grey.pixel_format + deep.pixel_format + colour.pixel_format, "graygray16lergb24");
     for (int y = 0; y < 40; ++y)
         for (int x = 0; x < 31; ++x) {
-            ASSERT_EQ(grey->image.view().sample(x, y), byte(x, y));
-            ASSERT_EQ(deep->image.view().sample(x, y), byte(2 * x + 1, y) << 8 | byte(2 * x, y));
-            for (int c = 0; c < 3; ++c) ASSERT_EQ(colour->image.view().sample(x, y, c), byte(3 * x + c, y));
+            ASSERT_EQ(grey.image.view().sample(x, y), byte(x, y));
+            ASSERT_EQ(deep.image.view().sample(x, y), byte(2 * x + 1, y) << 8 | byte(2 * x, y));
+            for (int c = 0; c < 3; ++c) ASSERT_EQ(colour.image.view().sample(x, y, c), byte(3 * x + c, y));
         }
 }
 
-TEST(Tiff, ColourOfSixteenBitsIsReadWhereItIsGrey) {
+TEST(Tiff, ReadsGreyStoredAsColour) {
     const auto sixteen = [](bool coloured) {
         return encoded("tiff", AV_PIX_FMT_RGB48LE, 7, 5, [&](AVFrame& frame) {
             for (int y = 0; y < 5; ++y)
@@ -169,7 +161,7 @@ TEST(Tiff, ColourOfSixteenBitsIsReadWhereItIsGrey) {
               "picture: is in colour of 16 bits: must be grey, or RGB of 8 bits");
 }
 
-TEST(TiffDamage, WhatIsWrongIsNamed) {
+TEST(TiffDamage, IsNamed) {
     const LimitedMemory little(64);
     const auto refusal = [](std::size_t width, std::size_t bits, std::size_t format, TiffTag other) {
         auto tags = tiff_tags(width, 16384, bits, format);
@@ -192,72 +184,62 @@ TEST(TiffDamage, WhatIsWrongIsNamed) {
     EXPECT_EQ(refusal(8, 8, 1, rows).find("picture: is damaged: "), 0U);
 }
 
-TEST(TiffPages, AreReadInAnyOrder) {
-    const TemporaryFolder folder;
+using TiffPages = FolderTest;
+
+TEST_F(TiffPages, AreReadInAnyOrder) {
     for (const bool big : {false, true}) {
         write_bytes(folder / "pages.tif",
                     tiff_pages({even_page(1000), even_page(2000), even_page(3000)}, big));
-        const auto stack = open_tiff_stack(SourceFile(folder / "pages.tif"));
-        ASSERT_EQ(message(stack), "");
-        ASSERT_TRUE(*stack);
-        EXPECT_EQ((*stack)->count(), 3);
-        EXPECT_EQ((*stack)->width() * 100 + (*stack)->height(), 705);
-        EXPECT_EQ((*stack)->left_out(), "");
+        const auto stack = must(open_tiff_stack(SourceFile(folder / "pages.tif")));
+        ASSERT_TRUE(stack);
+        EXPECT_EQ(stack->count(), 3);
+        EXPECT_EQ(stack->width() * 100 + stack->height(), 705);
+        EXPECT_EQ(stack->left_out(), "");
         for (const int page : {2, 0, 1, 2, 2, 0}) {
-            const auto picture = (*stack)->image(page);
+            const auto picture = stack->image(page);
             ASSERT_EQ(message(picture), "") << page;
             EXPECT_EQ(picture->image.view().sample(6, 4), 1000 * (page + 1));
         }
-        EXPECT_NE(message((*stack)->image(3)).find("has no page 3: must be from 0 to 2"), std::string::npos);
+        EXPECT_TRUE(is_refused(stack->image(3), "has no page 3: must be from 0 to 2"));
     }
 }
 
-TEST(TiffPages, NullForSinglePage) {
-    const TemporaryFolder folder;
+TEST_F(TiffPages, AreNullForSinglePage) {
     write_bytes(folder / "page.tif", tiff_pages({even_page(1000)}));
-    const auto stack = open_tiff_stack(SourceFile(folder / "page.tif"));
-    ASSERT_EQ(message(stack), "");
-    EXPECT_FALSE(*stack);
+    const auto stack = must(open_tiff_stack(SourceFile(folder / "page.tif")));
+    EXPECT_FALSE(stack);
 }
 
-TEST(TiffPages, OtherSizesAreLeftOutAndSaid) {
-    const TemporaryFolder folder;
+TEST_F(TiffPages, LeaveOutOtherSizes) {
     TiffPageOf copy = even_page(9, 3, 2), mask = even_page(1);
     copy.subfile = 1;
     mask.subfile = 4;
     write_bytes(folder / "pages.tif",
                 tiff_pages({even_page(1000), copy, mask, even_page(5, 6, 5), even_page(2000)}));
-    const auto stack = open_tiff_stack(SourceFile(folder / "pages.tif"));
-    ASSERT_EQ(message(stack), "");
-    ASSERT_TRUE(*stack);
-    EXPECT_EQ((*stack)->count(), 2);
-    EXPECT_EQ((*stack)->left_out(), "1 page is of another size or kind than the first, and left out");
-    const auto last = (*stack)->image(1);
-    ASSERT_EQ(message(last), "");
-    EXPECT_EQ(last->image.view().sample(0, 0), 2000);
+    const auto stack = must(open_tiff_stack(SourceFile(folder / "pages.tif")));
+    ASSERT_TRUE(stack);
+    EXPECT_EQ(stack->count(), 2);
+    EXPECT_EQ(stack->left_out(), "1 page is of another size or kind than the first, and left out");
+    const auto last = must(stack->image(1));
+    EXPECT_EQ(last.image.view().sample(0, 0), 2000);
 }
 
-TEST(TiffPages, AllAreFloatsIfOneIs) {
-    const TemporaryFolder folder;
+TEST_F(TiffPages, BecomeFloatsIfOneIs) {
     write_bytes(folder / "pages.tif", tiff_pages({even_page(7, 7, 5, 32), even_page(70'000, 7, 5, 32)}));
-    const auto stack = open_tiff_stack(SourceFile(folder / "pages.tif"));
-    ASSERT_EQ(message(stack), "");
-    const auto first = (*stack)->image(0), second = (*stack)->image(1);
-    ASSERT_EQ(message(first) + message(second), "");
-    ASSERT_EQ(first->values.size(), 35U);
-    EXPECT_EQ(first->values[0], 7);
-    EXPECT_EQ(second->values.at(0), 70'000);
+    const auto stack = must(open_tiff_stack(SourceFile(folder / "pages.tif")));
+    const auto first = must(stack->image(0)), second = must(stack->image(1));
+    ASSERT_EQ(first.values.size(), 35U);
+    EXPECT_EQ(first.values[0], 7);
+    EXPECT_EQ(second.values.at(0), 70'000);
 }
 
-TEST(TiffPages, DamagedListIsRefused) {
-    const TemporaryFolder folder;
+TEST_F(TiffPages, RefuseDamagedList) {
     const auto refusal = [&](std::uint32_t behind_last) {
         write_bytes(folder / "pages.tif", tiff_pages({even_page(1), even_page(2)}, false, behind_last));
         return message(open_tiff_stack(SourceFile(folder / "pages.tif")));
     };
-    EXPECT_NE(refusal(8).find("pages.tif: is damaged: its list of pages is cut"), std::string::npos)
-        << "a circle";
-    EXPECT_NE(refusal(100'000).find("is damaged: its list of pages is cut"), std::string::npos);
+    EXPECT_TRUE(has_words(refusal(8), "pages.tif: is damaged: its list of pages is cut")) << "a circle";
+    EXPECT_TRUE(has_words(refusal(100'000), "is damaged: its list of pages is cut"));
 }
 
 }  // namespace

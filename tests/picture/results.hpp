@@ -1,0 +1,100 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <source_location>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
+#include "tests/clip/clip_fixture.hpp"
+
+namespace touchable::test {
+
+/// The value of a result. An error ends the test, with its message and the line of the call.
+template <class T>
+T must(Result<T> result, const std::source_location& at = std::source_location::current()) {
+    if (result) return std::move(*result);
+    throw std::runtime_error(at.file_name() + (":" + std::to_string(at.line())) + ": " + message(result));
+}
+
+/// A clip and all its frames.
+struct ReadClip {
+    std::unique_ptr<ClipReader> clip;
+    std::vector<RawFrame> frames;
+};
+inline ReadClip must_read(Result<std::unique_ptr<ClipReader>> opened,
+                          const std::source_location& at = std::source_location::current()) {
+    auto clip = must(std::move(opened), at);
+    auto frames = must(read_all(*clip), at);
+    return {std::move(clip), std::move(frames)};
+}
+
+/// Writes a clip of these frames.
+template <class Writer>
+void write_frames(Result<std::unique_ptr<Writer>> created, const std::vector<RawFrame>& frames) {
+    const auto writer = must(std::move(created));
+    for (const RawFrame& frame : frames) ASSERT_EQ(message(writer->write(frame)), "");
+    ASSERT_EQ(message(writer->finish()), "");
+}
+
+/// Tests that need a folder of their own.
+class FolderTest : public ::testing::Test {
+protected:
+    const TemporaryFolder folder;
+};
+
+/// A picture whose samples `sample(x, y, channel)` gives; those of two bytes have the low one first.
+template <class Sample>
+Image made_image(int width, int height, int bytes, int channels, Sample&& sample) {
+    Image image{width, height, bytes, channels, {}};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            for (int c = 0; c < channels; ++c) {
+                const auto code = static_cast<unsigned>(sample(x, y, c));
+                image.samples.push_back(static_cast<std::uint8_t>(code & 255U));
+                if (bytes == 2) image.samples.push_back(static_cast<std::uint8_t>(code >> 8U));
+            }
+    return image;
+}
+/// The same in one colour or grey.
+inline Image even_image(int width, int height, int bytes, int channels, int code) {
+    return made_image(width, height, bytes, channels, [&](int, int, int) { return code; });
+}
+
+/// Makes the folder that a file is in, and writes PNG or bytes.
+inline void write_in_folder(const std::filesystem::path& file, const Image& image) {
+    std::filesystem::create_directories(file.parent_path());
+    ASSERT_EQ(message(write_png(file, image.view())), "");
+}
+inline void write_in_folder(const std::filesystem::path& file, const std::string& bytes) {
+    std::filesystem::create_directories(file.parent_path());
+    write_bytes(file, bytes);
+}
+
+/// Whether a pixel's point, by its code and the scene, is where `camera` sees it at z metres.
+inline ::testing::AssertionResult is_at(const Scene& scene, std::uint16_t code, const Camera& camera, int x,
+                                        int y, double z, double tolerance) {
+    const glm::dvec3 point = unproject(scene.camera, x, y, scene.depth.depth(code)) * scene.metres_per_unit;
+    const glm::dvec3 off =
+        point - glm::dvec3{(x - camera.cx) / camera.fx * z, -(y - camera.cy) / camera.fy * z, -z};
+    if (std::abs(off.x) <= tolerance && std::abs(off.y) <= tolerance && std::abs(off.z) <= tolerance)
+        return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure() << "pixel " << x << ", " << y << " at z = " << z << " is off by "
+                                         << off.x << ", " << off.y << ", " << off.z;
+}
+
+/// Whether a scene's remarks have these words.
+inline bool has_remark(const Scene& scene, const std::string& words) {
+    return std::ranges::any_of(scene.remarks, [&](const Remark& remark) {
+        return remark_in_words(remark).find(words) != std::string::npos;
+    });
+}
+
+}  // namespace touchable::test
