@@ -38,7 +38,7 @@ std::string transform_message(const std::vector<double>& translation, const std:
 /// A recording of ROS 1, written from what http://wiki.ros.org/Bags/Format/2.0 says.
 class BagBytes {
 public:
-    /// One more message.
+    /// Appends a message.
     void add(const std::string& topic, const std::string& type, std::int64_t time_ns,
              const std::string& message);
     /// The file; `compression` "none", "bz2" or "lz4", a new chunk for each so many messages.

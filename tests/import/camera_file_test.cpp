@@ -1,27 +1,24 @@
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/npy_bytes.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 namespace {
 
 CameraFile read(const TemporaryFolder& folder, const std::string& text) {
     write_bytes(folder / "camera.txt", text);
-    const auto found = read_camera_file(folder / "camera.txt");
-    EXPECT_EQ(message(found), "") << text;
-    return found ? *found : CameraFile{};
+    return must(read_camera_file(folder / "camera.txt"));
 }
 
-TEST(CameraFiles, AreReadAsProgramsWriteThem) {
-    const TemporaryFolder folder;
+using CameraFiles = FolderTest;
+
+TEST_F(CameraFiles, ReadPopularFormats) {
     const Intrinsics wanted{500, 501, 320.5, 240.25};
     const std::pair<const char*, Intrinsics> files[] = {
         {R"({"fx": 500, "fy": 501, "ppx": 320.5, "ppy": 240.25, "model": "brown"})", wanted},
@@ -58,8 +55,7 @@ TEST(CameraFiles, AreReadAsProgramsWriteThem) {
     EXPECT_EQ(stereo.offset, 12.5);
 }
 
-TEST(CameraFiles, WithoutACameraAreRefused) {
-    const TemporaryFolder folder;
+TEST_F(CameraFiles, RefuseTextWithoutCamera) {
     for (const char* text : {"",
                              "{",
                              "{}",
@@ -90,8 +86,7 @@ TEST(CameraFiles, WithoutACameraAreRefused) {
     EXPECT_TRUE(is_refused(read_camera_file(folder.path()), "is a folder; right would be a camera's file"));
 }
 
-TEST(CameraFiles, ThatOfDepthIsTakenBeforeOthers) {
-    const TemporaryFolder folder;
+TEST_F(CameraFiles, PreferCameraOfDepth) {
     write_bytes(folder / "camera_colour.json", R"({"fx": 1, "fy": 1})");
     write_bytes(folder / "intrinsics_depth.txt", "500 0 320.5\n0 501 240.25\n0 0 1\n");
     write_bytes(folder / "groundtruth.txt", "1 0 1\n0 1 1\n0 0 1\n");
@@ -106,42 +101,25 @@ constexpr int across = 64, down = 48;
 /// Two frames of codes from 8000 to 8255 in `folder`/depth.
 void write_depth(const std::filesystem::path& folder, const char* first = "depth/0001.png",
                  const char* second = "depth/0002.png") {
-    Image image{across, down, 2, 1, {}};
-    for (int k = 0; k < across * down; ++k) {
-        const int code = 8000 + k % 251;
-        image.samples.push_back(static_cast<std::uint8_t>(code & 255));
-        image.samples.push_back(static_cast<std::uint8_t>(code >> 8));
-    }
-    for (const char* name : {first, second}) {
-        std::filesystem::create_directories((folder / name).parent_path());
-        ASSERT_EQ(message(write_png(folder / name, image.view())), "");
-    }
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-    std::filesystem::create_directories(file.parent_path());
-    write_bytes(file, text);
+    const Image image =
+        made_image(across, down, 2, 1, [](int x, int y, int) { return 8000 + (across * y + x) % 251; });
+    for (const char* name : {first, second}) write_in_folder(folder / name, image);
 }
 
 Scene guessed(const std::filesystem::path& folder) {
-    auto scene = guess_folder(folder, {});
-    EXPECT_EQ(message(scene), "");
-    return scene ? scene->scene : Scene{};
-}
-
-bool says(const Scene& scene, const std::string& words) {
-    return std::ranges::any_of(
-        scene.remarks, [&](const Remark& remark) { return remark.what.find(words) != std::string::npos; });
+    return must(guess_folder(folder, {})).scene;
 }
 
 Camera camera_by(const std::string& name, const std::string& text) {
     const TemporaryFolder folder;
     write_depth(folder.path());
-    write_text(folder / name, text);
+    write_in_folder(folder / name, text);
     return guessed(folder.path()).camera;
 }
 
-TEST(CameraSpellings, LeadToTheSameCamera) {
+using CameraSpellings = FolderTest;
+
+TEST_F(CameraSpellings, GiveTheSameCamera) {
     const std::pair<const char*, const char*> files[] = {
         {"a.yaml", "%YAML:1.0\n---\nf_u: 50.0\nf_v: 52.0\npp_x: 33.5\npp_y: 21.25\n"},
         {"b.json", R"({"focal_length": [50, 52], "principal_point": [33.5, 21.25]})"},
@@ -181,14 +159,11 @@ TEST(CameraSpellings, LeadToTheSameCamera) {
         {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"}};
     for (const auto& [name, text] : files) {
         const Camera camera = camera_by(name, text);
-        EXPECT_EQ(camera.fx, 50) << name;
-        EXPECT_EQ(camera.fy, 52) << name;
-        EXPECT_EQ(camera.cx, 33.5) << name;
-        EXPECT_EQ(camera.cy, 21.25) << name;
+        EXPECT_EQ(camera, (Camera{50, 52, 33.5, 21.25})) << name;
     }
 }
 
-TEST(CameraSpellings, FieldOfViewGivesFocalLength) {
+TEST_F(CameraSpellings, ConvertFieldOfView) {
     const double focal = camera_of_fov(50, across, down).fx;
     const std::pair<const char*, const char*> files[] = {
         {"fov.json", R"({"fov_x": 50.0, "fov_y": 38.55})"},
@@ -208,7 +183,7 @@ TEST(CameraSpellings, FieldOfViewGivesFocalLength) {
     EXPECT_EQ(tall.fx, tall.fy);
 }
 
-TEST(CameraSpellings, ScaleOfDepthIsRead) {
+TEST_F(CameraSpellings, GiveDepthScale) {
     const std::string camera = R"("fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25)";
     const std::string matrix = R"("cam_K": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1])";
     const std::tuple<const char*, std::string, double> files[] = {
@@ -236,33 +211,32 @@ TEST(CameraSpellings, ScaleOfDepthIsRead) {
     for (const auto& [name, text, metres] : files) {
         const TemporaryFolder folder;
         write_depth(folder.path());
-        write_text(folder / name, text);
+        write_in_folder(folder / name, text);
         const Scene scene = guessed(folder.path());
         EXPECT_NEAR(scene.depth.scale, metres, 1e-9 * metres) << name;
-        EXPECT_TRUE(says(scene, std::string(name) + " says")) << name;
+        EXPECT_TRUE(has_remark(scene, std::string(name) + " says")) << name;
     }
 }
 
-TEST(CameraSpellings, OfOtherThingsSayNoScale) {
+TEST_F(CameraSpellings, IgnoreOtherUnits) {
     for (const char* text : {R"({"unit": "cm"})", R"({"depth_unit": "m"})", R"({"depth_unit": "1/0 m"})",
                              R"({"metersPerSceneUnit": 0.01})", R"({"depth_scale": "/"})"}) {
         const TemporaryFolder folder;
         write_depth(folder.path());
-        write_text(folder / "a.json", text);
+        write_in_folder(folder / "a.json", text);
         EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001) << text;
     }
 }
 
-TEST(CameraSpellings, UnitInWordsIsThatOfFloats) {
-    const TemporaryFolder folder;
+TEST_F(CameraSpellings, GiveUnitOfFloats) {
     write_bytes(folder / "depth.npy", npy_bytes("48, 64", std::vector<float>(across * down, 150)));
-    write_text(folder / "camera.json", R"({"fov": 50, "metersPerSceneUnit": 0.01})");
+    write_in_folder(folder / "camera.json", R"({"fov": 50, "metersPerSceneUnit": 0.01})");
     const Scene scene = guessed(folder.path());
     EXPECT_EQ(scene.depth.scale, 0.01);
-    EXPECT_TRUE(says(scene, "a value of 1 is 10 mm, as camera.json says"));
+    EXPECT_TRUE(has_remark(scene, "a value of 1 is 10 mm, as camera.json says"));
 }
 
-TEST(CameraSpellings, OfMetashapeIsFromTheMiddle) {
+TEST_F(CameraSpellings, CentreMetashapePrincipalPoint) {
     const Camera camera =
         camera_by("cameras.xml",
                   R"(<document><sensor id="0" type="frame"><calibration><resolution width="64" height="48"/>
@@ -272,40 +246,37 @@ TEST(CameraSpellings, OfMetashapeIsFromTheMiddle) {
     EXPECT_EQ(camera.cy, 20.75);
 }
 
-TEST(CameraSpellings, FileThatIsNamedSaysTheScaleAsWell) {
-    const TemporaryFolder folder;
+TEST_F(CameraSpellings, TakeScaleFromNamedFile) {
     write_depth(folder.path());
-    write_text(folder / "else/a.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5})");
+    write_in_folder(folder / "else/a.json",
+                    R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5})");
     SourceDescription known;
     known.file = folder / "else/a.json";
-    auto read = read_intrinsics(known.file);
-    ASSERT_EQ(message(read), "");
-    known.intrinsics = *read;
-    const auto scene = guess_folder(folder.path(), known);
-    ASSERT_EQ(message(scene), "");
-    EXPECT_NEAR(scene->scene.depth.scale, 1 / 6553.5, 1e-12);
+    auto read = must(read_intrinsics(known.file));
+    known.intrinsics = read;
+    const auto scene = must(guess_folder(folder.path(), known));
+    EXPECT_NEAR(scene.scene.depth.scale, 1 / 6553.5, 1e-12);
 }
 
-TEST(CameraSpellings, OneFolderUpOrBesideIsFound) {
+TEST_F(CameraSpellings, AreFoundInNeighbouringFolders) {
     const std::string camera = R"({"fx": 100, "fy": 104, "cx": 67.5, "cy": 43, "width": 128, "height": 96})";
     for (const char* where : {"cameras/0001.json", "poses/frame_0001.json", "intrinsic/a.json"}) {
         const TemporaryFolder folder;
         write_depth(folder.path());
-        write_text(folder / where, camera);
-        write_text((folder / where).parent_path() / "frame_2.json", camera);
+        write_in_folder(folder / where, camera);
+        write_in_folder((folder / where).parent_path() / "frame_2.json", camera);
         for (const auto& opened : {folder.path(), folder / "depth"}) {
             EXPECT_EQ(guessed(opened).camera.fx, 50) << where << ' ' << opened;
             EXPECT_EQ(guessed(opened).camera.cx, 33.5) << where;
         }
     }
-    const TemporaryFolder folder;
     write_depth(folder / "run/frames/depth/Camera_0", "0001.png", "0002.png");
-    write_text(folder / "run/intrinsic.txt", "frame K[0,0] K[1,1] K[0,2] K[1,2]\n0 50 52 33.5 21.25\n");
+    write_in_folder(folder / "run/intrinsic.txt", "frame K[0,0] K[1,1] K[0,2] K[1,2]\n0 50 52 33.5 21.25\n");
     EXPECT_EQ(guessed(folder / "run/frames/depth/Camera_0").camera.fx, 50);
     EXPECT_EQ(guessed(folder / "run/frames/depth").camera.fx, 50);
 }
 
-TEST(CameraSpellings, FoldersOfCamerasAreFound) {
+TEST_F(CameraSpellings, AreFoundInCameraFolders) {
     const std::string matrix = "50 0 33.5\n0 52 21.25\n0 0 1\n", bare = "64 48 50 52 33.5 21.25 0 0 0 0 0\n";
     for (const auto& [where, text] : {std::pair<const char*, std::string>{"cams", matrix},
                                       {"K", matrix},
@@ -313,58 +284,54 @@ TEST(CameraSpellings, FoldersOfCamerasAreFound) {
                                       {"matterport_camera_intrinsics", bare}}) {
         const TemporaryFolder folder;
         write_depth(folder.path());
-        for (const char* name : {"0001.txt", "0002.txt"}) write_text(folder / where / name, text);
+        for (const char* name : {"0001.txt", "0002.txt"}) write_in_folder(folder / where / name, text);
         EXPECT_EQ(guessed(folder.path()).camera.fx, 50) << where;
     }
 }
 
-TEST(CameraSpellings, FoldersAboveHaveCamerasOfAnyName) {
+TEST_F(CameraSpellings, AreFoundInFoldersAbove) {
     const std::string camera =
         R"({"camera": {"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5}})";
     for (const char* name : {"cam_params.json", "camK.json", "meta.json", "dataset.yaml"}) {
         const TemporaryFolder folder;
         write_depth(folder.path(), "set/room0/results/depth0001.png", "set/room0/results/depth0002.png");
-        write_text(folder / "set" / name, camera);
+        write_in_folder(folder / "set" / name, camera);
         for (const char* opened : {"set/room0", "set/room0/results"}) {
             const Scene scene = guessed(folder / opened);
             EXPECT_EQ(scene.camera.fx, 50) << name;
             EXPECT_NEAR(scene.depth.scale, 1 / 6553.5, 1e-12) << name;
         }
     }
-    // What has no camera, or is of another folder there, says nothing.
-    const TemporaryFolder folder;
+    // Files without a camera, or of another folder there, are ignored.
     write_depth(folder / "a");
-    write_text(folder / "settings.json", R"({"fov": 30, "depth_scale": 5000})");
-    write_text(folder / "b.json", camera);
+    write_in_folder(folder / "settings.json", R"({"fov": 30, "depth_scale": 5000})");
+    write_in_folder(folder / "b.json", camera);
     std::filesystem::create_directories(folder / "b");
     const Scene scene = guessed(folder / "a");
-    EXPECT_TRUE(says(scene, "the camera sees 60 degrees"));
+    EXPECT_TRUE(has_remark(scene, "the camera sees 60 degrees"));
     EXPECT_EQ(scene.depth.scale, 0.001);
 }
 
-TEST(CameraSpellings, CamerasThatDifferAreThoseOfFrames) {
-    const TemporaryFolder folder;
+TEST_F(CameraSpellings, GiveEachFrameItsCamera) {
     write_depth(folder.path());
-    write_text(folder / "cameras/0001.json", R"({"fx": 50, "fy": 50, "cx": 31.5, "cy": 23.5})");
-    write_text(folder / "cameras/0002.json", R"({"fx": 54, "fy": 54, "cx": 31.5, "cy": 23.5})");
-    const auto clip = open_clip(folder.path());
-    ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(says((*clip)->scene(), "the camera is that of cameras/*.json"));
-    EXPECT_TRUE(says((*clip)->scene(), "median of those of 2 frames"));
+    write_in_folder(folder / "cameras/0001.json", R"({"fx": 50, "fy": 50, "cx": 31.5, "cy": 23.5})");
+    write_in_folder(folder / "cameras/0002.json", R"({"fx": 54, "fy": 54, "cx": 31.5, "cy": 23.5})");
+    const auto clip = must(open_clip(folder.path()));
+    EXPECT_TRUE(has_remark(clip->scene(), "the camera is that of cameras/*.json"));
+    EXPECT_TRUE(has_remark(clip->scene(), "median of those of 2 frames"));
 }
 
-TEST(CameraSpellings, MatrixOfLargerPicturesIsScaled) {
+TEST_F(CameraSpellings, ScaleMatrixOfLargerPictures) {
     const Camera camera =
         camera_by("camera_matrix.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
     EXPECT_NEAR(camera.fx, 50.05, 1e-9);
     EXPECT_NEAR(camera.cx, (317 - 319.5) / 10 + 31.5, 1e-9);
 }
 
-TEST(CameraSpellings, NamedFileIsScaledOrRefused) {
-    const TemporaryFolder folder;
+TEST_F(CameraSpellings, ScaleOrRefuseNamedFile) {
     write_depth(folder.path());
-    write_text(folder / "else/m.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
-    write_text(folder / "else/n.csv", "500.5, 0.0, 317\n0.0, 500.5, 20\n0.0, 0.0, 1.0\n");
+    write_in_folder(folder / "else/m.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
+    write_in_folder(folder / "else/n.csv", "500.5, 0.0, 317\n0.0, 500.5, 20\n0.0, 0.0, 1.0\n");
     SourceDescription known;
     const auto guess_by = [&](const char* name) {
         known.file = folder / "else" / name;
@@ -373,71 +340,65 @@ TEST(CameraSpellings, NamedFileIsScaledOrRefused) {
         if (read) known.intrinsics = *read;
         return guess_folder(folder.path(), known);
     };
-    const auto scaled = guess_by("m.csv");
-    ASSERT_EQ(message(scaled), "");
-    EXPECT_NEAR(scaled->scene.camera.fx, 50.05, 1e-9);
-    EXPECT_TRUE(says(scaled->scene, "times as large"));
+    const auto scaled = must(guess_by("m.csv"));
+    EXPECT_NEAR(scaled.scene.camera.fx, 50.05, 1e-9);
+    EXPECT_TRUE(has_remark(scaled.scene, "times as large"));
     EXPECT_TRUE(is_refused(guess_by("n.csv"), "is of other pictures"));
-    write_text(folder / "else/fov.json", R"({"fov_x": 50})");
-    const auto seen = guess_by("fov.json");
-    ASSERT_EQ(message(seen), "");
-    EXPECT_NEAR(seen->scene.camera.fx, camera_of_fov(50, across, down).fx, 1e-9);
+    write_in_folder(folder / "else/fov.json", R"({"fov_x": 50})");
+    const auto seen = must(guess_by("fov.json"));
+    EXPECT_NEAR(seen.scene.camera.fx, camera_of_fov(50, across, down).fx, 1e-9);
 }
 
-TEST(CameraSpellings, OdometryGivesTheRate) {
-    const TemporaryFolder folder;
+TEST_F(CameraSpellings, GiveRateByOdometry) {
     write_depth(folder.path());
-    write_text(
+    write_in_folder(
         folder / "odometry.csv",
         "timestamp, frame, x, y, z, qx, qy, qz, qw\n7300.500000, 000000, 0.0, 0, 0, 0, 0, 0, 1\n"
         "7300.516667, 000001, 0.001, 0, 0, 0, 0, 0, 1\n7300.533333, 000002, 0.001, 0, 0, 0, 0, 0, 1\n");
-    write_text(folder / "imu.csv", "timestamp, a_x, a_y\n7300.5, 0, 9.8\n7300.51, 0, 9.8\n");
+    write_in_folder(folder / "imu.csv", "timestamp, a_x, a_y\n7300.5, 0, 9.8\n7300.51, 0, 9.8\n");
     const Scene scene = guessed(folder.path());
     EXPECT_NEAR(scene.rate.per_second(), 60, 0.01);
-    EXPECT_TRUE(says(scene, "as odometry.csv says"));
-    EXPECT_TRUE(says(scene, "not used: imu.csv"));
+    EXPECT_TRUE(has_remark(scene, "as odometry.csv says"));
+    EXPECT_TRUE(has_remark(scene, "not used: imu.csv"));
 }
 
-TEST(CameraSpellings, ListsOfTimesGiveTheRate) {
+TEST_F(CameraSpellings, GiveRateByTimes) {
     const std::tuple<const char*, const char*, double> files[] = {
         {"timestamps.txt", "10.00\n10.05\n", 20},
         {"times.txt", "0 10.00\n1 10.05\n", 20},
         {"depth_timestamps.json", "[10.0, 10.05]", 20},
         {"fps.txt", "20\n", 20},
         {"a.jsonl", "{\"fx\": 50, \"cx\": 33, \"cy\": 21, \"time\": 1}\n{\"fx\": 50, \"time\": 1.05}\n", 20},
-        // Of other frames.
+        // Times of other frames.
         {"timestamps.txt", "10.00\n10.05\n10.1\n", 30},
         {"imu_times.txt", "10.00\n10.05\n", 30}};
     for (const auto& [name, text, rate] : files) {
         const TemporaryFolder folder;
         write_depth(folder.path());
-        write_text(folder / name, text);
+        write_in_folder(folder / name, text);
         EXPECT_NEAR(guessed(folder.path()).rate.per_second(), rate, 0.01) << name << text;
     }
-    const TemporaryFolder folder;
     write_bytes(folder / "depth.npy", npy_bytes("2, 48, 64", std::vector<float>(2 * across * down, 1.5F)));
-    write_text(folder / "intrinsics.json", R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");
-    const auto clip = open_clip(folder / "depth.npy");
-    ASSERT_EQ(message(clip), "");
-    EXPECT_EQ((*clip)->scene().rate.per_second(), 12);
+    write_in_folder(folder / "intrinsics.json",
+                    R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");
+    const auto clip = must(open_clip(folder / "depth.npy"));
+    EXPECT_EQ(clip->scene().rate.per_second(), 12);
 }
 
-TEST(CameraSpellings, FilesThatAreNotUsedAreNamed) {
-    const TemporaryFolder folder;
+TEST_F(CameraSpellings, NameUnusedFiles) {
     write_depth(folder.path());
-    write_text(folder / "mesh_info.json", R"({"alignment": [1, 0, 0, 0]})");
-    write_text(folder / "words.txt", "no numbers\n");
-    write_text(folder / "._notes.json", "{\"fx\": 3}");
-    write_text(folder / "calib_lens.json", R"({"radius": 3})");
+    write_in_folder(folder / "mesh_info.json", R"({"alignment": [1, 0, 0, 0]})");
+    write_in_folder(folder / "words.txt", "no numbers\n");
+    write_in_folder(folder / "._notes.json", "{\"fx\": 3}");
+    write_in_folder(folder / "calib_lens.json", R"({"radius": 3})");
     const Scene scene = guessed(folder.path());
-    EXPECT_TRUE(says(scene, "beside the pictures, and not used: mesh_info.json"));
-    EXPECT_TRUE(says(scene, "not understood as a camera's file: calib_lens.json"));
-    EXPECT_FALSE(says(scene, "words.txt"));
-    EXPECT_FALSE(says(scene, "._notes"));
+    EXPECT_TRUE(has_remark(scene, "beside the pictures, and not used: mesh_info.json"));
+    EXPECT_TRUE(has_remark(scene, "not understood as a camera's file: calib_lens.json"));
+    EXPECT_FALSE(has_remark(scene, "words.txt"));
+    EXPECT_FALSE(has_remark(scene, "._notes"));
 }
 
-TEST(CameraSpellings, ArraysBesideDepthAreItsCamera) {
-    const TemporaryFolder folder;
+TEST_F(CameraSpellings, AreReadFromArrays) {
     const std::vector<float> depth(2 * across * down, 1.5F);
     const std::vector<float> one{50, 0, 33.5, 0, 52, 21.25, 0, 0, 1};
     std::vector<float> two = one;
@@ -449,19 +410,18 @@ TEST(CameraSpellings, ArraysBesideDepthAreItsCamera) {
           {"intrinsic", npy_bytes("4,", {50, 52, 33.5, 21.25})}}) {
         write_npz(folder / "a.npz",
                   {{"depth", depth_bytes}, {name, bytes}, {"extrinsics", npy_bytes("3,", {1, 2, 3})}});
-        const auto clip = open_clip(folder / "a.npz");
-        ASSERT_EQ(message(clip), "");
-        const Scene& scene = (*clip)->scene();
+        const auto clip = must(open_clip(folder / "a.npz"));
+        const Scene& scene = clip->scene();
         EXPECT_EQ(scene.camera.fx, 50) << name;
         EXPECT_EQ(scene.camera.fy, 52) << name;
         EXPECT_EQ(scene.camera.cx, 33.5) << name;
-        EXPECT_TRUE(says(scene, std::string("that of a.npz (") + name + ")"));
-        EXPECT_TRUE(says(scene, "not used: extrinsics in a.npz"));
+        EXPECT_TRUE(has_remark(scene, std::string("that of a.npz (") + name + ")"));
+        EXPECT_TRUE(has_remark(scene, "not used: extrinsics in a.npz"));
         EXPECT_EQ(guessed(folder.path()).camera.fx, 50) << name;
     }
 }
 
-TEST(NumberTables, AreReadByTheirHeadLine) {
+TEST(NumberTable, ReadsHeadLineAndRows) {
     const NumberTable table = table_in("# time, f_x, K[0,2]\n1.5, 2, 3\n\nwords\n4, 5, 6\n");
     EXPECT_EQ(table.names, (std::vector<std::string>{"time", "fx", "k02"}));
     EXPECT_EQ(table.rows, (std::vector<std::vector<double>>{{1.5, 2, 3}, {4, 5, 6}}));

@@ -13,8 +13,8 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/value_evidence.hpp"
 #include "engine/scene/frames.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 namespace {
@@ -23,6 +23,14 @@ Scene scene_of(int width, int height) {
     Scene scene = small_scene(width, height, 16);
     scene.camera = {500, 500, 0.5, 0.5};
     scene.depth.semantics = DepthSemantics::planar;
+    return scene;
+}
+
+Scene scene_of_lengths(int width, int height, double scale = 1) {
+    Scene scene = scene_of(width, height);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = scale;
+    scene.depth.near = 0;
     return scene;
 }
 
@@ -42,7 +50,7 @@ StoredImage words(int width, const std::vector<std::uint16_t>& values) {
     return picture;
 }
 
-/// What the settled scene says of a pixel; 0 where it is not valid.
+/// The depth of a pixel by the settled scene; 0 where it is not valid.
 double depth_at(const Scene& scene, const Image& codes, int x) {
     const std::uint16_t code = static_cast<std::uint16_t>(codes.view().sample(x, 0));
     return scene.depth.is_valid(code) ? scene.depth.depth(code) : 0;
@@ -55,23 +63,27 @@ SceneDescription without_far(const Scene& scene) {
     return described;
 }
 
-TEST(DepthValues, FloatsComeBackWithinHalfACode) {
+/// Looks at a picture and settles the scene, whose far plane is not stated if it `lacks_far`.
+DepthValues settled(Scene& scene, const StoredImage& picture, bool lacks_far = false) {
+    DepthValues values(lacks_far ? without_far(scene) : SceneDescription(scene));
+    values.look(picture);
+    EXPECT_EQ(message(values.settle(scene)), "");
+    return values;
+}
+
+TEST(DepthValues, KeepFloatsWithinHalfCode) {
     const float inf = std::numeric_limits<float>::infinity();
     const std::vector<float> depths{0.4F, 1, 1.7F, 2.5F, 3.999F, 0, -1, NAN, inf, -inf};
     for (const double metres : {1.0, 0.001}) {
-        Scene scene = scene_of(10, 1);
+        Scene scene = scene_of_lengths(10, 1, metres);
         scene.metres_per_unit = 1;
-        scene.depth.kind = DepthCodingKind::metric;
-        scene.depth.scale = metres;
-        scene.depth.near = 0;
         scene.depth.far = 65.535;
         std::vector<float> stored;
         for (const float depth : depths) stored.push_back(static_cast<float>(depth / metres));
         DepthValues values(without_far(scene));
         ASSERT_TRUE(values.needs_looks(floats(10, stored)));
         values.look(floats(10, stored));
-        const auto said = values.settle(scene);
-        ASSERT_EQ(message(said), "");
+        const auto said = must(values.settle(scene));
         const Image codes = values.codes(floats(10, stored));
         for (int x = 0; x < 5; ++x) {
             const double wanted = depths[static_cast<std::size_t>(x)], near = scene.depth.near,
@@ -79,23 +91,18 @@ TEST(DepthValues, FloatsComeBackWithinHalfACode) {
             const double half = scene.depth.kind == DepthCodingKind::linear
                                     ? 0.5 * (far - near) / scene.depth.code_max
                                     : 0.5 * wanted * wanted * (1 / near - 1 / far) / scene.depth.code_max;
-            EXPECT_NEAR(depth_at(scene, codes, x), wanted, 1.01 * half + 1e-6 * wanted) << x << " " << *said;
+            EXPECT_NEAR(depth_at(scene, codes, x), wanted, 1.01 * half + 1e-6 * wanted) << x << " " << said;
         }
         for (int x = 5; x < 10; ++x) EXPECT_EQ(depth_at(scene, codes, x), 0) << x;
-        EXPECT_NE(said->find("half a code is"), std::string::npos);
+        EXPECT_TRUE(has_words(said, "half a code is"));
     }
 }
 
-TEST(DepthValues, FarSkiesDoNotTakeTheStepsFromWhatIsNear) {
+TEST(DepthValues, KeepNearStepsBelowSkies) {
     std::vector<float> stored(1000, 0.5F);
     for (std::size_t k = 0; k < 100; ++k) stored[k] = 10000;
-    Scene scene = scene_of(1000, 1);
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.scale = 1;
-    scene.depth.near = 0;
-    DepthValues values(without_far(scene));
-    values.look(floats(1000, stored));
-    ASSERT_EQ(message(values.settle(scene)), "");
+    Scene scene = scene_of_lengths(1000, 1);
+    DepthValues values = settled(scene, floats(1000, stored), true);
     EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
     EXPECT_NEAR(depth_at(scene, values.codes(floats(1000, stored)), 500), 0.5, 1e-5);
     EXPECT_NEAR(depth_at(scene, values.codes(floats(1000, stored)), 5), 10000, 800);
@@ -111,16 +118,8 @@ StoredImage ball_before(float background) {
     return floats(30, stored);
 }
 
-Scene scene_of_lengths(int width, int height, double scale = 1) {
-    Scene scene = scene_of(width, height);
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.scale = scale;
-    scene.depth.near = 0;
-    return scene;
-}
-
 /// Most of the picture, so that its median, its far plane and its unit would be the background's.
-TEST(DepthValues, ARenderersBackgroundIsNoDepthBeforeAnythingIsGuessed) {
+TEST(DepthValues, DropRendererBackground) {
     const float inf = std::numeric_limits<float>::infinity();
     for (const float background : {1e10F, 1e9F, 65504.0F, inf, 3e38F, -1e10F, -65504.0F, -inf}) {
         SCOPED_TRACE(background);
@@ -131,9 +130,7 @@ TEST(DepthValues, ARenderersBackgroundIsNoDepthBeforeAnythingIsGuessed) {
         Scene scene = scene_of_lengths(30, 30);
         DepthValues values(without_far(scene));
         values.look(picture);
-        const auto said = values.settle(scene);
-        ASSERT_EQ(message(said), "");
-        EXPECT_NE(said->find("88.89 % of the pixels are background"), std::string::npos) << *said;
+        EXPECT_TRUE(has_words(must(values.settle(scene)), "88.89 % of the pixels are background"));
         EXPECT_NEAR(scene.depth.near, 4, 1e-9);
         EXPECT_NEAR(scene.depth.far, 6 * 1.05, 1e-6);
         const Image codes = values.codes(picture);
@@ -144,20 +141,18 @@ TEST(DepthValues, ARenderersBackgroundIsNoDepthBeforeAnythingIsGuessed) {
     }
 }
 
-/// What is stored in millimetres may be 65.504 m away, and codes have no background.
-TEST(DepthValues, TheLargestHalfIsADepthWhereSomethingIsFarther) {
+/// Values in millimetres may be 65.504 m away, and codes have no background.
+TEST(DepthValues, KeepLargestHalfIfExceeded) {
     std::vector<float> stored(100, 65504);
     stored[1] = 65510;
     Scene scene = scene_of_lengths(100, 1, 0.001);
-    DepthValues values(without_far(scene));
-    values.look(floats(100, stored));
-    ASSERT_EQ(message(values.settle(scene)), "");
+    DepthValues values = settled(scene, floats(100, stored), true);
     EXPECT_NEAR(depth_at(scene, values.codes(floats(100, stored)), 0), 65.504, 1e-3);
     EXPECT_EQ(estimate_values(words(3, {65504, 65504, 100})).median, 65504);
 }
 
 /// A background says that values have a unit: shares of a range have none.
-TEST(DepthValues, WhatHasABackgroundIsNotDepthWithoutAScale) {
+TEST(DepthValues, HaveUnitIfBackground) {
     std::vector<float> stored(1000);
     for (std::size_t k = 0; k < 1000; ++k) stored[k] = static_cast<float>(k) / 999;
     EXPECT_TRUE(estimate_values(floats(1000, stored)).is_normalised);
@@ -166,15 +161,13 @@ TEST(DepthValues, WhatHasABackgroundIsNotDepthWithoutAScale) {
 }
 
 /// Whatever the frames hold that were looked at: a later one may go from plane to plane.
-TEST(DepthValues, PlanesThatAreBothStatedAreThoseOfTheCodes) {
+TEST(DepthValues, KeepStatedPlanes) {
     const float near = 0.7F, far = 9.1F;  // of which the doubles 0.7 and 9.1 are beyond or before
     for (const bool is_seen : {true, false}) {
         Scene scene = scene_of_lengths(6, 1);
         scene.depth.near = 0.7;
         scene.depth.far = 9.1;
-        DepthValues values(scene);
-        values.look(floats(6, std::vector<float>(6, is_seen ? 2.0F : 1e10F)));
-        ASSERT_EQ(message(values.settle(scene)), "");
+        DepthValues values = settled(scene, floats(6, std::vector<float>(6, is_seen ? 2.0F : 1e10F)));
         EXPECT_EQ(scene.depth.near, 0.7);
         EXPECT_EQ(scene.depth.far, 9.1);
         EXPECT_EQ(scene.depth.code_max, 65534);
@@ -188,34 +181,25 @@ TEST(DepthValues, PlanesThatAreBothStatedAreThoseOfTheCodes) {
     }
 }
 
-TEST(DepthValues, ValuesBeyondAllMeasureAreNoDepth) {
+TEST(DepthValues, DropExtremeValues) {
     std::vector<float> stored(1000, 2.0F);
     stored[0] = 1e10F;
     stored[1] = 1e-7F;
     stored[2] = -1;
-    Scene scene = scene_of(1000, 1);
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.scale = 1;
-    scene.depth.near = 0;
-    DepthValues values(without_far(scene));
-    values.look(floats(1000, stored));
-    ASSERT_EQ(message(values.settle(scene)), "");
+    Scene scene = scene_of_lengths(1000, 1);
+    DepthValues values = settled(scene, floats(1000, stored), true);
     const Image codes = values.codes(floats(1000, stored));
     for (int x = 0; x < 3; ++x) EXPECT_EQ(depth_at(scene, codes, x), 0) << x;
     EXPECT_NEAR(depth_at(scene, codes, 3), 2, 1e-2);
 }
 
 /// docs/scene_file.md: what is nearer than a metric scene's near, or deeper than its far, is no depth.
-TEST(DepthValues, FloatsBeyondTheScenesPlanesAreNoDepth) {
+TEST(DepthValues, DropFloatsBeyondPlanes) {
     const std::vector<float> stored{0.3F, 0.49F, 0.6F, 1, 2.9F, 3.1F, 50};
-    Scene scene = scene_of(7, 1);
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.scale = 1;
+    Scene scene = scene_of_lengths(7, 1);
     scene.depth.near = 0.5;
     scene.depth.far = 3;
-    DepthValues values(scene);
-    values.look(floats(7, stored));
-    ASSERT_EQ(message(values.settle(scene)), "");
+    DepthValues values = settled(scene, floats(7, stored));
     EXPECT_GE(scene.depth.near, 0.5);
     EXPECT_LE(scene.depth.far, 3);
     const Image codes = values.codes(floats(7, stored));
@@ -226,14 +210,9 @@ TEST(DepthValues, FloatsBeyondTheScenesPlanesAreNoDepth) {
 }
 
 /// Not every frame is looked at before.
-TEST(DepthValues, NearerThanAllThatWasSeenIsAtTheNearPlaneAndFartherIsNoDepth) {
-    Scene scene = scene_of(4, 1);
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.scale = 1;
-    scene.depth.near = 0;
-    DepthValues values(without_far(scene));
-    values.look(floats(4, {1, 2, 3, 4}));
-    ASSERT_EQ(message(values.settle(scene)), "");
+TEST(DepthValues, ClampNearerAndDropFarther) {
+    Scene scene = scene_of_lengths(4, 1);
+    DepthValues values = settled(scene, floats(4, {1, 2, 3, 4}), true);
     const Image codes = values.codes(floats(4, {0.5F, 2, 4.1F, 4.3F}));
     EXPECT_DOUBLE_EQ(depth_at(scene, codes, 0), 1);
     EXPECT_NEAR(depth_at(scene, codes, 1), 2, 1e-3);
@@ -241,7 +220,7 @@ TEST(DepthValues, NearerThanAllThatWasSeenIsAtTheNearPlaneAndFartherIsNoDepth) {
     EXPECT_EQ(depth_at(scene, codes, 3), 0);
 }
 
-TEST(DepthValues, AllOfSixteenBitsMayBeDepthWithoutAScale) {
+TEST(DepthValues, UseAllSixteenBits) {
     Scene scene = scene_of(3, 1);
     scene.depth.kind = DepthCodingKind::inverse;
     scene.depth.near = 0.5;
@@ -249,15 +228,14 @@ TEST(DepthValues, AllOfSixteenBitsMayBeDepthWithoutAScale) {
     scene.stored.kind = StoredDepth::Kind::relative;
     DepthValues values(scene);
     values.look(words(3, {0, 65535, 1000}));
-    const auto said = values.settle(scene);
-    ASSERT_EQ(message(said), "");
-    EXPECT_EQ(*said, "depth values from 0 to 65535 are depths from 1.5 to 0.5") << "large values near";
+    const auto said = must(values.settle(scene));
+    EXPECT_EQ(said, "depth values from 0 to 65535 are depths from 1.5 to 0.5") << "large values near";
     const Image codes = values.codes(words(3, {0, 65535, 1000}));
     EXPECT_EQ(depth_at(scene, codes, 0), 1.5);
     EXPECT_EQ(depth_at(scene, codes, 1), 0.5);
 }
 
-TEST(DepthValues, DisparitiesOfIntegersAreExact) {
+TEST(DepthValues, KeepIntegerDisparities) {
     for (const double scale : {1.0 / 16, -1.0}) {
         Scene scene = scene_of(7, 1);
         scene.depth.kind = DepthCodingKind::inverse;
@@ -265,9 +243,7 @@ TEST(DepthValues, DisparitiesOfIntegersAreExact) {
         scene.depth.invalid_codes[0] = 0;
         scene.depth.invalid_code_count = 1;
         const std::vector<std::uint16_t> stored{17, 100, 333, 999, 1000, 0, 500};
-        DepthValues values(scene);
-        values.look(words(7, stored));
-        ASSERT_EQ(message(values.settle(scene)), "");
+        DepthValues values = settled(scene, words(7, stored));
         EXPECT_TRUE(scene.stored.is_plain());
         const Image codes = values.codes(words(7, stored));
         for (int x = 0; x < 7; ++x) {
@@ -282,16 +258,14 @@ TEST(DepthValues, DisparitiesOfIntegersAreExact) {
 
 // As of a camera file that is wrong: what was seen keeps its steps, and the far plane lies no farther than
 // codes go.
-TEST(DepthValues, DisparitiesWithAnOffsetFarAboveThemAreExact) {
+TEST(DepthValues, KeepDisparitiesWithLargeOffset) {
     for (const double scale : {1.0, -1.0}) {
         Scene scene = scene_of(200, 1);
         scene.depth.kind = DepthCodingKind::inverse;
         scene.stored = {StoredDepth::Kind::disparity, 0.2, scale, 1e7, false, 0};
         std::vector<float> stored;
         for (int k = 0; k < 200; ++k) stored.push_back(static_cast<float>(20 + 0.25 * (k * 37 % 200)));
-        DepthValues values(scene);
-        values.look(floats(200, stored));
-        ASSERT_EQ(message(values.settle(scene)), "");
+        DepthValues values = settled(scene, floats(200, stored));
         EXPECT_GT(scene.depth.code_max, 60000);
         const Image codes = values.codes(floats(200, stored));
         for (int x = 0; x < 200; ++x) {
@@ -301,7 +275,7 @@ TEST(DepthValues, DisparitiesWithAnOffsetFarAboveThemAreExact) {
     }
 }
 
-TEST(DepthValues, DepthWithoutAScaleKeepsItsOrder) {
+TEST(DepthValues, KeepOrderWithoutScale) {
     for (const bool near_is_high : {true, false})
         for (const DepthCodingKind kind : {DepthCodingKind::inverse, DepthCodingKind::linear}) {
             Scene scene = scene_of(4, 1);
@@ -311,9 +285,7 @@ TEST(DepthValues, DepthWithoutAScaleKeepsItsOrder) {
             scene.depth.near_is_high = near_is_high;
             scene.stored.kind = StoredDepth::Kind::relative;
             const std::vector<float> stored{-0.5F, 0.25F, 0.75F, 1.5F};
-            DepthValues values(scene);
-            values.look(floats(4, stored));
-            ASSERT_EQ(message(values.settle(scene)), "");
+            DepthValues values = settled(scene, floats(4, stored));
             const Image codes = values.codes(floats(4, stored));
             EXPECT_NEAR(depth_at(scene, codes, near_is_high ? 3 : 0), 0.5, 1e-9);
             EXPECT_NEAR(depth_at(scene, codes, near_is_high ? 0 : 3), 1.5, 1e-9);
@@ -325,7 +297,7 @@ TEST(DepthValues, DepthWithoutAScaleKeepsItsOrder) {
         }
 }
 
-TEST(DepthValues, WordsInAnotherOrderAreTurnedBack) {
+TEST(DepthValues, RestoreRotatedAndSwappedWords) {
     Scene scene = scene_of(3, 1);
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.scale = 0.001;
@@ -343,10 +315,8 @@ TEST(DepthValues, WordsInAnotherOrderAreTurnedBack) {
     EXPECT_EQ(DepthValues(scene).codes(words(3, {0x0102, 0xff00, 7})).view().sample(0, 0), 0x0201);
 }
 
-TEST(DepthValues, WithoutAValueAreRefused) {
-    Scene scene = scene_of(2, 1);
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.scale = 1;
+TEST(DepthValues, RefuseFramesWithoutDepth) {
+    Scene scene = scene_of_lengths(2, 1);
     DepthValues values(without_far(scene));
     values.look(floats(2, {NAN, 0}));
     EXPECT_TRUE(is_refused(values.settle(scene), "no frame has a valid depth"));
@@ -397,21 +367,29 @@ void write_words(const std::filesystem::path& file, const std::function<unsigned
     write_bytes(file, bytes);
 }
 
+struct FirstFrame {
+    RawFrame frame;
+    Scene scene;
+    std::string notes;
+    FirstFrame(const std::filesystem::path& file, const SourceDescription& known = {}) {
+        const auto reader = must(open_clip(file, std::nullopt, known));
+        frame = *must(reader->next());
+        scene = reader->scene();
+        for (const std::string& note : clip_notes(*reader)) notes += note + '\n';
+    }
+    std::uint16_t code(int x, int y) const { return stored_code(frame.depth, scene.depth, x, y); }
+};
+
 /// Each pixel against an unprojection written out here: 60 degrees wide; 0 is a hole. Returns the notes.
 std::string expect_unprojected(const std::filesystem::path& file,
                                const std::function<double(int x, int y)>& metres) {
-    auto reader = open_clip(file);
-    EXPECT_EQ(message(reader), "");
-    if (!reader) return "";
-    const auto frame = (*reader)->next();
-    EXPECT_EQ(message(frame), "");
-    const Scene& scene = (*reader)->scene();
-    std::string notes;
-    for (const std::string& note : clip_notes(**reader)) notes += note + '\n';
+    const FirstFrame first(file);
+    const Scene& scene = first.scene;
+    const std::string& notes = first.notes;
     const double f = shown_wide / 2.0 / std::tan(M_PI / 6);
     for (int y = 0; y < shown_high; ++y)
         for (int x = 0; x < shown_wide; ++x) {
-            const std::uint16_t code = stored_code((**frame).depth, scene.depth, x, y);
+            const std::uint16_t code = first.code(x, y);
             const double z = metres(x, y);
             EXPECT_EQ(scene.depth.is_valid(code), z > 0) << x << ", " << y << '\n' << notes;
             if (scene.depth.is_valid(code) != (z > 0)) return notes;
@@ -425,8 +403,9 @@ std::string expect_unprojected(const std::filesystem::path& file,
     return notes;
 }
 
-TEST(ValueEvidence, MillimetresTimesFiveTenAndAHundredAreMillimetres) {
-    const TemporaryFolder folder;
+using ValueEvidence = FolderTest;
+
+TEST_F(ValueEvidence, UndoesMultipliedMillimetres) {
     for (const auto& [factor, farthest] : {std::pair{5, 2400}, {10, 3700}, {10, 1600}, {100, 620}}) {
         SCOPED_TRACE(factor);
         const int far = farthest == 620 ? 640 : farthest;
@@ -438,41 +417,34 @@ TEST(ValueEvidence, MillimetresTimesFiveTenAndAHundredAreMillimetres) {
         });
         const std::string notes =
             expect_unprojected(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
-        EXPECT_NE(notes.find("all values are multiples of " + std::to_string(factor)), std::string::npos)
-            << notes;
+        EXPECT_TRUE(has_words(notes, "all values are multiples of " + std::to_string(factor)));
     }
 }
 
-/// Centimetres as millimetres would be nearer than cameras see; and 20 is nobody's unit.
-TEST(ValueEvidence, OtherMultiplesAreSaidAndTheUnitIsWhatItWas) {
-    const TemporaryFolder folder;
+/// Centimetres as millimetres would be nearer than cameras see; and no program uses 20.
+TEST_F(ValueEvidence, NotesOtherMultiples) {
     for (const int factor : {10, 20}) {
         const auto millimetres = [&](int x, int y) { return (x + y) % 31 == 0 ? 0 : factor * (140 - x - y); };
         write_words(folder / "my.png",
                     [&](int x, int y) { return static_cast<unsigned>(millimetres(x, y)); });
         const std::string notes =
             expect_unprojected(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
-        EXPECT_NE(notes.find("multiples of " + std::to_string(factor) + ", which tells nothing"),
-                  std::string::npos)
-            << notes;
+        EXPECT_TRUE(has_words(notes, "multiples of " + std::to_string(factor) + ", which tells nothing"));
     }
 }
 
-TEST(ValueEvidence, BytesThatSomebodyStretchedHaveNoScale) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, RecognisesStretchedBytes) {
     for (const unsigned factor : {256U, 257U}) {
         write_words(folder / "my.png",
                     [&](int x, int y) { return factor * static_cast<unsigned>(20 + (x + 3 * y) % 200); });
-        auto reader = open_clip(folder / "my.png");
-        ASSERT_EQ(message(reader), "");
-        EXPECT_TRUE(is_noted(**reader, "8 bits stored as 16"));
-        EXPECT_TRUE(is_noted(**reader, "depth has no scale"));
+        auto reader = must(open_clip(folder / "my.png"));
+        EXPECT_TRUE(is_noted(*reader, "8 bits stored as 16"));
+        EXPECT_TRUE(is_noted(*reader, "depth has no scale"));
     }
 }
 
 /// SUN RGB-D: bitor(bitshift(depth, 3), bitshift(depth, -13)), as its readers undo it.
-TEST(ValueEvidence, RotatedBitsAreThoseOfSun) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, RecognisesSunByRotation) {
     for (const int farthest : {3500, 9600}) {
         write_words(folder / "my.png", [&](int x, int y) {
             const auto depth = static_cast<unsigned>(room_millimetres(x, y, farthest));
@@ -480,7 +452,7 @@ TEST(ValueEvidence, RotatedBitsAreThoseOfSun) {
         });
         const std::string notes = expect_unprojected(
             folder / "my.png", [&](int x, int y) { return 0.001 * room_millimetres(x, y, farthest); });
-        EXPECT_NE(notes.find("preset sun"), std::string::npos) << notes;
+        EXPECT_TRUE(has_words(notes, "preset sun"));
     }
 }
 
@@ -488,18 +460,12 @@ TEST(ValueEvidence, RotatedBitsAreThoseOfSun) {
 std::string expect_depths(const std::filesystem::path& path,
                           const std::function<double(int x, int y)>& metres, double tolerance,
                           const SourceDescription& known = {}) {
-    auto reader = open_clip(path, std::nullopt, known);
-    EXPECT_EQ(message(reader), "");
-    if (!reader) return "";
-    const auto frame = (*reader)->next();
-    EXPECT_EQ(message(frame), "");
-    if (!frame) return "";
-    const Scene& scene = (*reader)->scene();
-    std::string notes;
-    for (const std::string& note : clip_notes(**reader)) notes += note + '\n';
+    const FirstFrame first(path, known);
+    const Scene& scene = first.scene;
+    const std::string& notes = first.notes;
     for (int y = 0; y < shown_high; ++y)
         for (int x = 0; x < shown_wide; ++x) {
-            const std::uint16_t code = stored_code((**frame).depth, scene.depth, x, y);
+            const std::uint16_t code = first.code(x, y);
             const double z = metres(x, y);
             const double got =
                 scene.depth.is_valid(code) ? scene.depth.depth(code) * scene.metres_per_unit : 0;
@@ -522,31 +488,27 @@ unsigned millimetres_of(double metres) {
 }
 
 /// libfreenect's 11 bits; the curve is the one by which people convert them.
-TEST(ValueEvidence, RawDisparitiesOfAKinectAreKnown) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, RecognisesRawKinectDisparities) {
     const auto raw = [](double z) {
         return z == 0 ? 2047U : static_cast<unsigned>(std::lround((std::atan(z / 0.1236) - 1.1863) * 2842.5));
     };
     write_words(folder / "a.png", [&](int x, int y) { return raw(room(x, y)); });
-    const std::string notes = expect_depths(folder / "a.png", room, 0.02);
-    EXPECT_NE(notes.find("preset kinect-raw"), std::string::npos) << notes;
+    EXPECT_TRUE(has_words(expect_depths(folder / "a.png", room, 0.02), "preset kinect-raw"));
 }
 
 /// Millimetres that are as small, with a pile at what a Kinect has for none, but not without what it sees.
-TEST(ValueEvidence, SmallMillimetresAreNoDisparities) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, KeepsSmallMillimetres) {
     write_words(folder / "a.png", [&](int x, int y) { return millimetres_of(room(x, y) / 2.5); });
     const std::string notes = expect_depths(
         folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y) / 2.5) / 1e3; }, 1e-6);
-    EXPECT_NE(notes.find("a code is 1 mm"), std::string::npos) << notes;
+    EXPECT_TRUE(has_words(notes, "a code is 1 mm"));
     write_words(folder / "b.png",
                 [&](int x, int y) { return x < 8 ? 2047U : 1000U + static_cast<unsigned>(10 * x + 7 * y); });
     expect_depths(
         folder / "b.png", [](int x, int y) { return x < 8 ? 2.047 : (1000 + 10 * x + 7 * y) / 1e3; }, 1e-6);
 }
 
-TEST(ValueEvidence, PersonsInTheLowBitsAreNoLengths) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, DropsPersonInLowBits) {
     for (const unsigned person : {1U, 2U, 5U}) {
         const auto word = [&](int x, int y) {
             // A person's edge is never quite that of the person.
@@ -557,20 +519,18 @@ TEST(ValueEvidence, PersonsInTheLowBitsAreNoLengths) {
         write_words(folder / "a.png", word);
         const std::string notes = expect_depths(
             folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
-        EXPECT_NE(notes.find("preset kinect-sdk1"), std::string::npos) << notes;
+        EXPECT_TRUE(has_words(notes, "preset kinect-sdk1"));
     }
     std::filesystem::create_directory(folder / "clip");
     std::filesystem::rename(folder / "a.png", folder / "clip/a.png");
-    const auto guessed = guess_folder(folder / "clip", {});
-    ASSERT_EQ(message(guessed), "");
-    write_bytes(folder / "clip/scene.json", scene_to_json(*guessed));
+    const auto guessed = must(guess_folder(folder / "clip", {}));
+    write_bytes(folder / "clip/scene.json", scene_to_json(guessed));
     expect_depths(
         folder / "clip", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
 }
 
-/// What lies beyond 8.191 m is not a person, whatever stands before it.
-TEST(ValueEvidence, DepthThatGoesOnBeyondEightMetresIsNoPerson) {
-    const TemporaryFolder folder;
+/// Depth beyond 8.191 m is not a person, even behind something near.
+TEST_F(ValueEvidence, KeepsDepthBeyondEightMetres) {
     const auto millimetres = [](int x, int y) {
         return x > 20 && x < 40 && y < 30 ? 2000U + static_cast<unsigned>(x)
                                           : static_cast<unsigned>(9300 - 60 * y + x);
@@ -579,17 +539,16 @@ TEST(ValueEvidence, DepthThatGoesOnBeyondEightMetresIsNoPerson) {
                 [&](int x, int y) { return (millimetres(x, y) << 3 | millimetres(x, y) >> 13) & 0xffffU; });
     const std::string notes = expect_depths(
         folder / "a.png", [&](int x, int y) { return millimetres(x, y) / 1e3; }, 1e-6);
-    EXPECT_NE(notes.find("preset sun"), std::string::npos) << notes;
+    EXPECT_TRUE(has_words(notes, "preset sun"));
 }
 
-TEST(ValueEvidence, ConfidenceInTheHighBitsIsNoLength) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, DropsConfidenceInHighBits) {
     write_words(folder / "a.png", [](int x, int y) {
         return millimetres_of(room(x, y)) | static_cast<unsigned>((x / 3 + y / 5) % 8) << 13;
     });
     const std::string notes = expect_depths(
         folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
-    EXPECT_NE(notes.find("preset depth16"), std::string::npos) << notes;
+    EXPECT_TRUE(has_words(notes, "preset depth16"));
 }
 
 /// 24 bits over three channels.
@@ -605,8 +564,7 @@ void write_packed(const std::filesystem::path& file, double scale) {
     ASSERT_EQ(message(write_png(file, image.view())), "");
 }
 
-TEST(ValueEvidence, ThreeChannelsMayBeOneNumber) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
     const auto metres = [](int x, int y) { return 8 * room(x, y); };
     std::filesystem::create_directories(folder / "clip/a");
     std::filesystem::create_directories(folder / "clip/b");
@@ -619,12 +577,10 @@ TEST(ValueEvidence, ThreeChannelsMayBeOneNumber) {
         EXPECT_FALSE(looks_packed(colour));
     }
     for (const char* name : {"clip/a/1.png", "clip"}) {
-        const std::string notes = expect_depths(folder / name, metres, 1e-4);
-        EXPECT_NE(notes.find("preset carla"), std::string::npos) << notes;
+        EXPECT_TRUE(has_words(expect_depths(folder / name, metres, 1e-4), "preset carla"));
     }
-    const auto guessed = guess_folder(folder / "clip", {});
-    ASSERT_EQ(message(guessed), "");
-    write_bytes(folder / "clip/scene.json", scene_to_json(*guessed));
+    const auto guessed = must(guess_folder(folder / "clip", {}));
+    write_bytes(folder / "clip/scene.json", scene_to_json(guessed));
     expect_depths(folder / "clip", metres, 1e-4);
     // Nothing shows within one step of the highest byte; a person says it.
     write_packed(folder / "near.png", 1);
@@ -634,7 +590,7 @@ TEST(ValueEvidence, ThreeChannelsMayBeOneNumber) {
     expect_depths(folder / "near.png", room, 1e-4, known);
 }
 
-TEST(ValueEvidence, ColourMapsAreNoNumbers) {
+TEST_F(ValueEvidence, IgnoresColourMaps) {
     for (int map = 0; map < 3; ++map) {
         Image image{256, 64, 1, 3, {}};
         for (int y = 0; y < 64; ++y)
@@ -650,38 +606,33 @@ TEST(ValueEvidence, ColourMapsAreNoNumbers) {
     }
 }
 
-TEST(ValueEvidence, DisparitiesAreKnownByTheirName) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, RecognisesDisparitiesByName) {
     const auto disparity = [](int x, int y) { return y < 4 ? 0U : static_cast<unsigned>(40 + x + 2 * y); };
     for (const char* name : {"disp1.png", "left_disparity.png", "display.png"})
         write_words(folder / name, disparity);
     for (const char* name : {"disp1.png", "left_disparity.png"}) {
-        auto reader = open_clip(folder / name);
-        ASSERT_EQ(message(reader), "");
-        EXPECT_TRUE(is_noted(**reader, "depth is disparities, as the name says, and no calib.txt"));
-        EXPECT_EQ((*reader)->scene().depth.kind, DepthCodingKind::inverse);
-        EXPECT_TRUE((*reader)->scene().depth.near_is_high);
-        const auto frame = (*reader)->next();
-        ASSERT_EQ(message(frame), "");
-        const DepthCoding& depth = (*reader)->scene().depth;
-        EXPECT_FALSE(depth.is_valid(stored_code((**frame).depth, depth, 5, 2)));
-        EXPECT_TRUE(depth.is_valid(stored_code((**frame).depth, depth, 5, 9)));
+        auto reader = must(open_clip(folder / name));
+        EXPECT_TRUE(is_noted(*reader, "depth is disparities, as the name says, and no calib.txt"));
+        EXPECT_EQ(reader->scene().depth.kind, DepthCodingKind::inverse);
+        EXPECT_TRUE(reader->scene().depth.near_is_high);
+        const auto frame = must(reader->next());
+        const DepthCoding& depth = reader->scene().depth;
+        EXPECT_FALSE(depth.is_valid(stored_code((*frame).depth, depth, 5, 2)));
+        EXPECT_TRUE(depth.is_valid(stored_code((*frame).depth, depth, 5, 9)));
     }
-    auto other = open_clip(folder / "display.png");
-    ASSERT_EQ(message(other), "");
-    EXPECT_FALSE(is_noted(**other, "disparities"));
+    auto other = must(open_clip(folder / "display.png"));
+    EXPECT_FALSE(is_noted(*other, "disparities"));
     write_bytes(folder / "calib.txt",
                 "cam0=[80 0 31.5; 0 80 23.5; 0 0 1]\ncam1=[80 0 31.5; 0 80 23.5; 0 0 1]\ndoffs=0\n"
                 "baseline=200\nwidth=64\nheight=48\n");
     const std::string notes = expect_depths(
         folder / "disp1.png",
         [&](int x, int y) { return disparity(x, y) == 0 ? 0 : 80 * 0.2 / disparity(x, y); }, 1e-3);
-    EXPECT_NE(notes.find("baseline and focal length are those of calib.txt"), std::string::npos) << notes;
+    EXPECT_TRUE(has_words(notes, "baseline and focal length are those of calib.txt"));
 }
 
 /// Values that mean something else by themselves, and lengths by what a file or a name says.
-TEST(ValueEvidence, WhatAFileOrANameSaysGoesFirst) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, PrefersStatedUnit) {
     const auto scale_of = [&](const std::string& name, const std::string& part) {
         auto reader = open_clip(folder / name);
         EXPECT_EQ(message(reader), "") << name;
@@ -716,9 +667,8 @@ TEST(ValueEvidence, WhatAFileOrANameSaysGoesFirst) {
     (void)scale_of("eight.png", "depth has no scale");
 }
 
-/// One code far above all others: a sensor's "nothing there". Where others come near it, it is a wall.
-TEST(ValueEvidence, LargestCodeAloneIsNoDepth) {
-    const TemporaryFolder folder;
+/// A code far above all others is a sensor's "nothing there"; with others near it, it is a wall.
+TEST_F(ValueEvidence, DropsLoneLargestCode) {
     const auto is_none = [&](unsigned largest, int farthest) {
         write_words(folder / "a.png", [&](int x, int y) {
             return x < 4 ? largest : static_cast<unsigned>(room_millimetres(x, y, farthest));
@@ -734,8 +684,7 @@ TEST(ValueEvidence, LargestCodeAloneIsNoDepth) {
 }
 
 /// Values that more than one unit fits: each is named with what the scene is in it.
-TEST(ValueEvidence, UnitsThatFitAsWellAreNamed) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, NamesOtherFittingUnits) {
     const auto noted = [&](const std::function<unsigned(int x, int y)>& word, const std::string& part) {
         write_words(folder / "a.png", word);
         auto reader = open_clip(folder / "a.png");
@@ -766,7 +715,7 @@ TEST(ValueEvidence, UnitsThatFitAsWellAreNamed) {
     EXPECT_FALSE(noted(plain, "if they are"));
 }
 
-TEST(ValueEvidence, OrdinaryMillimetresHaveNone) {
+TEST_F(ValueEvidence, FindsNothingInOrdinaryMillimetres) {
     SplitMix64 random(5);
     for (int round = 0; round < 50; ++round) {
         StoredImage picture;
@@ -785,8 +734,7 @@ TEST(ValueEvidence, OrdinaryMillimetresHaveNone) {
     }
 }
 
-TEST(ValueEvidence, MinusOneIsNoDepthInArrays) {
-    const TemporaryFolder folder;
+TEST_F(ValueEvidence, DropsMinusOneInArrays) {
     write_bytes(folder / "write.py",
                 "import numpy as np\nf = '" + folder.path().string() +
                     "/'\ny, x = np.mgrid[0:48, 0:64]\n"

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
 namespace touchable::test {
 namespace {
@@ -94,21 +96,42 @@ void set_sample(AVFrame& frame, int plane, int x, int y, int value) {
         row[x] = static_cast<std::uint8_t>(value);
 }
 
-void join_tracks(const std::vector<std::filesystem::path>& films, const std::filesystem::path& file) {
+void fill_plane(AVFrame& frame, int plane, const std::function<int(int x, int y)>& sample) {
+    const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+    const int width = plane == 0 ? frame.width : AV_CEIL_RSHIFT(frame.width, format.log2_chroma_w),
+              height = plane == 0 ? frame.height : AV_CEIL_RSHIFT(frame.height, format.log2_chroma_h);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) set_sample(frame, plane, x, y, sample(x, y));
+}
+
+void fill_rgb(AVFrame& frame, const std::function<std::array<int, 3>(int x, int y)>& pixel) {
+    for (int y = 0; y < frame.height; ++y)
+        for (int x = 0; x < frame.width; ++x) {
+            std::uint8_t* to = frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y + 3 * std::ptrdiff_t{x};
+            for (const int sample : pixel(x, y)) *to++ = static_cast<std::uint8_t>(sample);
+        }
+}
+
+void join_tracks(const std::vector<TitledFile>& sources, const std::filesystem::path& file,
+                 std::uint32_t tag) {
     AVFormatContext* out = nullptr;
-    must_not_fail(avformat_alloc_output_context2(&out, nullptr, "mov", file.c_str()), "container");
-    std::vector<AVFormatContext*> inputs(films.size());
-    for (std::size_t k = 0; k < films.size(); ++k) {
-        ASSERT_GE(avformat_open_input(&inputs[k], file_url(films[k]).c_str(), nullptr, nullptr), 0);
+    must_not_fail(avformat_alloc_output_context2(&out, nullptr, nullptr, file.c_str()), "container");
+    std::vector<AVFormatContext*> inputs;
+    for (const auto& [path, title] : sources) {
+        AVFormatContext* in = nullptr;
+        ASSERT_GE(avformat_open_input(&in, file_url(path).c_str(), nullptr, nullptr), 0);
+        inputs.push_back(in);
         AVStream* const stream = avformat_new_stream(out, nullptr);
-        ASSERT_GE(avcodec_parameters_copy(stream->codecpar, inputs[k]->streams[0]->codecpar), 0);
-        stream->codecpar->codec_tag = MKTAG('h', 'v', 'c', '1');
-        stream->time_base = inputs[k]->streams[0]->time_base;
+        ASSERT_GE(avcodec_parameters_copy(stream->codecpar, in->streams[0]->codecpar), 0);
+        stream->codecpar->codec_tag = tag;
+        stream->time_base = in->streams[0]->time_base;
+        stream->avg_frame_rate = in->streams[0]->avg_frame_rate;
+        if (!title.empty()) av_dict_set(&stream->metadata, "title", title.c_str(), 0);
     }
     ASSERT_GE(avio_open(&out->pb, file_url(file).c_str(), AVIO_FLAG_WRITE), 0);
     ASSERT_GE(avformat_write_header(out, nullptr), 0);
     const PacketPtr packet(av_packet_alloc());
-    for (std::size_t k = 0; k < films.size(); ++k) {
+    for (std::size_t k = 0; k < inputs.size(); ++k) {
         while (av_read_frame(inputs[k], packet.get()) >= 0) {
             av_packet_rescale_ts(packet.get(), inputs[k]->streams[0]->time_base, out->streams[k]->time_base);
             packet->stream_index = static_cast<int>(k);
@@ -119,6 +142,20 @@ void join_tracks(const std::vector<std::filesystem::path>& films, const std::fil
     ASSERT_GE(av_write_trailer(out), 0);
     avio_closep(&out->pb);
     avformat_free_context(out);
+}
+
+void join_cinematic(const std::filesystem::path& colour, const std::filesystem::path& disparity,
+                    const std::filesystem::path& file) {
+    join_tracks({{colour, ""}, {disparity, ""}}, file, MKTAG('h', 'v', 'c', '1'));
+    std::ifstream in(file, std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const auto entry = bytes.rfind("hvc1"), handler = bytes.rfind("mhlrvide");
+    ASSERT_NE(entry, std::string::npos);
+    ASSERT_NE(handler, std::string::npos);
+    bytes.replace(entry, 4, "dish");
+    bytes.replace(handler, 8, "mhlrauxv");
+    std::filesystem::remove(file);
+    std::ofstream(file, std::ios::binary) << bytes;
 }
 
 }  // namespace touchable::test

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/picture/ffmpeg.hpp"
@@ -31,10 +33,20 @@ inline bool can_encode(const char* codec) {
 void write_video(const std::filesystem::path& file, const ForeignVideo& video,
                  const std::function<void(AVFrame& frame, int number)>& fill);
 
-/// The pictures of several QuickTime films of HEVC, as they are, as tracks of one.
-void join_tracks(const std::vector<std::filesystem::path>& films, const std::filesystem::path& file);
-
 /// Sets a sample of a plane, of one byte or two.
 void set_sample(AVFrame& frame, int plane, int x, int y, int value);
+/// All samples of a plane.
+void fill_plane(AVFrame& frame, int plane, const std::function<int(int x, int y)>& sample);
+/// All pixels of packed RGB.
+void fill_rgb(AVFrame& frame, const std::function<std::array<int, 3>(int x, int y)>& pixel);
+
+using TitledFile = std::pair<std::filesystem::path, std::string>;
+/// The first track of each file, with its title if any, in one file; `tag`: the codec's, 0: as usual.
+void join_tracks(const std::vector<TitledFile>& sources, const std::filesystem::path& file,
+                 std::uint32_t tag = 0);
+/// QuickTime films of HEVC as iPhone's Cinematic video, which marks disparity by handler `auxv` and sample
+/// entry `dish`.
+void join_cinematic(const std::filesystem::path& colour, const std::filesystem::path& disparity,
+                    const std::filesystem::path& file);
 
 }  // namespace touchable::test

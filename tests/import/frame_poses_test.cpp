@@ -22,10 +22,10 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/kept_clips.hpp"
 #include "tests/opened_files.hpp"
 #include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 namespace {
@@ -38,7 +38,7 @@ constexpr double wall_focal = 30, wall_cx = 15, wall_cy = 12.5;
 constexpr Numbers3 wall_normal{0.2, -0.3, 1};
 constexpr double wall_distance = 2;
 
-/// Of a frame: turned about x by b, then about y by a, and moved.
+/// The camera of a frame: turned about x by b, then about y by a, and moved.
 struct Stand {
     double a, b;
     Numbers3 place;
@@ -71,21 +71,16 @@ double on_wall(const Numbers3& p) {
 class FramePoses : public ::testing::Test {
 protected:
     void SetUp() override {
-        std::filesystem::create_directories(folder / "depth");
         write_bytes(folder / "intrinsics.json", R"({"fx": 30, "fy": 30, "cx": 15, "cy": 12.5})");
         for (int frame = 0; frame < wall_frames; ++frame) {
             const auto r = matrix_of(stand_of(frame));
-            Image image{wall_width, wall_height, 2, 1, {}};
-            for (int row = 0; row < wall_height; ++row)
-                for (int column = 0; column < wall_width; ++column) {
+            const double ahead = wall_distance - on_wall(stand_of(frame).place);
+            write_in_folder(
+                folder / picture(frame),
+                made_image(wall_width, wall_height, 2, 1, [&](int column, int row, int) {
                     const Numbers3 ray{(column - wall_cx) / wall_focal, (row - wall_cy) / wall_focal, 1};
-                    const double metres =
-                        (wall_distance - on_wall(stand_of(frame).place)) / on_wall(moved(r, {}, ray));
-                    const auto code = static_cast<int>(std::lround(1000 * metres));
-                    image.samples.push_back(static_cast<std::uint8_t>(code & 255));
-                    image.samples.push_back(static_cast<std::uint8_t>(code >> 8));
-                }
-            ASSERT_EQ(message(write_png(folder / picture(frame), image.view())), "");
+                    return std::lround(1000 * ahead / on_wall(moved(r, {}, ray)));
+                }));
         }
     }
     static std::string picture(int frame) { return "depth/" + std::to_string(frame) + ".png"; }
@@ -98,25 +93,22 @@ protected:
         return line + '\n';
     }
     std::unique_ptr<ClipReader> opened(const std::filesystem::path& clip) const {
-        auto reader = open_clip(clip);
-        EXPECT_EQ(message(reader), "");
-        return reader ? std::move(*reader) : nullptr;
+        return must(open_clip(clip));
     }
-    /// Of all pixels with depth, unprojected and moved to the world: how far from the wall at most, metres.
+    /// The largest distance from the wall of all pixels with depth, unprojected to the world, metres.
     static double farthest_from_wall(ClipReader& reader) {
         const Scene& scene = reader.scene();
-        const auto frames = read_all(reader);
-        EXPECT_EQ(message(frames), "");
+        const auto frames = must(read_all(reader));
         EXPECT_TRUE(scene.path);
-        if (!frames || !scene.path) return 1e9;
+        if (!scene.path) return 1e9;
         double farthest = 0;
-        for (std::size_t n = 0; n < frames->size(); ++n) {
+        for (std::size_t n = 0; n < frames.size(); ++n) {
             if (n >= scene.path->poses.size() || !scene.path->poses[n]) continue;
             const CameraPose& pose = *scene.path->poses[n];
             for (int row = 0; row < wall_height; ++row)
                 for (int column = 0; column < wall_width; ++column) {
                     const double z =
-                        scene.depth.depth((*frames)[n].depth.sample(column, row)) * scene.metres_per_unit;
+                        scene.depth.depth(frames[n].depth.sample(column, row)) * scene.metres_per_unit;
                     const Numbers3 seen{z * (column - wall_cx) / wall_focal, z * (row - wall_cy) / wall_focal,
                                         z};
                     Numbers3 place{};
@@ -128,10 +120,9 @@ protected:
         }
         return farthest;
     }
-    /// Of the clip in the folder: the poses that it has, which lead to the wall.
+    /// The clip in the folder has so many poses, and they lead to the wall.
     void expect_wall(std::size_t known) {
         const auto reader = opened(folder.path());
-        ASSERT_TRUE(reader);
         EXPECT_LT(farthest_from_wall(*reader), a_code);
         ASSERT_TRUE(reader->scene().path);
         EXPECT_EQ(reader->scene().path->known(), known);
@@ -148,7 +139,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(FramePoses, OfTumAreThoseNearestInTime) {
+TEST_F(FramePoses, TakeNearestTumTime) {
     std::string list, poses = "# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw\n";
     for (int frame = 0; frame < wall_frames; ++frame) {
         const double time = 1305031102.175304 + frame / 30.0;
@@ -171,7 +162,7 @@ TEST_F(FramePoses, OfTumAreThoseNearestInTime) {
     EXPECT_EQ(note(), "where the camera stood is known of 4 of 4 frames, by groundtruth.txt");
 }
 
-TEST_F(FramePoses, OfTumLeadToTheWall) {
+TEST_F(FramePoses, ReadTum) {
     std::string by_time, counted, few;
     for (int frame = 0; frame < wall_frames; ++frame) {
         by_time += tum_line(std::to_string(frame / 30.0 + 0.005), frame);
@@ -184,7 +175,7 @@ TEST_F(FramePoses, OfTumLeadToTheWall) {
     }
 }
 
-TEST_F(FramePoses, OfRedwoodLeadToTheWall) {
+TEST_F(FramePoses, ReadRedwood) {
     std::string log;
     for (int frame = 0; frame < wall_frames; ++frame) {
         const auto r = matrix_of(stand_of(frame));
@@ -199,8 +190,8 @@ TEST_F(FramePoses, OfRedwoodLeadToTheWall) {
     expect_wall(4);
 }
 
-/// Whose cameras look along -z with y up: another half turn about x comes first.
-TEST_F(FramePoses, OfRecord3dLeadToTheWall) {
+/// Its cameras look along -z with y up: another half turn about x comes first.
+TEST_F(FramePoses, ReadRecord3d) {
     std::string poses;
     for (int frame = 0; frame < wall_frames; ++frame) {
         const auto [x, y, z, w] = quaternion_of(stand_of(frame));
@@ -216,7 +207,7 @@ TEST_F(FramePoses, OfRecord3dLeadToTheWall) {
     expect_wall(4);
 }
 
-TEST_F(FramePoses, AreKeptByEveryKindOfClip) {
+TEST_F(FramePoses, SurviveEveryKindOfClip) {
     std::string poses;
     for (int frame = 0; frame < wall_frames; ++frame)
         if (frame != 2) poses += tum_line(std::to_string(frame / 30.0), frame);
@@ -229,15 +220,13 @@ TEST_F(FramePoses, AreKeptByEveryKindOfClip) {
         const auto reader = opened(from);
         ASSERT_TRUE(reader);
         const auto to = output / name;
-        auto writer = to.extension() == ".mkv" ? create_clip(to, reader->described(), exact_clip)
-                      : to.extension() == ".mp4"
-                          ? create_mp4_clip(to, reader->described(), {})
-                          : create_image_folder(to, reader->described(), Existing::keep);
-        ASSERT_EQ(message(writer), "");
-        const auto frames = read_all(*reader);
-        ASSERT_EQ(message(frames), "");
-        for (const RawFrame& frame : *frames) ASSERT_EQ(message((*writer)->write(frame)), "");
-        ASSERT_EQ(message((*writer)->finish()), "");
+        auto writer =
+            must(to.extension() == ".mkv"   ? create_clip(to, reader->described(), exact_clip)
+                 : to.extension() == ".mp4" ? create_mp4_clip(to, reader->described(), {})
+                                            : create_image_folder(to, reader->described(), Existing::keep));
+        const auto frames = must(read_all(*reader));
+        for (const RawFrame& frame : frames) ASSERT_EQ(message(writer->write(frame)), "");
+        ASSERT_EQ(message(writer->finish()), "");
         const auto back = opened(to);
         ASSERT_TRUE(back && back->scene().path) << name;
         EXPECT_LT(farthest_from_wall(*back), a_code) << name;
@@ -249,14 +238,13 @@ TEST_F(FramePoses, AreKeptByEveryKindOfClip) {
         EXPECT_NEAR(kept.length(), was.length(), 1e-12);
         from = to;
     }
-    auto part = part_of_clip(opened(output / "clip.mkv"), {.first = 1, .last = 3, .every = 2});
-    ASSERT_EQ(message(part), "");
-    ASSERT_TRUE((*part)->scene().path);
-    EXPECT_EQ((*part)->scene().path->poses.size(), 2U);
-    EXPECT_LT(farthest_from_wall(**part), a_code);
+    auto part = must(part_of_clip(opened(output / "clip.mkv"), {.first = 1, .last = 3, .every = 2}));
+    ASSERT_TRUE(part->scene().path);
+    EXPECT_EQ(part->scene().path->poses.size(), 2U);
+    EXPECT_LT(farthest_from_wall(*part), a_code);
 }
 
-TEST_F(FramePoses, ThatCannotBeReadAreSaidAndLeftOut) {
+TEST_F(FramePoses, SkipUnreadableFilesWithNote) {
     const std::pair<const char*, const char*> files[] = {
         {"0 0 0 0 0 0 0 1\n1 2 3\n", "line 2: is \"1 2 3\": must be a time and a camera's pose"},
         {"0 0 0 0 0 0 0 2\n", "line 1: its qx qy qz qw must be a rotation"},
@@ -267,7 +255,7 @@ TEST_F(FramePoses, ThatCannotBeReadAreSaidAndLeftOut) {
     for (const auto& [text, why] : files) {
         write_bytes(folder / "groundtruth.txt", text);
         EXPECT_TRUE(note().starts_with("poses of the camera are not read: groundtruth.txt")) << note();
-        EXPECT_NE(note().find(why), std::string::npos) << note();
+        EXPECT_TRUE(has_words(note(), why));
         EXPECT_FALSE(opened(folder.path())->scene().path);
     }
     std::filesystem::remove(folder / "groundtruth.txt");
@@ -327,19 +315,16 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Rendering, OfOneFileOpensWithDepthAndColour) {
+TEST_F(Rendering, OpensDepthAndColour) {
     for (const char* seed : {"layers_half.exr", "layers_float.exr", "two_layers.exr", "z_half.exr"}) {
         SCOPED_TRACE(seed);
         render(1, seed);
-        auto reader = open_clip(folder / "r_0001.exr");
-        ASSERT_EQ(message(reader), "");
-        const auto frames = read_all(**reader);
-        ASSERT_EQ(message(frames), "");
-        ASSERT_EQ(frames->size(), 1U);
-        expect_seen(frames->at(0), (*reader)->scene());
-        EXPECT_TRUE(is_noted(**reader, "linear light shown as sRGB"));
-        EXPECT_TRUE(is_noted(**reader, "values are metres"));
-        EXPECT_EQ(is_noted(**reader, "nothing says what they feel like"), std::string(seed) != "z_half.exr");
+        const auto [reader, frames] = must_read(open_clip(folder / "r_0001.exr"));
+        ASSERT_EQ(frames.size(), 1U);
+        expect_seen(frames.at(0), reader->scene());
+        EXPECT_TRUE(is_noted(*reader, "linear light shown as sRGB"));
+        EXPECT_TRUE(is_noted(*reader, "values are metres"));
+        EXPECT_EQ(is_noted(*reader, "nothing says what they feel like"), std::string(seed) != "z_half.exr");
     }
     auto reader = open_clip(folder / "r_0001.exr");
     EXPECT_TRUE(is_noted(**reader, "depth is channel Z, colour is R, G, B beside it"));
@@ -349,36 +334,32 @@ TEST_F(Rendering, OfOneFileOpensWithDepthAndColour) {
     EXPECT_TRUE(is_noted(**reader, "the files have material indices (b.IndexMA.X: 0, 2, 5)"));
 }
 
-TEST_F(Rendering, OfAFolderOfFilesIsReadFromEachOnce) {
+TEST_F(Rendering, ReadsEachFileOnce) {
     render(9);
     for (const bool is_described : {false, true}) {
         if (is_described) write_bytes(folder / "scene.json", scene_of("{}", R"(, "colour": "r_%04d.exr")"));
         OpenedFiles opened(folder.path());
-        auto reader = open_clip(folder.path());
-        ASSERT_EQ(message(reader), "");
-        const auto frames = read_all(**reader);
-        ASSERT_EQ(message(frames), "");
-        ASSERT_EQ(frames->size(), 9U);
-        for (const RawFrame& frame : *frames) expect_seen(frame, (*reader)->scene());
+        const auto [reader, frames] = must_read(open_clip(folder.path()));
+        ASSERT_EQ(frames.size(), 9U);
+        for (const RawFrame& frame : frames) expect_seen(frame, reader->scene());
         // The first is read once more, for its colour: the range of depth is searched in between.
         for (const auto& [name, count] : opened.counts())
             EXPECT_LE(count, name.find("0001") != std::string::npos ? 2 : 1) << name;
-        EXPECT_EQ((*reader)->inputs().size(), is_described ? 10U : 9U);
+        EXPECT_EQ(reader->inputs().size(), is_described ? 10U : 9U);
     }
 }
 
-TEST_F(Rendering, MaterialIndicesHaveThePropertiesOfATable) {
+TEST_F(Rendering, MapsMaterialsToProperties) {
     render(2);
     const std::string planes = R"(, "colour": "r_%04d.exr", "haptic": "r_%04d.exr")";
-    auto reader = open_described(scene_of(R"({"materials": {"2": {"stiffness": 2, "static_friction": 0.9},
+    auto reader =
+        must(open_described(scene_of(R"({"materials": {"2": {"stiffness": 2, "static_friction": 0.9},
                                                            "5": {"stiffness": 0.3, "dynamic_friction": 0.1}}})",
-                                          planes));
-    ASSERT_EQ(message(reader), "");
-    EXPECT_TRUE(is_noted(**reader, "haptic is that of 2 materials"));
-    const Scene& scene = (*reader)->scene();
-    const auto frames = read_all(**reader);
-    ASSERT_EQ(message(frames), "");
-    for (const RawFrame& frame : *frames) {
+                                     planes)));
+    EXPECT_TRUE(is_noted(*reader, "haptic is that of 2 materials"));
+    const Scene& scene = reader->scene();
+    const auto frames = must(read_all(*reader));
+    for (const RawFrame& frame : frames) {
         expect_seen(frame, scene);
         ASSERT_FALSE(frame.haptic.empty());
         const auto at = [&](int x, int y) {
@@ -397,29 +378,24 @@ TEST_F(Rendering, MaterialIndicesHaveThePropertiesOfATable) {
         EXPECT_EQ(at(4, 3).stiffness, 300);
     }
     // The file itself, as the same scene describes it.
-    reader = open_clip(folder / "r_0002.exr", folder / "scene.json");
-    ASSERT_EQ(message(reader), "");
-    const auto one = read_all(**reader);
-    ASSERT_EQ(message(one), "");
-    expect_seen(one->at(0), (*reader)->scene());
-    EXPECT_TRUE(same_plane(one->at(0).haptic, frames->at(0).haptic));
+    reader = must(open_clip(folder / "r_0002.exr", folder / "scene.json"));
+    const auto one = must(read_all(*reader));
+    expect_seen(one.at(0), reader->scene());
+    EXPECT_TRUE(same_plane(one.at(0).haptic, frames.at(0).haptic));
 }
 
-TEST_F(Rendering, MayHaveItsPlanesInFilesOfTheirOwn) {
+TEST_F(Rendering, ReadsPlanesFromSeparateFiles) {
     render(1);
     write_bytes(folder / "c.exr", read_bytes(folder / "r_0001.exr"));
     write_bytes(folder / "m.exr", read_bytes(folder / "r_0001.exr"));
-    auto reader = open_described(
-        scene_of(R"({"materials": {"5": {"stiffness": 2}}})", R"(, "colour": "c.exr", "haptic": "m.exr")"));
-    ASSERT_EQ(message(reader), "");
-    const auto frames = read_all(**reader);
-    ASSERT_EQ(message(frames), "");
-    expect_seen(frames->at(0), (*reader)->scene());
-    EXPECT_EQ(frames->at(0).haptic.row(3)[3 * 4], 255);
-    EXPECT_EQ(frames->at(0).haptic.row(4)[3 * 12], 0);
+    const auto [reader, frames] = must_read(open_described(
+        scene_of(R"({"materials": {"5": {"stiffness": 2}}})", R"(, "colour": "c.exr", "haptic": "m.exr")")));
+    expect_seen(frames.at(0), reader->scene());
+    EXPECT_EQ(frames.at(0).haptic.row(3)[3 * 4], 255);
+    EXPECT_EQ(frames.at(0).haptic.row(4)[3 * 12], 0);
 }
 
-TEST_F(Rendering, WhatIsMissingIsNamed) {
+TEST_F(Rendering, NamesMissingParts) {
     render(1);
     const std::string file = (folder / "r_0001.exr").string();
     EXPECT_EQ(message(open_described(scene_of("{}", R"(, "haptic": "r_%04d.exr")"))),
@@ -434,27 +410,24 @@ TEST_F(Rendering, WhatIsMissingIsNamed) {
     EXPECT_TRUE(is_refused(open_described(scene_of(R"({"materials": {"5": {}}})", "")), "folder.haptic"));
 }
 
-/// A scene without a table is told too; a map of touch that stays takes the place of what was said.
-TEST_F(Rendering, IndicesThatNobodyUsesAreToldOnce) {
+/// The note is there for a scene without a table too, but not beside a still haptic map.
+TEST_F(Rendering, NotesUnusedMaterials) {
     render(3);
-    auto reader = open_described(scene_of("{}", ""));
-    ASSERT_EQ(message(reader), "");
+    auto reader = must(open_described(scene_of("{}", "")));
     EXPECT_TRUE(is_noted(
-        **reader, "haptic is not there: the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"));
-    const auto scene = (*reader)->scene();
+        *reader, "haptic is not there: the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"));
+    const auto scene = reader->scene();
     for (const Remark& remark : scene.remarks) EXPECT_EQ(remark.what.find("indices"), std::string::npos);
     Image map{1, 1, 1, 3, {255, 128, 128}};
     ASSERT_EQ(message(write_png(folder / "map.png", map.view())), "");
-    reader = open_described(scene_of("{}", R"(, "haptic": "map.png")"));
-    ASSERT_EQ(message(reader), "");
-    EXPECT_FALSE(is_noted(**reader, "material indices"));
+    reader = must(open_described(scene_of("{}", R"(, "haptic": "map.png")")));
+    EXPECT_FALSE(is_noted(*reader, "material indices"));
     // Whatever the file is called.
     for (const std::string name : {"DEPTH_%04d.EXR", "depth_%04d"}) {
         std::filesystem::copy_file(folder / "r_0001.exr",
                                    folder / std::string(name).replace(name.find('%'), 4, "0001"));
-        reader = open_described(scene_of("{}", "", name));
-        ASSERT_EQ(message(reader), "");
-        EXPECT_TRUE(is_noted(**reader, "the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"))
+        reader = must(open_described(scene_of("{}", "", name)));
+        EXPECT_TRUE(is_noted(*reader, "the files have material indices (ViewLayer.IndexMA.X: 0, 2, 5)"))
             << name;
     }
 }
@@ -477,31 +450,28 @@ void write_unreals(const std::filesystem::path& file, float centimetres) {
     output.writePixels(12);
 }
 
-TEST_F(Rendering, UnrealsWorldDepthIsInCentimetres) {
+TEST_F(Rendering, ReadsUnrealCentimetres) {
     write_unreals(folder / "Shot.0001.exr", 150);
     for (const char* name : {"shots", "pictures"}) std::filesystem::create_directories(folder / name);
     for (const char* name : {"Shot.0001.exr", "Shot.0002.exr"})
         std::filesystem::copy_file(folder / "Shot.0001.exr", folder / "shots" / name);
     for (const char* name : {"Shot.0001.exr", "shots"}) {
         SCOPED_TRACE(name);
-        auto reader = open_clip(folder / name);
-        ASSERT_EQ(message(reader), "");
-        EXPECT_TRUE(is_noted(**reader, "Unreal's WorldDepth: centimetres"));
-        const auto frame = (*reader)->next();
-        ASSERT_EQ(message(frame), "");
-        ASSERT_TRUE(frame->has_value());
-        const Scene& scene = (*reader)->scene();
-        EXPECT_NEAR(scene.depth.depth((*frame)->depth.sample(7, 5)) * scene.metres_per_unit, 1.5, 1e-3);
-        EXPECT_FALSE(scene.depth.is_valid((*frame)->depth.sample(0, 0)));
-        EXPECT_FALSE((*frame)->colour.empty());
+        auto reader = must(open_clip(folder / name));
+        EXPECT_TRUE(is_noted(*reader, "Unreal's WorldDepth: centimetres"));
+        const auto frame = must(reader->next());
+        ASSERT_TRUE(frame.has_value());
+        const Scene& scene = reader->scene();
+        EXPECT_NEAR(scene.depth.depth(frame->depth.sample(7, 5)) * scene.metres_per_unit, 1.5, 1e-3);
+        EXPECT_FALSE(scene.depth.is_valid(frame->depth.sample(0, 0)));
+        EXPECT_FALSE(frame->colour.empty());
     }
     // A channel or a layer by name, for which a scene file may say the rest.
     SourceDescription named;
     for (const char* channel : {"A", "finalimagemovierenderqueue_worlddepth", "G"}) {
         named.channel = channel;
-        const auto reader = open_clip(folder / "Shot.0001.exr", {}, named);
-        ASSERT_EQ(message(reader), "");
-        EXPECT_EQ(bool(is_noted(**reader, "centimetres")), named.channel.size() > 1) << channel;
+        const auto reader = must(open_clip(folder / "Shot.0001.exr", {}, named));
+        EXPECT_EQ(bool(is_noted(*reader, "centimetres")), named.channel.size() > 1) << channel;
     }
     named.channel = "Z";
     for (const char* name : {"Shot.0001.exr", "shots"})
@@ -514,9 +484,8 @@ TEST_F(Rendering, UnrealsWorldDepthIsInCentimetres) {
         EXPECT_TRUE(is_refused(open_clip(folder / name, {}, named), "is no OpenEXR file")) << name;
     SourceDescription known;
     known.metres_per_code = 1;
-    const auto metres = open_clip(folder / "Shot.0001.exr", {}, known);
-    ASSERT_EQ(message(metres), "");
-    EXPECT_FALSE(is_noted(**metres, "centimetres"));
+    const auto metres = must(open_clip(folder / "Shot.0001.exr", {}, known));
+    EXPECT_FALSE(is_noted(*metres, "centimetres"));
 }
 
 // The text of an MPEG-4 scene beside the pictures that it names.
@@ -524,10 +493,8 @@ TEST_F(Rendering, UnrealsWorldDepthIsInCentimetres) {
 constexpr int text_wide = 12, text_high = 8;
 
 Image painted(int channels, int factor) {
-    Image image{text_wide, text_high, 1, channels, {}};
-    for (int k = 0; k < text_wide * text_high * channels; ++k)
-        image.samples.push_back(static_cast<std::uint8_t>(k * factor));
-    return image;
+    return made_image(text_wide, text_high, 1, channels,
+                      [&](int x, int y, int c) { return factor * (channels * (text_wide * y + x) + c); });
 }
 
 std::string scene_with(const std::string& depth, const std::string& haptic = "haptic.png") {
@@ -559,60 +526,50 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(SceneTextClips, ThePapersFourPicturesOpen) {
+TEST_F(SceneTextClips, OpenFourPictures) {
     const std::string text = scene_with(R"(ImageTexture { url "depth.png" })");
     EXPECT_EQ(message(open("\xef\xbb\xbf" + text)), "") << "with a byte order mark";
-    const auto clip = open(text);
-    ASSERT_EQ(message(clip), "");
-    const Scene& scene = (*clip)->scene();
+    const auto clip = must(open(text));
+    const Scene& scene = clip->scene();
     EXPECT_EQ(scene.camera, camera_from_focal_length(6.983, 0.5, text_wide, text_high));
     EXPECT_EQ(scene.depth.near, 10);
     EXPECT_EQ(scene.depth.far, 200);
     EXPECT_TRUE(scene.depth.near_is_high);
     EXPECT_EQ(scene.haptic.static_friction.min, 0.2);
     EXPECT_EQ(scene.height_coding.max_height, 1);
-    const auto frames = read_all(**clip);
-    ASSERT_EQ(message(frames), "");
-    ASSERT_EQ(frames->size(), 1);
-    const RawFrame& frame = frames->front();
+    const auto frames = must(read_all(*clip));
+    ASSERT_EQ(frames.size(), 1);
+    const RawFrame& frame = frames.front();
     EXPECT_EQ(frame.depth.sample(3, 1), painted(1, 2).view().sample(3, 1));
     EXPECT_EQ(frame.height.sample(5, 2), painted(1, 7).view().sample(5, 2));
     EXPECT_EQ(frame.haptic.row(2)[7], painted(3, 5).view().row(2)[7]);
     EXPECT_EQ(frame.colour.row(2)[7], painted(3, 3).view().row(2)[7]);
-    EXPECT_EQ((*clip)->inputs().back(), folder / "scene.bt");
+    EXPECT_EQ(clip->inputs().back(), folder / "scene.bt");
 }
 
 /// The paper's example has its haptic picture in JPEG.
-TEST_F(SceneTextClips, AHapticPictureInJpegIsReadAndSaid) {
+TEST_F(SceneTextClips, ReadHapticJpegWithNote) {
     std::filesystem::copy_file(
         std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/jpeg_depth/gdepth.jpg",
         folder / "haptic.jpg");
-    const auto clip = open(scene_with(R"(ImageTexture { url "depth.png" })", "haptic.jpg"));
-    ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(is_noted(**clip, "haptic is stored as mjpeg"));
-    EXPECT_EQ(message(read_all(**clip)), "");
+    const auto clip = must(open(scene_with(R"(ImageTexture { url "depth.png" })", "haptic.jpg")));
+    EXPECT_TRUE(is_noted(*clip, "haptic is stored as mjpeg"));
+    EXPECT_EQ(message(read_all(*clip)), "");
 }
 
 /// The pictures that a text names are pictures like any other to a scene file.
-TEST_F(SceneTextClips, ASceneFileMayCallItsDepthDisparities) {
+TEST_F(SceneTextClips, TakeDisparitiesFromSceneFile) {
     write_bytes(folder / "scene.bt", scene_with(R"(ImageTexture { url "depth.png" })"));
     write_bytes(folder / "other.json", R"({"touchable_scene": 1, "width": 12, "height": 8,
         "camera": {"fx": 9, "fy": 9, "cx": 5.5, "cy": 3.5},
         "depth": {"coding": "disparity", "baseline": 100, "invalid": [0]}})");
-    const auto clip = open_clip(folder / "scene.bt", folder / "other.json");
-    ASSERT_EQ(message(clip), "");
-    const auto frames = read_all(**clip);
-    ASSERT_EQ(message(frames), "");
-    const DepthCoding& depth = (*clip)->scene().depth;
+    const auto [clip, frames] = must_read(open_clip(folder / "scene.bt", folder / "other.json"));
+    const DepthCoding& depth = clip->scene().depth;
     const int stored = painted(1, 2).view().sample(3, 1);
-    EXPECT_NEAR(depth.depth(stored_code(frames->front().depth, depth, 3, 1)), 9.0 * 100 / stored, 1e-9);
-    ASSERT_FALSE(frames->front().haptic.empty()) << "its other pictures stay";
-    // Of a video it is refused by what is true of one.
-    write_bytes(folder / "video.mkv", "");
-    auto writer = create_clip(folder / "video.mkv", small_scene(text_wide, text_high), exact_clip);
-    ASSERT_EQ(message(writer), "");
-    ASSERT_EQ(message((*writer)->write(test_frame(small_scene(text_wide, text_high), 0, {}))), "");
-    ASSERT_EQ(message((*writer)->finish()), "");
+    EXPECT_NEAR(depth.depth(stored_code(frames.front().depth, depth, 3, 1)), 9.0 * 100 / stored, 1e-9);
+    ASSERT_FALSE(frames.front().haptic.empty()) << "its other pictures stay";
+    // For a video, the message speaks of videos.
+    ASSERT_EQ(message(write_clip(folder / "video.mkv", small_scene(text_wide, text_high), 1, {})), "");
     write_bytes(folder / "scene.bt",
                 R"(Shape { geometry Depth { texture MovieTexture { url "video.mkv" } } })");
     EXPECT_TRUE(is_refused(open_clip(folder / "scene.bt", folder / "other.json"),
@@ -638,7 +595,7 @@ protected:
     }
     void change(const std::string& was, const std::string& is) const {
         std::string text = read_bytes(file);
-        ASSERT_NE(text.find(was), std::string::npos) << was;
+        ASSERT_TRUE(has_words(text, was)) << was;
         write_bytes(file, text.replace(text.find(was), was.size(), is));
     }
     TemporaryFolder folder;
@@ -646,7 +603,7 @@ protected:
     Scene scene = small_scene(23, 14, 12);
 };
 
-TEST_F(WrittenSceneText, ComesBackWithAllThatNodesCannotSay) {
+TEST_F(WrittenSceneText, KeepsWhatNodesCannotHold) {
     ASSERT_EQ(write(), "");
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
@@ -654,24 +611,22 @@ TEST_F(WrittenSceneText, ComesBackWithAllThatNodesCannotSay) {
     std::ranges::sort(names);
     EXPECT_EQ(names, (std::vector<std::string>{"my scene.bt", "my scene_colour.png", "my scene_depth.png",
                                                "my scene_haptic.png", "my scene_height.png"}));
-    const auto clip = open_clip(file);
-    ASSERT_EQ(message(clip), "");
-    EXPECT_FALSE(is_noted(**clip, "its nodes say another"));
-    EXPECT_TRUE(is_noted(**clip, "guessed: the camera"));
-    Scene read = (*clip)->scene();
+    const auto clip = must(open_clip(file));
+    EXPECT_FALSE(is_noted(*clip, "its nodes say another"));
+    EXPECT_TRUE(is_noted(*clip, "guessed: the camera"));
+    Scene read = clip->scene();
     ASSERT_TRUE(read.folder);
     read.folder.reset();
     EXPECT_EQ(scene_to_json(read), scene_to_json(scene));
-    const auto frames = read_all(**clip);
-    ASSERT_EQ(message(frames), "");
-    ASSERT_EQ(frames->size(), 1U);
-    EXPECT_TRUE(same_frame(frames->front(), test_frame(scene, 0, all_planes)));
+    const auto frames = must(read_all(*clip));
+    ASSERT_EQ(frames.size(), 1U);
+    EXPECT_TRUE(same_frame(frames.front(), test_frame(scene, 0, all_planes)));
 }
 
-TEST_F(WrittenSceneText, NothingThatIsThereIsReplacedUnasked) {
-    write_bytes(folder / "my scene_height.png", "somebody's");
-    EXPECT_NE(write().find("my scene_height.png"), std::string::npos);
-    EXPECT_EQ(read_bytes(folder / "my scene_height.png"), "somebody's");
+TEST_F(WrittenSceneText, ReplacesNothingUnasked) {
+    write_bytes(folder / "my scene_height.png", "another's");
+    EXPECT_TRUE(has_words(write(), "my scene_height.png"));
+    EXPECT_EQ(read_bytes(folder / "my scene_height.png"), "another's");
     EXPECT_FALSE(std::filesystem::exists(file) || std::filesystem::exists(folder / "my scene_depth.png"));
     EXPECT_EQ(write(Existing::replace), "");
     EXPECT_EQ(message(open_clip(file)), "");
@@ -682,36 +637,34 @@ TEST_F(WrittenSceneText, NothingThatIsThereIsReplacedUnasked) {
     }
 }
 
-TEST_F(WrittenSceneText, NodesThatWereEditedStandAndThatIsSaid) {
+TEST_F(WrittenSceneText, PrefersEditedNodesWithNote) {
     ASSERT_EQ(write(), "");
     change("farPlane 200", "farPlane 300");  // of its prototype's values none is 200
     change("maxHeight 0", "maxHeight 2");
-    const auto clip = open_clip(file);
-    ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(is_noted(
-        **clip, "its nodes say another camera, other planes or ranges than its WorldInfo T3D_SCENE"));
-    EXPECT_EQ((*clip)->scene().depth.far, 300);
-    EXPECT_EQ((*clip)->scene().height_coding.max_height, 2);
-    EXPECT_EQ((*clip)->scene().depth.semantics, DepthSemantics::planar);
+    const auto clip = must(open_clip(file));
+    EXPECT_TRUE(
+        is_noted(*clip, "its nodes say another camera, other planes or ranges than its WorldInfo T3D_SCENE"));
+    EXPECT_EQ(clip->scene().depth.far, 300);
+    EXPECT_EQ(clip->scene().height_coding.max_height, 2);
+    EXPECT_EQ(clip->scene().depth.semantics, DepthSemantics::planar);
     change("farPlane 300", "farPlane 5");
     EXPECT_TRUE(is_refused(open_clip(file), "my scene.bt: depth.near"));
 }
 
-TEST_F(WrittenSceneText, OnlyPicturesThatNodesNameAreRead) {
+TEST_F(WrittenSceneText, ReadsOnlyNamedPictures) {
     ASSERT_EQ(write(), "");
     const std::string whole = read_bytes(file);
     change(R"("  \"interpolation)",
            R"("  \"video\": {\"depth\": \"../elsewhere.mkv\"}," "  \"interpolation)");
-    const auto clip = open_clip(file);
-    ASSERT_EQ(message(clip), "");
-    EXPECT_FALSE((*clip)->scene().video);
-    EXPECT_EQ((*clip)->scene().folder->depth, "my scene_depth.png");
+    const auto clip = must(open_clip(file));
+    EXPECT_FALSE(clip->scene().video);
+    EXPECT_EQ(clip->scene().folder->depth, "my scene_depth.png");
     write_bytes(file, whole);
     change(R"(\"touchable_scene\": 1,)", R"(\"touchable_scene\": 99,)");
     EXPECT_TRUE(is_refused(open_clip(file), "my scene.bt: its WorldInfo T3D_SCENE: touchable_scene"));
 }
 
-TEST_F(WrittenSceneText, PicturesThatAreMissingOrOthersAreNamed) {
+TEST_F(WrittenSceneText, NamesMissingOrForeignPictures) {
     ASSERT_EQ(write(), "");
     const auto picture = [&](const char* role) {
         return folder / ("my scene_" + std::string(role) + ".png");
@@ -730,7 +683,7 @@ TEST_F(WrittenSceneText, PicturesThatAreMissingOrOthersAreNamed) {
 }
 
 /// Grey in JPEG is read as depth, and what that does to it is said.
-TEST_F(SceneTextClips, DepthInJpegIsReadAndSaid) {
+TEST_F(SceneTextClips, ReadDepthJpegWithNote) {
     write_bytes(folder / "depth.jpg",
                 encoded("mjpeg", AV_PIX_FMT_YUVJ420P, text_wide, text_high, [](AVFrame& frame) {
                     for (int plane = 0; plane < 3; ++plane)
@@ -738,13 +691,12 @@ TEST_F(SceneTextClips, DepthInJpegIsReadAndSaid) {
                             std::memset(frame.data[plane] + y * frame.linesize[plane], plane > 0 ? 128 : 100,
                                         text_wide / (plane > 0 ? 2 : 1));
                 }));
-    const auto clip = open(scene_with(R"(ImageTexture { url "depth.jpg" })"));
-    ASSERT_EQ(message(clip), "");
-    EXPECT_TRUE(is_noted(**clip, "depth is stored as mjpeg, which changes values"));
-    EXPECT_EQ(read_all(**clip)->front().depth.sample(3, 1), 100);
+    const auto clip = must(open(scene_with(R"(ImageTexture { url "depth.jpg" })")));
+    EXPECT_TRUE(is_noted(*clip, "depth is stored as mjpeg, which changes values"));
+    EXPECT_EQ(read_all(*clip)->front().depth.sample(3, 1), 100);
 }
 
-TEST_F(SceneTextClips, NothingOutsideItsFolderIsRead) {
+TEST_F(SceneTextClips, StayInTheirFolder) {
     for (const std::string url :
          {"/etc/depth.png", "../depth.png", "a/../../depth.png", "http://example.org/depth.png", ""})
         EXPECT_TRUE(is_refused(open(scene_with("ImageTexture { url \"" + url + "\" }")),
@@ -753,7 +705,7 @@ TEST_F(SceneTextClips, NothingOutsideItsFolderIsRead) {
     EXPECT_TRUE(is_refused(open(scene_with("MovieTexture { url [11] }")), "is object 11 of an MP4 file"));
 }
 
-TEST_F(SceneTextClips, ErrorsNameFileLineAndColumn) {
+TEST_F(SceneTextClips, NameLineAndColumn) {
     EXPECT_EQ(message(open("Shape {\n  appearance Nothing {} }")),
               (folder / "scene.bt").string() +
                   ": line 2, column 14: \"Nothing\" is no node that a touchable clip has");

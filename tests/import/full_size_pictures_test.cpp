@@ -21,7 +21,6 @@
 #include <cstdlib>
 #include <functional>
 #include <map>
-#include <sstream>
 #include <stop_token>
 #include <thread>
 
@@ -31,9 +30,10 @@
 #include "engine/picture/number_pictures.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/limited_memory.hpp"
 #include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/npy_bytes.hpp"
+#include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {
@@ -58,6 +58,13 @@ std::vector<std::uint16_t> camera_depth(int units, double farthest) {
     }
     codes[777] = static_cast<std::uint16_t>(std::min(65000.0, 3 * units * farthest));
     return codes;
+}
+
+Floats metres_of(const std::vector<std::uint16_t>& codes, int units = 1000) {
+    Floats metres;
+    for (const std::uint16_t code : codes)
+        metres.push_back(static_cast<float>(code) / static_cast<float>(units));
+    return metres;
 }
 
 template <class Number>
@@ -109,22 +116,19 @@ struct Opened {
     std::string notes;
 };
 Opened opened_depth(const std::filesystem::path& file, const SourceDescription& known) {
-    auto reader = open_clip(file, std::nullopt, known);
-    EXPECT_EQ(message(reader), "") << file;
-    if (!reader) return {};
-    const auto frame = (*reader)->next();
-    EXPECT_EQ(message(frame), "") << file;
-    const Scene& scene = (*reader)->scene();
+    const auto reader = must(open_clip(file, std::nullopt, known));
+    const auto frame = must(reader->next());
+    const Scene& scene = reader->scene();
     EXPECT_EQ(scene.width, twin_wide);
     Opened opened{scene.depth, {}, {}, {}};
     for (int y = 0; y < twin_high; ++y)
         for (int x = 0; x < twin_wide; ++x) {
-            opened.codes.push_back(stored_code((**frame).depth, scene.depth, x, y));
+            opened.codes.push_back(stored_code(frame->depth, scene.depth, x, y));
             const bool is_valid = scene.depth.is_valid(opened.codes.back());
             opened.depths.push_back(is_valid ? scene.depth.depth(opened.codes.back()) * scene.metres_per_unit
                                              : 0);
         }
-    for (const std::string& note : clip_notes(**reader)) opened.notes += note + '\n';
+    for (const std::string& note : clip_notes(*reader)) opened.notes += note + '\n';
     return opened;
 }
 
@@ -157,14 +161,12 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(FloatTwins, OfWholeUnitsHaveTheCodesAndTheCodingOfThePng) {
+TEST_F(FloatTwins, MatchPngOfWholeUnits) {
     for (const int units : {1000, 10'000, 8000, 5000, 4000}) {
         SCOPED_TRACE(units);
         const auto codes = camera_depth(units, 2.1);
         write_bytes(folder / "codes.u16", bytes_of(codes));
-        Floats metres;
-        for (const std::uint16_t code : codes)
-            metres.push_back(static_cast<float>(code) / static_cast<float>(units));
+        const Floats metres = metres_of(codes, units);
         write_exr(folder / "a.exr", metres, false);
         write_tiff(folder / "a.tif", metres);
         std::vector<std::pair<std::string, double>> files{{"a.exr", 1}, {"a.tif", 1}};
@@ -189,16 +191,15 @@ TEST_F(FloatTwins, OfWholeUnitsHaveTheCodesAndTheCodingOfThePng) {
             EXPECT_EQ(found.coding, wanted.coding) << found.notes;
             EXPECT_EQ(found.codes, wanted.codes);
             EXPECT_EQ(found.depths, wanted.depths);
-            EXPECT_NE(found.notes.find("kept exactly"), std::string::npos) << found.notes;
+            EXPECT_TRUE(has_words(found.notes, "kept exactly"));
         }
     }
 }
 
 /// Colour in the first part, depth in the second, which its name alone tells.
-TEST_F(FloatTwins, OfAPartThatIsCalledDepthAreThoseOfThePng) {
+TEST_F(FloatTwins, MatchPngOfNamedPart) {
     const auto codes = camera_depth(1000, 1.9);
-    Floats metres;
-    for (const std::uint16_t code : codes) metres.push_back(static_cast<float>(code) / 1000.0F);
+    Floats metres = metres_of(codes);
     std::vector<Imf::Header> headers(2, Imf::Header(twin_wide, twin_high));
     headers[0].setName("rgba");
     for (const char* channel : {"R", "G", "B"})
@@ -225,15 +226,13 @@ TEST_F(FloatTwins, OfAPartThatIsCalledDepthAreThoseOfThePng) {
     const Opened wanted = png(codes, 0.001), found = opened_depth(folder / "parts.exr", metres_a_code(1));
     EXPECT_EQ(found.coding, wanted.coding) << found.notes;
     EXPECT_EQ(found.depths, wanted.depths);
-    EXPECT_NE(found.notes.find("depth is channel depth.Y, colour is R, G, B"), std::string::npos)
-        << found.notes;
+    EXPECT_TRUE(has_words(found.notes, "depth is channel depth.Y, colour is R, G, B"));
 }
 
-/// What a person gets who says nothing.
-TEST_F(FloatTwins, AreTheSameWhereTheUnitIsGuessed) {
+/// Opens a picture without any description.
+TEST_F(FloatTwins, MatchWithGuessedUnit) {
     const auto codes = camera_depth(1000, 1.9);
-    Floats metres;
-    for (const std::uint16_t code : codes) metres.push_back(static_cast<float>(code) / 1000.0F);
+    Floats metres = metres_of(codes);
     write_exr(folder / "a.exr", metres, false);
     png(codes, 0.001);
     const Opened wanted = opened_depth(folder / "twin.png", {}), found = opened_depth(folder / "a.exr", {});
@@ -244,10 +243,9 @@ TEST_F(FloatTwins, AreTheSameWhereTheUnitIsGuessed) {
 
 /// Below 2 m halves are less than a millimetre apart, and rounding leaves none of them between two. Beyond,
 /// a millimetre may come back as its neighbour.
-TEST_F(FloatTwins, OfHalvesAreMillimetresAsFarAsHalvesCanTell) {
+TEST_F(FloatTwins, KeepMillimetresOfHalves) {
     const auto codes = camera_depth(1000, 2.7);
-    Floats metres;
-    for (const std::uint16_t code : codes) metres.push_back(static_cast<float>(code) / 1000.0F);
+    Floats metres = metres_of(codes);
     write_exr(folder / "halves.exr", metres, true);
     const Opened wanted = png(codes, 0.001), found = opened_depth(folder / "halves.exr", metres_a_code(1));
     EXPECT_EQ(found.coding.scale, wanted.coding.scale) << found.notes;
@@ -261,12 +259,12 @@ TEST_F(FloatTwins, OfHalvesAreMillimetresAsFarAsHalvesCanTell) {
         beyond += codes[k] > 2000;
     }
     EXPECT_GT(beyond, twin_wide * twin_high / 4);
-    EXPECT_NE(found.notes.find("11 bits"), std::string::npos) << found.notes;
+    EXPECT_TRUE(has_words(found.notes, "11 bits"));
 }
 
-/// What stereo matching leaves: baseline times focal length over eighths of a pixel. The unprojection is
+/// Depth by stereo matching: baseline times focal length over eighths of a pixel. The unprojection is
 /// written out here.
-TEST_F(FloatTwins, OfDisparitiesKeepEachOfThem) {
+TEST_F(FloatTwins, KeepEachDisparity) {
     const auto eighths = camera_depth(100, 2.0);  // any whole numbers will do
     const float focal_baseline = 61.37F;
     Floats metres;
@@ -276,11 +274,9 @@ TEST_F(FloatTwins, OfDisparitiesKeepEachOfThem) {
         wanted.push_back(code == 0 ? 0 : 61.37 / (code / 8.0));
     }
     write_exr(folder / "a.exr", metres, false);
-    auto reader = open_clip(folder / "a.exr", std::nullopt, metres_a_code(1));
-    ASSERT_EQ(message(reader), "");
-    const auto frame = (*reader)->next();
-    ASSERT_EQ(message(frame), "");
-    const Scene& scene = (*reader)->scene();
+    auto reader = must(open_clip(folder / "a.exr", std::nullopt, metres_a_code(1)));
+    const auto frame = must(reader->next());
+    const Scene& scene = reader->scene();
     EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
     EXPECT_LT(scene.depth.code_max, 600) << "as many codes as there are disparities";
     const double f = twin_wide / 2.0 / std::tan(M_PI / 6), cx = (twin_wide - 1) / 2.0,
@@ -289,30 +285,25 @@ TEST_F(FloatTwins, OfDisparitiesKeepEachOfThem) {
     for (int y = 0; y < twin_high; ++y)
         for (int x = 0; x < twin_wide; ++x) {
             const double z = wanted[static_cast<std::size_t>(twin_wide * y + x)];
-            const std::uint16_t code = stored_code((**frame).depth, scene.depth, x, y);
+            const std::uint16_t code = stored_code((*frame).depth, scene.depth, x, y);
             if (!scene.depth.is_valid(code)) continue;
             ++valid;
-            const glm::dvec3 point = unproject(scene.camera, x, y, scene.depth.depth(code));
-            ASSERT_NEAR(point.x, (x - cx) / f * z, 1e-5 * z);
-            ASSERT_NEAR(point.y, -(y - cy) / f * z, 1e-5 * z);
-            ASSERT_NEAR(point.z, -z, 1e-5 * z);
+            ASSERT_TRUE(is_at(scene, code, {f, f, cx, cy}, x, y, z, 1e-5 * z));
         }
     EXPECT_GT(valid, twin_wide * twin_high * 9 / 10);
 }
 
-/// A stack of which a later frame, that nobody looked at, has what no frame before it had.
-TEST_F(FloatTwins, OfAStackKeepMultiplesThatCameLater) {
+/// A later frame of the stack, not among those searched, has values that no frame before it had.
+TEST_F(FloatTwins, KeepLaterMultiplesOfStack) {
     write_bytes(folder / "codes.u16", bytes_of(camera_depth(1000, 1.9)));
     if (!run_numpy("s = np.stack([c] * 60).astype('i4')\ns[17, 5, 7] = 231\ns[17, 5, 8] = 1803\n"
                    "np.save(f + 'stack', (s / 1000).astype('f4'))\n"))
         GTEST_SKIP() << "needs Python with NumPy (Debian: python3-matplotlib)";
-    auto reader = open_clip(folder / "stack.npy", std::nullopt, metres_a_code(1));
-    ASSERT_EQ(message(reader), "");
-    ASSERT_EQ(message((*reader)->seek(17)), "");
-    const auto frame = (*reader)->next();
-    ASSERT_EQ(message(frame), "");
-    EXPECT_EQ((**frame).depth.sample(7, 5), 231);
-    EXPECT_EQ((**frame).depth.sample(8, 5), 1803);
+    auto reader = must(open_clip(folder / "stack.npy", std::nullopt, metres_a_code(1)));
+    ASSERT_EQ(message(reader->seek(17)), "");
+    const auto frame = must(reader->next());
+    EXPECT_EQ((*frame).depth.sample(7, 5), 231);
+    EXPECT_EQ((*frame).depth.sample(8, 5), 1803);
 }
 
 }  // namespace
@@ -378,17 +369,9 @@ void write_exr(const std::filesystem::path& file) {
     out.writePixels(side);
 }
 
-std::string npy_header(const std::string& kind) {
-    std::string text = "{'descr': '" + kind + "', 'fortran_order': False, 'shape': (" + std::to_string(side) +
-                       ", " + std::to_string(side) + "), }";
-    text.resize(117, ' ');
-    text += '\n';
-    return std::string("\x93NUMPY\1\0", 8) + static_cast<char>(text.size()) + '\0' + text;
-}
-
-/// Of doubles, packed.
+/// A packed array of doubles.
 void write_npz(const std::filesystem::path& file, const TemporaryFolder& folder) {
-    write_rows(folder / "whole.npy", npy_header("<f8"), bytes_of(row_of<double>(1)));
+    write_rows(folder / "whole.npy", npy_header("<f8", "6000, 6000"), bytes_of(row_of<double>(1)));
     zip_t* const archive = zip_open(file.c_str(), ZIP_CREATE, nullptr);
     zip_source_t* const source = zip_source_file(archive, (folder / "whole.npy").c_str(), 0, -1);
     const auto index = static_cast<zip_uint64_t>(zip_file_add(archive, "depth.npy", source, 0));
@@ -410,7 +393,7 @@ void write_large(const std::filesystem::path& file, const TemporaryFolder& folde
     if (kind == ".tif") write_tiff(file);
     if (kind == ".exr") write_exr(file);
     if (kind == ".npz") write_npz(file, folder);
-    if (kind == ".npy") write_rows(file, npy_header("<f4"), bytes_of(row_of<float>(1)));
+    if (kind == ".npy") write_rows(file, npy_header("<f4", "6000, 6000"), bytes_of(row_of<float>(1)));
     if (kind == ".pfm") write_rows(file, "Pf " + size + " -1\n", bytes_of(row_of<float>(1)));
     if (kind == ".pgm")
         write_rows(file, "P5 " + size + " 65535\n", bytes_of(row_of<std::uint16_t>(1000), true));
@@ -423,24 +406,22 @@ void write_large(const std::filesystem::path& file, const TemporaryFolder& folde
 
 class LargePicture : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(LargePicture, TakesWhatItsPixelsNeed) {
+TEST_P(LargePicture, TakesMemoryOfItsPixels) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder / (std::string("depth") + GetParam());
     write_large(file, folder);
     const double bytes_per_pixel = GetParam() == std::string(".npz") ? 9 : 5;
     const PeakMemory peak;
-    const auto clip = open_clip(file);
-    ASSERT_EQ(message(clip), "");
+    const auto clip = must(open_clip(file));
     EXPECT_LE(peak.mebibytes(), 128 + bytes_per_pixel * side * side / (1 << 20));
-    EXPECT_EQ((*clip)->scene().width, side);
+    EXPECT_EQ(clip->scene().width, side);
 }
 
 TEST_P(LargePicture, EndsWhenStopped) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder / (std::string("depth") + GetParam());
     write_large(file, folder);
-    auto bytes = read_picture_bytes(file);
-    ASSERT_EQ(message(bytes), "");
+    auto bytes = must(read_picture_bytes(file));
     std::stop_source given_up;
     const StopScope until(given_up.get_token());
     given_up.request_stop();
@@ -452,8 +433,8 @@ TEST_P(LargePicture, EndsWhenStopped) {
         {".npy", decode_npy},
         {".npz", decode_npz}};
     const auto decoder = decoders.find(GetParam());
-    const auto stored = decoder == decoders.end() ? decode_stored_image(std::move(*bytes), "picture")
-                                                  : decoder->second(*bytes, "picture");
+    const auto stored = decoder == decoders.end() ? decode_stored_image(std::move(bytes), "picture")
+                                                  : decoder->second(bytes, "picture");
     ASSERT_FALSE(stored);
     EXPECT_EQ(stored.error().kind, ErrorKind::interrupted) << stored.error().message;
     for (int k = 0; k < 60'000 && abandoned_threads > 0; ++k)
@@ -471,33 +452,26 @@ INSTANTIATE_TEST_SUITE_P(Kinds, LargePicture,
 namespace touchable::test {
 namespace {
 
-/// What a person gets of real pictures, against an unprojection of the stored values written out here.
+/// Real pictures, against an unprojection of the stored values written out here.
 struct Wanted {
-    double fx, fy, cx, cy;
+    Camera camera;
     std::function<double(int x, int y)> depth;  ///< metres; 0: none
     double relative = 1e-6;                     ///< of integers; of floats half a code
 };
 
 void expect_points(const std::filesystem::path& file, const SourceDescription& known, const Wanted& wanted) {
-    auto reader = open_clip(file, std::nullopt, known);
-    ASSERT_EQ(message(reader), "");
-    const auto frame = (*reader)->next();
-    ASSERT_EQ(message(frame), "");
-    const Scene& scene = (*reader)->scene();
+    auto reader = must(open_clip(file, std::nullopt, known));
+    const auto frame = must(reader->next());
+    const Scene& scene = reader->scene();
     std::int64_t valid = 0;
     for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x) {
-            const std::uint16_t code = stored_code((*frame)->depth, scene.depth, x, y);
+            const std::uint16_t code = stored_code(frame->depth, scene.depth, x, y);
             const double depth = wanted.depth(x, y);
             ASSERT_EQ(scene.depth.is_valid(code), depth > 0) << x << ", " << y << " stored " << code;
             if (depth == 0) continue;
             ++valid;
-            const glm::dvec3 point =
-                unproject(scene.camera, x, y, scene.depth.depth(code)) * scene.metres_per_unit;
-            const double tolerance = wanted.relative * depth;
-            ASSERT_NEAR(point.x, (x - wanted.cx) / wanted.fx * depth, tolerance) << x << ", " << y;
-            ASSERT_NEAR(point.y, -(y - wanted.cy) / wanted.fy * depth, tolerance) << x << ", " << y;
-            ASSERT_NEAR(point.z, -depth, tolerance) << x << ", " << y;
+            ASSERT_TRUE(is_at(scene, code, wanted.camera, x, y, depth, wanted.relative * depth));
         }
     EXPECT_GT(valid, scene.width * scene.height / 2);
 }
@@ -517,18 +491,18 @@ void expect_disparities_of_swapped_bytes(const std::filesystem::path& file) {
         const int d = static_cast<unsigned char>(bytes[at]) | static_cast<unsigned char>(bytes[at + 1]) << 8;
         return d == 0 || d == 2047 || d > 1092 ? 0 : 351.3 / (1092.5 - d);
     };
-    // Whoever says nothing gets the same: how the values are stored is to be seen.
+    // Without a description it is the same: the values show how they are stored.
     for (const SourceDescription& known : {preset("nyu"), SourceDescription()})
-        expect_points(file, known, {582.62, 582.69, 313.04, 238.44, depth});
+        expect_points(file, known, {{582.62, 582.69, 313.04, 238.44}, depth});
 }
 
-TEST(RealPictures, NyuIsDisparitiesOfSwappedBytes) {
+TEST(RealPictures, ReadNyuDisparities) {
     const auto file = real_data("other_formats/NYU_depth.pgm");
     TOUCHABLE_NEEDS_DATA(file);
     expect_disparities_of_swapped_bytes(file);
 }
 
-TEST(PictureStandIns, OfNyuAreDisparitiesOfSwappedBytes) {
+TEST(PictureStandIns, ReadNyuDisparities) {
     const TemporaryFolder folder;
     std::string bytes = "P5 640 480 65535\n";
     for (int y = 0; y < 480; ++y)
@@ -555,20 +529,18 @@ void expect_inverse_depth_without_a_scale(const std::filesystem::path& file) {
     };
     // Half of one of 65534 steps of 1/depth, 1.33 in all, at 1.5 m.
     expect_points(file, preset("relative-inverse"),
-                  {f, f, 319.5, 319.5, depth, 0.5 * 1.5 * 1.334 / 65534 * 1.01});
+                  {{f, f, 319.5, 319.5}, depth, 0.5 * 1.5 * 1.334 / 65534 * 1.01});
 }
 
-TEST(RealPictures, MidasIsInverseDepthWithoutAScale) {
+TEST(RealPictures, ReadMidasInverseDepth) {
     const auto file = real_data("stills/midas_moon/moon.npy");
     TOUCHABLE_NEEDS_DATA(file);
     expect_inverse_depth_without_a_scale(file);
 }
 
-TEST(PictureStandIns, OfMidasAreInverseDepthWithoutAScale) {
+TEST(PictureStandIns, ReadMidasInverseDepth) {
     const TemporaryFolder folder;
-    std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (640, 640), }";
-    text.resize(117, ' ');
-    std::string bytes = std::string("\x93NUMPY\1\0v\0", 10) + text + '\n';
+    std::string bytes = npy_header("<f4", "640, 640");
     for (int y = 0; y < 640; ++y)
         for (int x = 0; x < 640; ++x) {
             const float value =
@@ -579,20 +551,19 @@ TEST(PictureStandIns, OfMidasAreInverseDepthWithoutAScale) {
     expect_inverse_depth_without_a_scale(folder / "moon.npy");
 }
 
-TEST(RealPictures, RedwoodIsAFolderWithItsCamera) {
+TEST(RealPictures, OpenRedwoodWithCamera) {
     const auto folder = real_data("stills/redwood5");
     TOUCHABLE_NEEDS_DATA(folder);
-    auto reader = open_clip(folder);
-    ASSERT_EQ(message(reader), "");
-    EXPECT_EQ((*reader)->frame_count(), 5);
-    EXPECT_EQ((*reader)->scene().camera.fx, 525);
-    EXPECT_EQ((*reader)->scene().camera.cx, 319.5);
-    EXPECT_EQ((*reader)->tracks().size(), 2U);
-    EXPECT_EQ((*reader)->scene().depth.depth(1861), 1.861);
+    auto reader = must(open_clip(folder));
+    EXPECT_EQ(reader->frame_count(), 5);
+    EXPECT_EQ(reader->scene().camera.fx, 525);
+    EXPECT_EQ(reader->scene().camera.cx, 319.5);
+    EXPECT_EQ(reader->tracks().size(), 2U);
+    EXPECT_EQ(reader->scene().depth.depth(1861), 1.861);
 }
 
 /// NumPy writes arrays, as most people's scripts do.
-TEST(RealPictures, StacksOfNumPyAreClips) {
+TEST(RealPictures, OpenNumPyStacks) {
     const TemporaryFolder folder;
     const std::string script =
         "import numpy as n; y, x = n.mgrid[0:12, 0:16]\n"
@@ -611,21 +582,19 @@ TEST(RealPictures, StacksOfNumPyAreClips) {
         auto reader = open_clip(folder / name);
         ASSERT_EQ(message(reader), "") << name;
         EXPECT_EQ((*reader)->frame_count(), count);
-        const auto frames = read_all(**reader);
-        ASSERT_EQ(message(frames), "");
-        ASSERT_EQ(frames->size(), static_cast<std::size_t>(count));
+        const auto frames = must(read_all(**reader));
+        ASSERT_EQ(frames.size(), static_cast<std::size_t>(count));
         const Scene& scene = (*reader)->scene();
-        for (const auto& frame : *frames)
+        for (const auto& frame : frames)
             EXPECT_NEAR(scene.depth.depth(stored_code(frame.depth, scene.depth, 5, 3)),
                         0.515 + 0.001 * static_cast<double>(frame.number), 1e-5)
                 << name;
         EXPECT_EQ(message((*reader)->seek(1)), "");
-        EXPECT_TRUE(same_plane((**(*reader)->next()).depth, frames->at(1).depth));
+        EXPECT_TRUE(same_plane((**(*reader)->next()).depth, frames.at(1).depth));
     }
-    auto reader = open_clip(folder / "holes.npy");
-    ASSERT_EQ(message(reader), "");
-    const auto frame = (*reader)->next();
-    const Scene& scene = (*reader)->scene();
+    auto reader = must(open_clip(folder / "holes.npy"));
+    const auto frame = reader->next();
+    const Scene& scene = reader->scene();
     EXPECT_FALSE(scene.depth.is_valid(stored_code((*frame)->depth, scene.depth, 3, 5)));
     EXPECT_NEAR(scene.depth.depth(stored_code((*frame)->depth, scene.depth, 4, 5)), 1.3, 1e-5);
 }

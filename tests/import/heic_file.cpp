@@ -71,7 +71,7 @@ std::string mapped_boxes(const std::string& boxes, Work&& work) {
     return made;
 }
 
-/// One more association of an item, one byte each as libheif writes them.
+/// Adds an association of an item, one byte each as libheif writes them.
 std::string associated(std::string ipma, std::uint64_t item, int property) {
     EXPECT_EQ(number_at(ipma, 0, 4), 0U) << "version and flags";
     std::size_t at = 8;

@@ -8,7 +8,7 @@
 
 namespace touchable::test {
 
-/// What a phone says of its depth in the codec's own words; NaN: not said.
+/// Depth representation of the codec, as phones state it; NaN: not stated.
 struct DepthInfo {
     int type = 0;  ///< as libheif counts them
     double z_near, z_far, d_min, d_max;

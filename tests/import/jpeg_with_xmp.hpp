@@ -25,7 +25,7 @@ inline std::string extension_header() {
     return std::string("http://ns.adobe.com/xmp/extension/") + '\0';
 }
 
-/// What names an extended packet: 32 digits, of an MD5 sum where a camera wrote it.
+/// The name of an extended packet: 32 digits, an MD5 sum if a camera wrote it.
 inline constexpr const char* guid = "0123456789ABCDEF0123456789ABCDEF";
 
 /// Bytes `from` to `to` of an extended packet, said to be of its length or of another.

@@ -13,7 +13,7 @@ inline const std::array<std::string, 15> kept_clips{
     "depthkit_video/png.mov", "heic/portrait.heic",    "jpeg_depth/gdepth.jpg", "npy_stack/stack.npy",
     "npy_stack/stack.npz",    "png/grey16.png",        "tiff/float.tif"};
 
-/// Where one lies in `folder`, with what has to lie beside it.
+/// Copies one to `folder`, with the files that it needs beside it.
 inline std::filesystem::path copied_clip(const std::string& kept, const std::filesystem::path& folder) {
     namespace fs = std::filesystem;
     const fs::path seeds = fs::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds",

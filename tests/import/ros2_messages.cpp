@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/picture/image.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/bag_bytes.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 namespace {
@@ -98,13 +98,12 @@ std::vector<Ros2Message> ros2_recording() {
 }
 
 void expect_ros2_recording(ClipReader& clip, int frames) {
-    const auto read = read_all(clip);
-    ASSERT_EQ(message(read), "");
-    ASSERT_EQ(read->size(), static_cast<std::size_t>(frames));
+    const auto read = must(read_all(clip));
+    ASSERT_EQ(read.size(), static_cast<std::size_t>(frames));
     const Scene& scene = clip.scene();
     EXPECT_EQ(scene.rate.num, 10);
     for (int k = 0; k < frames; ++k) {
-        const RawFrame& frame = (*read)[static_cast<std::size_t>(k)];
+        const RawFrame& frame = read[static_cast<std::size_t>(k)];
         const int n = 3 - frames + k;
         EXPECT_EQ(frame.colour.sample(3, 4, 1), 40 + n);
         for (int y = 0; y < 12; ++y)
@@ -113,11 +112,7 @@ void expect_ros2_recording(ClipReader& clip, int frames) {
                 ASSERT_EQ(code, ros2_code(n, x, y));
                 ASSERT_EQ(scene.depth.is_valid(code), code > 0);
                 if (code == 0) continue;
-                const double z = 0.001 * code;
-                const auto point = unproject(scene.camera, x, y, scene.depth.depth(code));
-                ASSERT_NEAR(point.x, (x - 7.75) / 20 * z, 1e-12);
-                ASSERT_NEAR(point.y, -(y - 5.25) / 21 * z, 1e-12);
-                ASSERT_NEAR(point.z, -z, 1e-12);
+                ASSERT_TRUE(is_at(scene, code, {20, 21, 7.75, 5.25}, x, y, 0.001 * code, 1e-12));
             }
     }
 }

@@ -18,7 +18,7 @@ struct Ros2Message {
 /// Depth of 16x12, its camera, colour, and what is no picture: three of each, in the order of time.
 std::vector<Ros2Message> ros2_recording();
 
-/// That a clip is of `frames` of these, the first ones being left out: codes, times, colour, and every point
+/// Expects a clip of the last `frames` of these: codes, times, colour, and every point
 /// where an unprojection written here has it.
 void expect_ros2_recording(ClipReader& clip, int frames = 3);
 

@@ -9,7 +9,6 @@
 #include <sstream>
 
 #include "engine/picture/image.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/import/heic_file.hpp"
@@ -18,6 +17,7 @@
 #include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/hdf5_file.hpp"
 #include "tests/picture/npy_bytes.hpp"
+#include "tests/picture/results.hpp"
 #include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
@@ -35,8 +35,8 @@ Made made(const fs::path& file, Depth metres, const Camera& camera, int frames =
     return {file, std::move(metres), camera, frames, rate, has_colour, width, height};
 }
 
-/// What networks guess without a scale: 1/depth, or depth, from 0 to `top`. The nearest is taken for 0.5 m
-/// and the farthest for 1.5 m.
+/// Depth without a scale, as networks guess it: 1/depth, or depth, from 0 to `top`. The nearest is taken for
+/// 0.5 m and the farthest for 1.5 m.
 struct RelativeDepth {
     double top;
     bool is_inverse = true, is_rounded = true;
@@ -93,13 +93,10 @@ Made iphone(Writer& w) {
         return static_cast<int>(std::lround(255 * (1 / room(0, std::max(x, 4), y) - least) / (most - least)));
     };
     HeicFile file;
-    file.colour = {2 * wide, 2 * high, 1, 3, {}};
-    for (int k = 0; k < 4 * wide * high; ++k)
-        for (const int sample : {k % 200, 120, 40})
-            file.colour.samples.push_back(static_cast<std::uint8_t>(sample));
-    file.depth = {wide, high, 1, 1, {}};
-    for (int k = 0; k < wide * high; ++k)
-        file.depth.samples.push_back(static_cast<std::uint8_t>(code(k % wide, k / wide)));
+    file.colour = made_image(2 * wide, 2 * high, 1, 3, [](int x, int y, int c) {
+        return c == 0 ? (2 * wide * y + x) % 200 : c == 1 ? 120 : 40;
+    });
+    file.depth = made_image(wide, high, 1, 1, [&](int x, int y, int) { return code(x, y); });
     file.depth_xmp =
         "<x:xmpmeta><rdf:RDF><rdf:Description><apdi:AuxiliaryImageType>disparity</apdi:AuxiliaryImageType>"
         "<apdi:FloatMinValue>0.4</apdi:FloatMinValue><apdi:FloatMaxValue>1.4</apdi:FloatMaxValue>"
@@ -173,27 +170,19 @@ Made cinematic(Writer& w) {
     ForeignVideo colour{"libx265", AV_PIX_FMT_YUV420P, wide, high, 2, {24, 1}};
     write_video(w / "c.mov", colour, [](AVFrame& frame, int n) {
         for (int plane = 0; plane < 3; ++plane)
-            for (int y = 0; y < high / (plane ? 2 : 1); ++y)
-                for (int x = 0; x < wide / (plane ? 2 : 1); ++x)
-                    set_sample(frame, plane, x, y, plane ? 90 + x / 2 : 60 + x / 2 + n);
+            fill_plane(frame, plane, [&](int x, int) { return plane ? 90 + x / 2 : 60 + x / 2 + n; });
     });
     ForeignVideo disparity = colour;
     disparity.range = AVCOL_RANGE_JPEG;
     write_video(w / "d.mov", disparity, [&](AVFrame& frame, int) {
         for (int plane = 0; plane < 3; ++plane)
-            for (int y = 0; y < high / (plane ? 2 : 1); ++y)
-                for (int x = 0; x < wide / (plane ? 2 : 1); ++x)
-                    set_sample(frame, plane, x, y, plane ? 128 : static_cast<int>(value(0, x, y)));
+            fill_plane(frame, plane,
+                       [&](int x, int y) { return plane ? 128 : static_cast<int>(value(0, x, y)); });
     });
     const fs::path file = w / w.name("IMG_0001.MOV", "a.mov");
-    join_tracks({w / "c.mov", w / "d.mov"}, file);
+    join_cinematic(w / "c.mov", w / "d.mov", file);
     fs::remove(w / "c.mov");
     fs::remove(w / "d.mov");
-    std::string bytes = read_bytes(file);
-    bytes.replace(bytes.rfind("hvc1"), 4, "dish");  // as the phone marks its track of disparity
-    bytes.replace(bytes.rfind("mhlrvide"), 8, "mhlrauxv");
-    fs::remove(file);
-    write_bytes(file, bytes);
     return made(
         file, [=, z = depth.metres()](int, int x, int y) { return z(0, x, y); }, seen(60), 2, 24, true);
 }
@@ -249,17 +238,11 @@ Made record3d_video(Writer& w) {
     const fs::path file = w / w.name("export.mp4", "a.mp4");
     ForeignVideo video{"libx264rgb", AV_PIX_FMT_RGB24, 2 * wide, high, 2};
     write_video(file, video, [&](AVFrame& frame, int) {
-        for (int y = 0; y < high; ++y)
-            for (int x = 0; x < 2 * wide; ++x) {
-                const double z = x < wide ? depth(0, x, y) : 0;
-                const std::array<int, 3> rgb = x >= wide ? std::array{x / 2, 90, 200}
-                                               : std::isnan(z)
-                                                   ? std::array{0, 0, 0}
-                                                   : rgb_of(static_cast<int>(std::lround(512 * z)));
-                for (int k = 0; k < 3; ++k)
-                    frame.data[0][y * frame.linesize[0] + 3 * x + k] =
-                        static_cast<std::uint8_t>(rgb[static_cast<std::size_t>(k)]);
-            }
+        fill_rgb(frame, [&](int x, int y) {
+            const double z = x < wide ? depth(0, x, y) : 0;
+            if (x >= wide) return std::array{x / 2, 90, 200};
+            return std::isnan(z) ? std::array{0, 0, 0} : rgb_of(static_cast<int>(std::lround(512 * z)));
+        });
     });
     const std::string bytes = read_bytes(file);
     fs::remove(file);
@@ -379,17 +362,13 @@ Made realsense_bag(Writer& w) {  // of tests/import/write_bags.cpp
     return made(
         seed(w, "bag/realsense_lz4.bag", "20230101_120000.bag"),
         [](int n, int x, int y) { return 0.00025 * (500 + 10 * n + 3 * x + 40 * y); }, {20, 21, 7.75, 5.25},
-        3, 15, true,
-
-        16, 12);
+        3, 15, true, 16, 12);
 }
 Made ros1(Writer& w) {
     return made(
         seed(w, "bag/tum_bz2.bag", "rgbd_dataset_freiburg1_xyz.bag"),
         [](int n, int x, int y) { return 0.001 * (500 + 10 * n + 3 * x + 40 * y); }, {21, 22, 7.75, 5.25}, 4,
-        30, true,
-
-        16, 12);
+        30, true, 16, 12);
 }
 Made ros2(Writer& w) {
     const auto record = [](int kind, const std::string& content) {
@@ -424,16 +403,12 @@ Made ros2(Writer& w) {
     return made(
         file,
         [](int n, int x, int y) { return (x + y) % 5 == 0 ? none : 0.001 * (700 + 10 * n + 3 * x + 20 * y); },
-        {20, 21, 7.75, 5.25}, 3, 10, true,
-
-        16, 12);
+        {20, 21, 7.75, 5.25}, 3, 10, true, 16, 12);
 }
 Made azure_kinect(Writer& w) {
     return made(
         seed(w, "k4a/with_colour.mkv", "output.mkv"), [](int n, int, int) { return 0.9 + 0.05 * n; },
-        {250.88, 250.88, 159.5, 165.5}, 2, 30, true,
-
-        320, 288);
+        {250.88, 250.88, 159.5, 165.5}, 2, 30, true, 320, 288);
 }
 
 Made kinect2(Writer& w) {
@@ -488,15 +463,13 @@ Made depthkit(Writer& w) {
         const double z = room(0, x, y);
         return std::isnan(z) ? -1 : static_cast<int>(std::lround((z - 0.5) / 2 * 1536));
     };
-    Image picture{wide, 2 * high, 1, 3, {}};
-    for (int y = 0; y < 2 * high; ++y)
-        for (int x = 0; x < wide; ++x) {
-            const int hue = y < high ? -1 : code(x, y - high);
-            const std::array<int, 3> rgb = y < high  ? std::array{x, 100, 220 - y}
-                                           : hue < 0 ? std::array{0, 0, 0}
-                                                     : rgb_of(hue);
-            for (const int sample : rgb) picture.samples.push_back(static_cast<std::uint8_t>(sample));
-        }
+    const Image picture = made_image(wide, 2 * high, 1, 3, [&](int x, int y, int c) {
+        const int hue = y < high ? -1 : code(x, y - high);
+        const std::array<int, 3> rgb = y < high  ? std::array{x, 100, 220 - y}
+                                       : hue < 0 ? std::array{0, 0, 0}
+                                                 : rgb_of(hue);
+        return rgb[static_cast<std::size_t>(c)];
+    });
     write_quicktime(w / (stem + ".mov"), {picture, picture}, {24, 1});
     w.text(stem + ".Metadata.asset",
            "%YAML 1.1\n--- !u!114 &11400000\nMonoBehaviour:\n  m_Name: Take.Metadata\n  depthkitMetadata:\n"
@@ -595,10 +568,8 @@ Made depth_anything(Writer& w) {
     const RelativeDepth depth{255};
     const std::string name = w.name("street.png", "a.png");
     const Depth value = depth.values();
-    Image image{wide, high, 1, 3, {}};
-    for (int k = 0; k < wide * high; ++k)
-        image.samples.insert(image.samples.end(), 3, static_cast<std::uint8_t>(value(0, k % wide, k / wide)));
-    EXPECT_EQ(message(write_png(w / name, image.view())), "");
+    write_in_folder(w / name,
+                    made_image(wide, high, 1, 3, [&](int x, int y, int) { return value(0, x, y); }));
     return made(w / name, depth.metres(), seen(60));
 }
 Made depth_anything_metric(Writer& w) {
@@ -804,7 +775,6 @@ Made kitti(Writer& w) {
         w.folder() / "image_02",
         [=](int n, int x, int y) { return code(n, x, y) ? code(n, x, y) / 256.0 : none; },
         {721.5377 / 3, 721.5377 / 3, (609.5593 - 620.5) / 3 + 206.5, (172.854 - 187) / 3 + 62}, 2, 30, false,
-
         414, 125);
 }
 Made vkitti(Writer& w) {
@@ -847,8 +817,7 @@ Made lerobot(Writer& w) {
     video.tag = MKTAG('h', 'v', 'c', '1');
     const std::string file = "/chunk-000/file-000.mp4";
     write_video(w / ("videos/observation.images.wrist_depth" + file), video, [=](AVFrame& frame, int n) {
-        for (int y = 0; y < high; ++y)
-            for (int x = 0; x < wide; ++x) set_sample(frame, 0, x, y, code(n, x, y));
+        fill_plane(frame, 0, [&](int x, int y) { return code(n, x, y); });
     });
     write_film(w / ("videos/observation.images.wrist" + file), 3);
     w.text("meta/info.json", R"({"codebase_version": "v3.0", "fps": 30, "features": {
@@ -871,11 +840,6 @@ void add_floats(const fs::path& file, const std::string& path, const std::vector
     EXPECT_TRUE(add_data_set(file, {path, shape, "FP", 32},
                              std::string(reinterpret_cast<const char*>(values.data()), 4 * values.size())))
         << "needs h5import (hdf5-tools)";
-}
-std::vector<float> two_frames() {
-    std::vector<float> values = floats_of(room, 0), second = floats_of(room, 0, 1);
-    values.insert(values.end(), second.begin(), second.end());
-    return values;
 }
 Made hypersim(Writer& w) {
     for (int n = 0; n < 2; ++n)
@@ -901,7 +865,7 @@ Made robomimic(Writer& w) {
     const std::string file = w.name("image_demo.hdf5", "a.h5");
     for (const char* demo : {"0", "1"})
         add_floats(w / file, "data/demo_" + std::string(demo) + "/obs/agentview_depth", {2, high, wide, 1},
-                   two_frames());
+                   two_frames(room, 0));
     return made(w / file, room, seen(45), 2);
 }
 Made pcl(Writer& w) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What devices, programs, networks and data sets write, made small: for each row of docs/formats.md's table
+// Files of devices, programs, networks and data sets, made small: for each row of docs/formats.md's table
 // one file or folder with its real names, values and side files.
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace touchable::test {
 
-/// What a source wrote, and what has to come of it.
+/// The file of a source, and the clip that it has to give.
 struct Made {
     std::filesystem::path file;  ///< what is typed
     Depth metres{};              ///< as stored

@@ -10,10 +10,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/picture/image.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 
@@ -104,9 +103,7 @@ void write_film(const fs::path& file, int frames, AVRational rate) {
     ForeignVideo video{"libx264", AV_PIX_FMT_YUV420P, wide, high, frames, rate};
     write_video(file, video, [](AVFrame& frame, int n) {
         for (int plane = 0; plane < 3; ++plane)
-            for (int y = 0; y < high / (plane ? 2 : 1); ++y)
-                for (int x = 0; x < wide / (plane ? 2 : 1); ++x)
-                    set_sample(frame, plane, x, y, plane ? 70 + x : 40 + x + n);
+            fill_plane(frame, plane, [&](int x, int) { return plane ? 70 + x : 40 + x + n; });
     });
 }
 
@@ -122,19 +119,13 @@ fs::path Writer::operator/(const std::string& name) const {
 }
 
 void Writer::text(const std::string& name, const std::string& words) const {
-    write_bytes(*this / name, words);
+    write_in_folder(folder_ / name, words);
 }
 
 void Writer::png16(const std::string& name, const std::function<int(int, int)>& code, int width,
                    int height) const {
-    Image image{width, height, 2, 1, {}};
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            const auto word = static_cast<std::uint16_t>(code(x, y));
-            image.samples.push_back(static_cast<std::uint8_t>(word & 255));
-            image.samples.push_back(static_cast<std::uint8_t>(word >> 8));
-        }
-    EXPECT_EQ(message(write_png(*this / name, image.view())), "");
+    write_in_folder(folder_ / name,
+                    made_image(width, height, 2, 1, [&](int x, int y, int) { return code(x, y); }));
 }
 
 void Writer::room16(const std::string& name, double codes_per_metre, int n) const {
@@ -142,10 +133,8 @@ void Writer::room16(const std::string& name, double codes_per_metre, int n) cons
 }
 
 void Writer::grey(const std::string& name, const std::function<int(int, int)>& code) const {
-    Image image{wide, high, 1, 1, {}};
-    for (int k = 0; k < wide * high; ++k)
-        image.samples.push_back(static_cast<std::uint8_t>(code(k % wide, k / wide)));
-    EXPECT_EQ(message(write_png(*this / name, image.view())), "");
+    write_in_folder(folder_ / name,
+                    made_image(wide, high, 1, 1, [&](int x, int y, int) { return code(x, y); }));
 }
 
 void Writer::colour(const std::string& name, int width, int height) const {

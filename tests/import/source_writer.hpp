@@ -1,6 +1,6 @@
 #pragma once
 
-// One room of 160x120 pixels, and what writes it as depth in the forms that other programs have.
+// A room of 160x120 pixels, and writers of its depth in the forms of other programs.
 
 #include <cstdint>
 #include <filesystem>
@@ -30,7 +30,7 @@ Depth millimetres(const Depth& metres);
 
 /// Frame n, row by row, with `of_none` where there is no depth.
 std::vector<float> floats_of(const Depth& depth, double of_none, int n = 0);
-/// Of NumPy's arrays: "120, 160" with what stands before and behind.
+/// The shape of a NumPy array: "120, 160" with more axes before and behind.
 std::string shape_of_room(const std::string& before = "", const std::string& after = "");
 /// "000012".
 std::string six_digits(int n);

@@ -10,8 +10,8 @@
 #include "engine/scene/frames.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
-#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/source_files.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 namespace {
@@ -105,14 +105,13 @@ void expect_opened(ClipReader& clip, const Made& made) {
     EXPECT_NEAR(scene.camera.fy, made.camera.fy, 1e-6 * made.camera.fy);
     EXPECT_NEAR(scene.camera.cx, made.camera.cx, 1e-5);
     EXPECT_NEAR(scene.camera.cy, made.camera.cy, 1e-5);
-    const auto frames = read_all(clip);
-    ASSERT_EQ(message(frames), "");
-    ASSERT_EQ(std::ssize(*frames), made.frames);
+    const auto frames = must(read_all(clip));
+    ASSERT_EQ(std::ssize(frames), made.frames);
     if (made.frames > 1) {
         EXPECT_NEAR(scene.rate.per_second(), made.rate, 0.01 * made.rate);
     }
     for (int n = 0; n < made.frames; ++n) {
-        const RawFrame& frame = (*frames)[static_cast<std::size_t>(n)];
+        const RawFrame& frame = frames[static_cast<std::size_t>(n)];
         EXPECT_EQ(!frame.colour.empty(), made.has_colour);
         expect_depth(frame, scene, made, n);
         if (::testing::Test::HasFatalFailure()) return;
@@ -131,13 +130,12 @@ protected:
         const Made made = maker->second(writer);
         if (HasFailure()) return;
         has_other_names = writer.has_other_names();
-        const auto clip = open_by(source, made.file);
-        ASSERT_EQ(message(clip), "");
+        const auto clip = must(open_by(source, made.file));
         std::string notes;
-        for (const std::string& note : clip_notes(**clip)) notes += "\n  " + note;
+        for (const std::string& note : clip_notes(*clip)) notes += "\n  " + note;
         SCOPED_TRACE(notes);
-        EXPECT_EQ(guessed_of((*clip)->described().scene.remarks), source.guessed);
-        expect_opened(**clip, made);
+        EXPECT_EQ(guessed_of(clip->described().scene.remarks), source.guessed);
+        expect_opened(*clip, made);
     }
     TemporaryFolder folder;
     bool has_other_names = false;
@@ -166,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(All, Source, ::testing::ValuesIn(all_sources()), [](con
 });
 
 /// docs/formats.md, "Where people's depth comes from".
-TEST(Sources, ThePageHasTheSameTable) {
+TEST(Sources, MatchTableOfPage) {
     std::string table = "| name | source | files | command | read | guessed |\n|---|---|---|---|---|---|\n";
     for (const DepthSource& row : depth_sources()) {
         if (row.heading) table += "| | **" + std::string(row.heading) + "** | | | | |\n";
@@ -174,11 +172,11 @@ TEST(Sources, ThePageHasTheSameTable) {
                  row.command + "` | " + row.read + " | " + row.guessed + " |\n";
     }
     const std::string page = read_bytes(fs::path(TOUCHABLE_SOURCE_DIR) / "docs/formats.md");
-    EXPECT_NE(page.find("\n\n" + table + '\n'), std::string::npos) << "must be:\n" << table;
+    EXPECT_TRUE(has_words(page, "\n\n" + table + '\n')) << "must be:\n" << table;
 }
 
-/// What `touchable formats NAME` calls a preset is its own name.
-TEST(Sources, EachPresetOfASourceIsARow) {
+/// `touchable formats NAME` gives a preset its own name.
+TEST(Sources, ListEachPreset) {
     for (const auto& preset : all_presets()) {
         const bool is_of_many = std::string(preset.name) == "relative-inverse";
         EXPECT_NE(is_of_many, std::ranges::any_of(depth_sources(),
@@ -189,7 +187,7 @@ TEST(Sources, EachPresetOfASourceIsARow) {
     }
 }
 
-TEST(Sources, EachMakerHasARow) {
+TEST(Sources, HaveRowForEachMaker) {
     for (const auto& maker : source_makers())
         EXPECT_TRUE(std::ranges::any_of(depth_sources(), [&](const DepthSource& row) {
             return row.name == maker.first;

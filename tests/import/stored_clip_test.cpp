@@ -1,4 +1,4 @@
-// What every stored clip promises, whatever its pictures come from.
+// Stored clips: behaviour that is common to all sources of pictures.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include "engine/content/seeded_noise.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/value_evidence.hpp"
-#include "tests/clip/clip_fixture.hpp"
+#include "tests/picture/results.hpp"
 #include "tests/sweep.hpp"
 
 namespace touchable::test {
@@ -21,7 +21,7 @@ namespace {
 
 constexpr int fake_wide = 8, fake_high = 6;
 
-/// What was asked of a source, in words: "depth 0", "colour 3".
+/// Requests to a source, in words: "depth 0", "colour 3".
 using Asked = std::vector<std::string>;
 
 std::string in_words(PlaneRole role, std::int64_t frame) {
@@ -76,39 +76,36 @@ protected:
     SceneDescription described{small_scene(fake_wide, fake_high)};
 };
 
-TEST_F(StoredClips, EveryPictureIsAskedForOnce) {
-    auto clip = opened(3);
-    ASSERT_EQ(message(clip), "");
+TEST_F(StoredClips, ReadEveryPictureOnce) {
+    auto clip = must(opened(3));
     EXPECT_EQ(taken(), (Asked{"depth 0", "colour 0"}));
-    const auto frames = read_all(**clip);
-    ASSERT_EQ(message(frames), "");
-    ASSERT_EQ(frames->size(), 3U);
+    const auto frames = must(read_all(*clip));
+    ASSERT_EQ(frames.size(), 3U);
     EXPECT_EQ(taken(), (Asked{"depth 1", "colour 1", "depth 2", "colour 2"}));
     for (const std::int64_t n : {0, 1, 2}) {
-        const RawFrame& frame = (*frames)[static_cast<std::size_t>(n)];
+        const RawFrame& frame = frames[static_cast<std::size_t>(n)];
         EXPECT_EQ(frame.number, n);
         EXPECT_EQ(frame.time_ns, described.scene.rate.time_ns(n));
         EXPECT_EQ(frame.depth.sample(0, 0), 10 + n);
         EXPECT_EQ(frame.colour.sample(fake_wide - 1, fake_high - 1, 2), 10 + n);
     }
-    ASSERT_EQ(message((*clip)->seek(2)), "");
-    EXPECT_TRUE(same_frame(**(*clip)->next(), frames->back()));
+    ASSERT_EQ(message(clip->seek(2)), "");
+    EXPECT_TRUE(same_frame(**clip->next(), frames.back()));
     EXPECT_EQ(taken(), Asked{}) << "the newest is at hand";
-    ASSERT_EQ(message((*clip)->rewind()), "");
-    EXPECT_TRUE(same_frame(**(*clip)->next(), frames->front()));
+    ASSERT_EQ(message(clip->rewind()), "");
+    EXPECT_TRUE(same_frame(**clip->next(), frames.front()));
     EXPECT_EQ(taken(), (Asked{"depth 0", "colour 0"}));
 }
 
-TEST_F(StoredClips, ASeekLeadsToTheEndAndNotBeyond) {
+TEST_F(StoredClips, SeekUpToEnd) {
     auto clip = opened();
     ASSERT_EQ(message(clip), "");
     EXPECT_EQ((*clip)->frame_count(), 5);
     EXPECT_EQ((*clip)->access_point(3), 0);
     EXPECT_EQ((*clip)->access_point(4), 4);
     ASSERT_EQ(message((*clip)->seek(5)), "");
-    const auto end = (*clip)->next();
-    ASSERT_EQ(message(end), "");
-    EXPECT_FALSE(*end);
+    const auto end = must((*clip)->next());
+    EXPECT_FALSE(end);
     for (const std::int64_t beyond : {6, -1}) {
         const auto refused = (*clip)->seek(beyond);
         ASSERT_FALSE(refused);
@@ -122,32 +119,27 @@ TEST_F(StoredClips, ASeekLeadsToTheEndAndNotBeyond) {
     }
 }
 
-TEST_F(StoredClips, ColourThatNobodyLooksAtIsNotRead) {
-    auto clip = opened(3);
-    ASSERT_EQ(message(clip), "");
-    (*clip)->leave_out_colour();
+TEST_F(StoredClips, SkipUnwantedColour) {
+    auto clip = must(opened(3));
+    clip->leave_out_colour();
     taken();
-    const auto frames = read_all(**clip);
-    ASSERT_EQ(message(frames), "");
+    const auto frames = must(read_all(*clip));
     EXPECT_EQ(taken(), (Asked{"depth 1", "depth 2"}));
-    for (const RawFrame& frame : *frames) EXPECT_TRUE(frame.colour.empty());
-    EXPECT_EQ((*clip)->tracks().size(), 2U) << "it is stored all the same";
+    for (const RawFrame& frame : frames) EXPECT_TRUE(frame.colour.empty());
+    EXPECT_EQ(clip->tracks().size(), 2U) << "it is stored all the same";
 }
 
-TEST_F(StoredClips, APictureThatStaysIsReadOnce) {
+TEST_F(StoredClips, ReadRepeatedPictureOnce) {
     pictures->number = [](PlaneRole role, std::int64_t frame) {
         return role == PlaneRole::depth ? frame : frame / 2;
     };
-    auto clip = opened(4);
-    ASSERT_EQ(message(clip), "");
-    const auto frames = read_all(**clip);
-    ASSERT_EQ(message(frames), "");
+    const auto [clip, frames] = must_read(opened(4));
     EXPECT_EQ(taken(), (Asked{"depth 0", "colour 0", "depth 1", "depth 2", "colour 2", "depth 3"}));
-    EXPECT_EQ((*frames)[1].colour.data, (*frames)[0].colour.data);
-    EXPECT_EQ((*frames)[3].colour.sample(0, 0), 12);
+    EXPECT_EQ(frames[1].colour.data, frames[0].colour.data);
+    EXPECT_EQ(frames[3].colour.sample(0, 0), 12);
 }
 
-TEST_F(StoredClips, ALaterPictureOfAnotherSizeOrFormatIsRefusedByItsName) {
+TEST_F(StoredClips, RefuseChangedSizeOrFormat) {
     for (const PlaneRole role : {PlaneRole::depth, PlaneRole::colour}) {
         const std::string other = role == PlaneRole::depth ? "pal8" : "yuvj444p";
         for (const bool is_wider : {true, false}) {
@@ -159,51 +151,45 @@ TEST_F(StoredClips, ALaterPictureOfAnotherSizeOrFormatIsRefusedByItsName) {
                 if (differs && !is_wider) stored.pixel_format = other;
                 return TrackPicture{std::move(stored)};
             };
-            auto clip = opened();
-            ASSERT_EQ(message(clip), "");
+            auto clip = must(opened());
             const std::string format = role == PlaneRole::depth ? "gray" : "rgb24";
-            EXPECT_EQ(message(read_all(**clip)), in_words(role, 2) + ": is " +
-                                                     (is_wider ? "9x6 " + format : "8x6 " + other) +
-                                                     ", but frame 0 is 8x6 " + format);
+            EXPECT_EQ(message(read_all(*clip)), in_words(role, 2) + ": is " +
+                                                    (is_wider ? "9x6 " + format : "8x6 " + other) +
+                                                    ", but frame 0 is 8x6 " + format);
         }
     }
 }
 
-TEST_F(StoredClips, APictureOfFewColoursMayHaveAPaletteAndTheNextOneNot) {
+TEST_F(StoredClips, MixPalettesAndRgb) {
     pictures->made = [](PlaneRole role, std::int64_t frame) {
         TrackPicture picture{picture_of(role, frame)};
         if (role == PlaneRole::colour && frame % 2 == 1) picture.image.pixel_format = "pal8";
         return picture;
     };
-    auto clip = opened(4);
-    ASSERT_EQ(message(clip), "");
-    const auto frames = read_all(**clip);
-    ASSERT_EQ(message(frames), "");
-    for (const RawFrame& frame : *frames) EXPECT_EQ(frame.colour.sample(0, 0), 10 + frame.number);
+    const auto [clip, frames] = must_read(opened(4));
+    for (const RawFrame& frame : frames) EXPECT_EQ(frame.colour.sample(0, 0), 10 + frame.number);
 }
 
-TEST_F(StoredClips, SamplesOfADecoderStayWhereTheyAre) {
+TEST_F(StoredClips, BorrowDecoderSamples) {
     Samples memory;
     const PlaneView lent = test_plane(memory, fake_wide, fake_high, 1, 1, 255, 1, true);
     std::weak_ptr<const int> picture;  // of a decoder, as long as anybody has it
     pictures->made = [&](PlaneRole role, std::int64_t frame) {
         if (role == PlaneRole::colour) return TrackPicture{picture_of(role, frame)};
-        EXPECT_TRUE(picture.expired()) << "its memory can serve the next, as nobody looks at it";
+        EXPECT_TRUE(picture.expired()) << "its memory can serve the next, as it is unused";
         const auto made = std::make_shared<const int>(1);
         picture = made;
         return lent_picture({"depth", "h264", "gray"}, {lent, made});
     };
-    auto clip = opened(3);
-    ASSERT_EQ(message(clip), "");
+    auto clip = must(opened(3));
     for (int n = 0; n < 3; ++n) {
-        const auto frame = (*clip)->next();
-        ASSERT_EQ(message(frame), "");
-        EXPECT_EQ((**frame).depth.data, lent.data);
+        const auto frame = must(clip->next());
+        EXPECT_EQ((*frame).depth.data, lent.data);
         EXPECT_FALSE(picture.expired());
     }
-    EXPECT_EQ((*clip)->tracks().front().codec, "h264");
-    EXPECT_EQ((*clip)->tracks().front().width, fake_wide);
-    EXPECT_TRUE(std::ranges::any_of((*clip)->notes(), [](const std::string& note) {
+    EXPECT_EQ(clip->tracks().front().codec, "h264");
+    EXPECT_EQ(clip->tracks().front().width, fake_wide);
+    EXPECT_TRUE(std::ranges::any_of(clip->notes(), [](const std::string& note) {
         return note.find("depth is stored as h264") != std::string::npos;
     }));
 }
@@ -231,10 +217,9 @@ protected:
     std::map<std::int64_t, Error> failures;
 };
 
-TEST_F(StoredClipsOfFloats, TheRangeOfDepthIsFoundInTheTellingFrames) {
+TEST_F(StoredClipsOfFloats, SearchRangeInTellingFrames) {
     failures[3] = input_error("depth 3: is damaged");
-    auto clip = opened(200);
-    ASSERT_EQ(message(clip), "");
+    auto clip = must(opened(200));
     Asked looks;
     for (const std::int64_t frame : telling_frames(200)) {
         looks.push_back(in_words(PlaneRole::depth, frame));
@@ -242,16 +227,15 @@ TEST_F(StoredClipsOfFloats, TheRangeOfDepthIsFoundInTheTellingFrames) {
     }
     looks.emplace_back("colour 0");
     EXPECT_EQ(taken(), looks) << "and frame 0 is not read twice";
-    EXPECT_NEAR((*clip)->scene().depth.far, 1.05 * 2.99, 1e-6) << "found once, not in the codes again";
-    const auto first = (*clip)->next();
-    ASSERT_EQ(message(first), "");
-    const DepthCoding& coding = (*clip)->scene().depth;
-    EXPECT_NEAR(coding.depth(static_cast<std::uint16_t>((**first).depth.sample(3, 3))), 1, 1e-4);
-    ASSERT_EQ(message((*clip)->seek(3)), "");
-    EXPECT_EQ(message((*clip)->next()), "depth 3: is damaged");
+    EXPECT_NEAR(clip->scene().depth.far, 1.05 * 2.99, 1e-6) << "found once, not in the codes again";
+    const auto first = must(clip->next());
+    const DepthCoding& coding = clip->scene().depth;
+    EXPECT_NEAR(coding.depth(static_cast<std::uint16_t>((*first).depth.sample(3, 3))), 1, 1e-4);
+    ASSERT_EQ(message(clip->seek(3)), "");
+    EXPECT_EQ(message(clip->next()), "depth 3: is damaged");
 }
 
-TEST_F(StoredClipsOfFloats, TheSearchForItsRangeIsGivenUp) {
+TEST_F(StoredClipsOfFloats, StopSearchWhenCancelled) {
     failures[5] = {ErrorKind::interrupted, "depth 5: given up"};
     EXPECT_EQ(message(opened(20)), "depth 5: given up");
     pictures = std::make_unique<FakePictures>(asked);
@@ -270,7 +254,7 @@ TEST_F(StoredClipsOfFloats, TheSearchForItsRangeIsGivenUp) {
     EXPECT_EQ(taken(), (Asked{"depth 0", "depth 1", "keep 1", "depth 2", "keep 2"}));
 }
 
-TEST_F(StoredClips, FloatsAreDepthAlone) {
+TEST_F(StoredClips, RefuseFloatsAsColour) {
     pictures->made = [](PlaneRole role, std::int64_t frame) {
         StoredImage stored = picture_of(role, frame);
         if (role == PlaneRole::colour) stored.values.assign(fake_wide * fake_high, 0.5F);
@@ -279,7 +263,7 @@ TEST_F(StoredClips, FloatsAreDepthAlone) {
     EXPECT_EQ(message(opened()), "colour 0: is a picture of floats: must be of integers");
 }
 
-TEST_F(StoredClips, WhatTheSourceFoundSettlesWhatTheDescriptionLeavesOpen) {
+TEST_F(StoredClips, FillDescriptionFromSource) {
     const Camera one{50, 50, 4, 3}, other{60, 60, 4, 3};
     for (const auto& [cameras, kept] :
          {std::pair{std::vector{one, one}, 0U}, {std::vector{one, other}, 2U}}) {
@@ -292,11 +276,10 @@ TEST_F(StoredClips, WhatTheSourceFoundSettlesWhatTheDescriptionLeavesOpen) {
         clip.cameras = cameras;
         clip.inputs = {"some/file"};
         clip.pictures = std::move(pictures);
-        auto reader = open_stored_clip(std::move(clip));
-        ASSERT_EQ(message(reader), "");
-        EXPECT_EQ((*reader)->scene().rate.num, 25);
-        EXPECT_EQ((*reader)->frame_cameras().size(), kept) << "none where all are the scene's";
-        EXPECT_EQ((*reader)->inputs().front(), "some/file");
+        auto reader = must(open_stored_clip(std::move(clip)));
+        EXPECT_EQ(reader->scene().rate.num, 25);
+        EXPECT_EQ(reader->frame_cameras().size(), kept) << "none where all are the scene's";
+        EXPECT_EQ(reader->inputs().front(), "some/file");
     }
     described.unstated.camera = true;
     EXPECT_TRUE(is_refused(opened(), "the clip: camera is missing"));
@@ -327,7 +310,7 @@ std::vector<int> scene_codes(SplitMix64& random, int least, int most, int count 
     return codes;
 }
 
-TEST(FloatLattice, MultiplesOfAnyUnitAreFoundHoweverTheyWereMade) {
+TEST(FloatLattice, FindsMultiplesOfAnyUnit) {
     SplitMix64 random(1);
     for (int round = 0; round < 300; round += static_cast<int>(sweep_step())) {
         // From 10 um to 1 cm, of any digits; and what people use.
@@ -356,7 +339,7 @@ TEST(FloatLattice, MultiplesOfAnyUnitAreFoundHoweverTheyWereMade) {
 }
 
 /// The same depths in millimetres, as floats.
-TEST(FloatLattice, WholeMillimetresAreOnes) {
+TEST(FloatLattice, FindsWholeMillimetres) {
     SplitMix64 random(2);
     const auto codes = scene_codes(random, 350, 4000);
     const auto found = lattice_of(
@@ -366,7 +349,7 @@ TEST(FloatLattice, WholeMillimetresAreOnes) {
 }
 
 /// A camera that measures disparities and writes millimetres leaves most of these out.
-TEST(FloatLattice, LevelsThatAreFarApartAreStillMultiplesOfTheUnit) {
+TEST(FloatLattice, FindsUnitOfSparseLevels) {
     SplitMix64 random(3);
     const auto found = lattice_of(many, 1, [&](int) {
         const int disparity = 60 + static_cast<int>(200 * random.unit());
@@ -376,7 +359,7 @@ TEST(FloatLattice, LevelsThatAreFarApartAreStillMultiplesOfTheUnit) {
     EXPECT_DOUBLE_EQ(found->step, 0.001);
 }
 
-TEST(FloatLattice, DisparitiesAreFoundByTheirReciprocals) {
+TEST(FloatLattice, FindsDisparitiesByReciprocals) {
     SplitMix64 random(4);
     for (int round = 0; round < 200; ++round) {
         constexpr double parts[] = {1, 8, 16, 32};
@@ -396,7 +379,7 @@ TEST(FloatLattice, DisparitiesAreFoundByTheirReciprocals) {
 }
 
 /// Kinect's formula, and planes of codes evenly in depth and in 1/depth: these do not go through zero.
-TEST(FloatLattice, StepsMayBeginAnywhere) {
+TEST(FloatLattice, FindsStepsFromAnywhere) {
     SplitMix64 random(5);
     const auto codes = scene_codes(random, 400, 950);
     const auto kinect = lattice_of(many, 1, [&](int k) {
@@ -416,7 +399,7 @@ TEST(FloatLattice, StepsMayBeginAnywhere) {
     EXPECT_NEAR(linear->step, 1.9 / 255, 1e-8);
 }
 
-TEST(FloatLattice, WhatIsOfNoLatticeIsTakenForNone) {
+TEST(FloatLattice, IgnoresNoise) {
     SplitMix64 random(6);
     for (int round = 0; round < 200; ++round) {
         const double near = 0.2 + 3 * random.unit(), range = 0.01 + 5 * random.unit();
@@ -433,8 +416,8 @@ TEST(FloatLattice, WhatIsOfNoLatticeIsTakenForNone) {
     }
 }
 
-/// Steps of 10 um over 4 m are more than codes of 16 bits: to know of them helps nobody.
-TEST(FloatLattice, OfMoreStepsThanCodesIsTakenForNone) {
+/// Steps of 10 um over 4 m are more than codes of 16 bits: finding them is of no use.
+TEST(FloatLattice, IgnoresMoreStepsThanCodes) {
     SplitMix64 random(7);
     const auto codes = scene_codes(random, 40'000, 400'000);
     EXPECT_FALSE(lattice_of(
@@ -442,7 +425,7 @@ TEST(FloatLattice, OfMoreStepsThanCodesIsTakenForNone) {
 }
 
 /// A few walls at whole metres, or anywhere, are not what a sensor rounds to.
-TEST(FloatLattice, AFewFlatThingsAreNone) {
+TEST(FloatLattice, IgnoresFlatWalls) {
     for (const int walls : {1, 3, 7}) {
         EXPECT_FALSE(lattice_of(many, 1, [&](int k) { return static_cast<float>(1 + k % walls); }));
         EXPECT_FALSE(lattice_of(many, 0.001, [&](int k) { return static_cast<float>(1 + k % walls); }));
@@ -451,7 +434,7 @@ TEST(FloatLattice, AFewFlatThingsAreNone) {
     EXPECT_FALSE(lattice_of(0, 1, [](int) { return 1.0F; }));
 }
 
-TEST(FloatLattice, AFewFloatsMayLieBetweenAndAreCounted) {
+TEST(FloatLattice, CountsFloatsBetweenSteps) {
     SplitMix64 random(8);
     const auto codes = scene_codes(random, 500, 3000);
     for (const double off : {0.002, 0.008, 0.03, 0.5}) {
@@ -466,7 +449,7 @@ TEST(FloatLattice, AFewFloatsMayLieBetweenAndAreCounted) {
     }
 }
 
-TEST(FloatLattice, HalvesAreMultiplesOfTheStepAtTheNearest) {
+TEST(FloatLattice, FindsFinestStepOfHalves) {
     SplitMix64 random(9);
     const auto found = lattice_of(many, 1, [&](int) { return half_of(0.6 + 3 * random.unit()); });
     ASSERT_TRUE(found);
@@ -475,7 +458,7 @@ TEST(FloatLattice, HalvesAreMultiplesOfTheStepAtTheNearest) {
     EXPECT_EQ(found->off, 0);
 }
 
-TEST(FloatLattice, HalvesOfMillimetresAreMillimetres) {
+TEST(FloatLattice, FindsMillimetresOfHalves) {
     SplitMix64 random(10);
     const auto codes = scene_codes(random, 450, 3500);
     const auto found = lattice_of(many, 1, [&](int k) {
@@ -486,7 +469,7 @@ TEST(FloatLattice, HalvesOfMillimetresAreMillimetres) {
     EXPECT_TRUE(found->is_rounded);
 }
 
-TEST(FloatLattice, IsTheSameInAnyOrder) {
+TEST(FloatLattice, IgnoresOrder) {
     SplitMix64 random(11);
     std::vector<float> values;
     for (const int code : scene_codes(random, 700, 6000))
@@ -501,7 +484,7 @@ TEST(FloatLattice, IsTheSameInAnyOrder) {
     EXPECT_EQ(a->first, b->first);
 }
 
-TEST(FloatLattice, NumbersWithoutAUnitMayBeOfAnySteps) {
+TEST(FloatLattice, FindsStepsWithoutUnit) {
     SplitMix64 random(12);
     LatticeSearch shares, network;
     for (int k = 0; k < many; ++k) {
