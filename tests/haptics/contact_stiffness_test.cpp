@@ -58,13 +58,13 @@ protected:
     SmallField wall;
 };
 
-TEST_F(TwoStiffnesses, AMapThatMayRiseFreelyCreatesTheDifferenceOfTheSprings) {
+TEST_F(TwoStiffnesses, FreeRiseCreatesSpringDifference) {
     const PathResult result = run(-2, 2, 0.002, false);
     EXPECT_NEAR(result.energy.created, step_energy, 0.02 * step_energy);  // 3.2 mJ
     EXPECT_GT(result.energy.created, 10 * result.energy.bound);
 }
 
-TEST_F(TwoStiffnesses, ARiseThatMustBePaidForCreatesNothing) {
+TEST_F(TwoStiffnesses, PaidRiseCreatesNothing) {
     double last = 1;
     for (const double step : {0.02, 0.01, 0.005, 0.0025}) {
         const PathResult result = run(-2, 2, step, true);
@@ -76,7 +76,7 @@ TEST_F(TwoStiffnesses, ARiseThatMustBePaidForCreatesNothing) {
     EXPECT_LT(last, 1e-3 * step_energy);
 }
 
-TEST_F(TwoStiffnesses, FromStiffToSoftItFallsAtOnceAndLosesTheDifference) {
+TEST_F(TwoStiffnesses, FallLosesSpringDifference) {
     const PathResult free = run(2, -2, 0.002, false), paid = run(2, -2, 0.002, true);
     EXPECT_NEAR(paid.energy.balance(), -step_energy, 0.05 * step_energy);
     ASSERT_EQ(free.forces.size(), paid.forces.size());
@@ -84,31 +84,26 @@ TEST_F(TwoStiffnesses, FromStiffToSoftItFallsAtOnceAndLosesTheDifference) {
         ASSERT_EQ(free.forces[k].force, paid.forces[k].force) << k;
 }
 
-TEST_F(TwoStiffnesses, WhatAFallLostPaysForTheRiseAfterIt) {
-    const std::vector<dvec3> path = path_along({{2, 0, -99},
-                                                {2, 0, -100 - depth},
-                                                {-2, 0, -100 - depth},
-                                                {2, 0, -100 - depth},
-                                                {2, 0, -100 - depth / 2}},
-                                               0.002);
+TEST_F(TwoStiffnesses, FallPaysForNextRise) {
+    const double z = -100 - depth;
+    const auto path =
+        path_along({{2, 0, -99}, {2, 0, z}, {-2, 0, z}, {2, 0, z}, {2, 0, z + depth / 2}}, 0.002);
     const PathResult result = run_path(path, strong(true), wall);
     EXPECT_NEAR(result.forces.back().force.z, stiff * depth / 2 * 1e-3, 0.01);
     EXPECT_LE(result.energy.created, result.energy.bound + rounding);
 }
 
-TEST_F(TwoStiffnesses, ANewContactBeginsWithTheMapsStiffness) {
+TEST_F(TwoStiffnesses, NewContactTakesMapStiffness) {
     std::vector<dvec3> path = press_slide_release(-2, 2, 0.01);
-    const auto again = path_along({{2, 0, -99}, {2, 0, -100 - depth}}, 0.01);
-    path.insert(path.end(), again.begin(), again.end());
+    append(path, path_along({{2, 0, -99}, {2, 0, -100 - depth}}, 0.01));
     const PathResult result = run_path(path, strong(true), wall);
     EXPECT_NEAR(result.forces.back().force.z, stiff * depth * 1e-3, 1e-6);
     EXPECT_EQ(result.forces.back().reasons, guard_none);
 }
 
-TEST_F(TwoStiffnesses, WhatOneContactLostPaysForNoOther) {
+TEST_F(TwoStiffnesses, LossStaysWithItsContact) {
     std::vector<dvec3> path = press_slide_release(2, -2, 0.01);  // a fall that loses 3.2 mJ
-    const auto again = path_along({{-2, 0, -99}, {-2, 0, -100 - depth}, {2, 0, -100 - depth}}, 0.01);
-    path.insert(path.end(), again.begin(), again.end());
+    append(path, path_along({{-2, 0, -99}, {-2, 0, -100 - depth}, {2, 0, -100 - depth}}, 0.01));
     const PathResult result = run_path(path, strong(true), wall);
     EXPECT_NEAR(result.forces.back().force.z, soft * depth * 1e-3, 0.01);
     EXPECT_EQ(result.forces.back().reasons, guard_rise);
@@ -129,7 +124,7 @@ TEST_F(TwoStiffnesses, FrictionPaysForStiffness) {
     EXPECT_EQ(result.forces[at(4)].reasons, guard_none);
 }
 
-TEST_F(TwoStiffnesses, AnyPathCreatesNoMoreThanHoldingForcesDoes) {
+TEST_F(TwoStiffnesses, RandomPathsStayWithinBound) {
     wall.scene.default_properties = {600, 0, 0};
     SplitMix64 random(11);
     for (int run = 0; run < 40; ++run) {
@@ -146,7 +141,7 @@ TEST_F(TwoStiffnesses, AnyPathCreatesNoMoreThanHoldingForcesDoes) {
     }
 }
 
-TEST_F(TwoStiffnesses, AConstantStiffnessIsLeftAlone) {
+TEST_F(TwoStiffnesses, LeavesConstantStiffnessAlone) {
     wall.prev.haptic.clear();
     wall.scene.default_properties = {600, 0.4, 0.3};
     const auto path = press_slide_release(-2, 2, 0.01);
@@ -157,7 +152,7 @@ TEST_F(TwoStiffnesses, AConstantStiffnessIsLeftAlone) {
     }
 }
 
-TEST_F(TwoStiffnesses, ARiseTakesItsTimeWhereItIsSlewed) {
+TEST_F(TwoStiffnesses, SlewsRisesOnly) {
     // The map changes under a finger at rest, from one tick to the next.
     auto stiff_everywhere = wall.prev.haptic;
     for (auto& value : stiff_everywhere) value = 255;
@@ -185,29 +180,26 @@ TEST_F(TwoStiffnesses, ARiseTakesItsTimeWhereItIsSlewed) {
 
 /// A finger at rest, 2 mm deep, on ground of that stiffness.
 Contact resting_on(double stiffness) {
-    Contact contact;
-    contact.touching = true;
+    Contact contact = pressing({0, 0, stiffness * 0.002}, stiffness);
     contact.goal = {0, 0, -2};
-    contact.properties.stiffness = stiffness;
     contact.carried_stiffness = stiffness;
-    contact.force = {0, 0, stiffness * 0.002};
     return contact;
 }
 
-/// The same at a hole, whose stiffness has that share.
-Contact resting_at_a_hole(double stiffness, double share) {
-    Contact contact = resting_on(stiffness);
-    contact.hole_share = share;
+/// The same in a hole of 100 N/m.
+Contact resting_in_hole() {
+    Contact contact = resting_on(100);
+    contact.hole_share = 1;
     return contact;
 }
 
 // docs/solver.md: 0.04 N a tick over 2 mm is 20 N/m; and no rise is faster than a slew that is asked for.
-TEST(ContactStiffness, OutOfAHoleTheSlowerOfTwoRisesCounts) {
+TEST(ContactStiffness, SlowerRiseCountsLeavingHole) {
     for (const double slew : {5.0, 15.0, 30.0, 1000.0}) {
         GuardSettings settings = without_ramp();
         settings.rise.per_tick = slew;
         ForceGuard guard(settings, 0.001);
-        guard.guard(resting_at_a_hole(100, 1));
+        guard.guard(resting_in_hole());
         double last = 0.2;
         for (int tick = 0; tick < 20; ++tick) {
             const double force = guard.guard(resting_on(600)).force.z;
@@ -217,9 +209,9 @@ TEST(ContactStiffness, OutOfAHoleTheSlowerOfTwoRisesCounts) {
     }
 }
 
-TEST(ContactStiffness, RisesElsewhereAreNotLimitedOnceItHasArrived) {
+TEST(ContactStiffness, RiseLimitEndsOnArrival) {
     ForceGuard guard(without_ramp(), 0.001);
-    guard.guard(resting_at_a_hole(100, 1));
+    guard.guard(resting_in_hole());
     for (int tick = 0; tick < 24; ++tick) EXPECT_EQ(guard.guard(resting_on(600)).reasons, guard_rise);
     EXPECT_NEAR(guard.guard(resting_on(600)).force.z, 1.2, 1e-9);
     Contact stiffer = resting_on(2000);
@@ -227,7 +219,7 @@ TEST(ContactStiffness, RisesElsewhereAreNotLimitedOnceItHasArrived) {
     EXPECT_EQ(guard.guard(stiffer).reasons, guard_none);
 }
 
-TEST(ContactStiffness, GroundWithoutStiffnessIsContactToo) {
+TEST(ContactStiffness, GroundWithoutStiffnessIsContact) {
     Contact arriving = resting_on(1000);
     arriving.carried_stiffness = 0;
     ForceGuard paid(strong(true), 0.001);
@@ -244,7 +236,7 @@ TEST(ContactStiffness, GroundWithoutStiffnessIsContactToo) {
     EXPECT_EQ(damped.guard(arriving).force, glm::dvec3(0, 0, 2)) << "a hand at rest is not damped";
 }
 
-TEST(DeviceSpring, StiffnessIsTheInverseOfEnergy) {
+TEST(DeviceSpring, StiffnessInvertsEnergy) {
     const DeviceSpring spring{5000, 4};
     for (const double k : {10.0, 700.0, 3000.0, 4999.0})
         for (const double x : {1e-5, 1e-3, 5e-3})
@@ -263,22 +255,6 @@ TEST(DeviceSpring, StiffnessIsTheInverseOfEnergy) {
 // Stiffness and friction that change in time under a finger at rest: what the hand feels of it, tick by tick,
 // through the whole tick.
 
-using glm::dvec3;
-
-/// The frames around a tick of a clip whose frames are at `rate`.
-template <class FrameOf>
-FramePair pair_at(std::int64_t tick, const FrameRate& rate, FrameOf frame_of) {
-    const std::int64_t time_ns = tick * 1'000'000;
-    std::int64_t n = 0;
-    while (rate.time_ns(n + 1) <= time_ns) ++n;
-    FramePair pair;
-    pair.prev = {n, rate.time_ns(n), frame_of(n)};
-    pair.next = {n + 1, rate.time_ns(n + 1), frame_of(n + 1)};
-    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
-                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
-    return pair;
-}
-
 /// What came of a rest of some ticks.
 struct Rest {
     double first = 0, last = 0;  ///< N
@@ -292,15 +268,14 @@ template <class FrameOf>
 Rest rest_at(const dvec3& goal, int ticks, const Scene& scene, FrameOf frame_of) {
     TouchSettings settings;
     settings.metres_per_scene_unit = scene.device_metres_per_unit.value_or(0.001);
-    GuardSettings guard;
-    guard.ramp_in_ticks = 0;
     const TouchSolver solver = TouchSolver::create(scene, settings).value();
-    TouchStep step(solver, guard, 1);
+    TouchStep step(solver, without_ramp(), 1);
     Rest rest;
     dvec3 proxy(0.0);
     for (int tick = 0; tick < ticks; ++tick) {
         step.goals()[0] = tick == 0 ? goal * 0.5 : goal;
-        const TouchTick done = step.run(tick, tick * 1'000'000LL, scene, pair_at(tick, scene.rate, frame_of));
+        const std::int64_t time_ns = tick * 1'000'000LL;
+        const TouchTick done = step.run(tick, time_ns, scene, pair_around(time_ns, scene.rate, frame_of));
         const double force = glm::length(done.forces[0].force);
         if (tick == 1) rest.first = force;
         if (tick > 1) {
@@ -329,9 +304,9 @@ public:
             field.next.haptic.insert(field.next.haptic.end(), after.begin(), after.end());
         }
     }
+    const SurfaceFrame* frame(std::int64_t n) const { return n < 2 ? &field.prev : &field.next; }
     Rest rest(const dvec3& goal, int ticks = 300) const {
-        return rest_at(goal, ticks, field.scene,
-                       [this](std::int64_t n) { return n < 2 ? &field.prev : &field.next; });
+        return rest_at(goal, ticks, field.scene, [this](std::int64_t n) { return frame(n); });
     }
 
     SmallField field;
@@ -344,7 +319,7 @@ double steepest_fade(double newtons) {
 
 class ChangingProperties : public testing::TestWithParam<FrameInterpolation> {};
 
-TEST_P(ChangingProperties, GroundThatTurnsFromTheSoftestToTheStiffestIsNoStep) {
+TEST_P(ChangingProperties, StiffeningMakesNoStep) {
     const Rest rest = ChangingWall(GetParam(), {0, 0, 0}, {255, 0, 0}).rest({0.1, 0.1, -100.8});
     EXPECT_NEAR(rest.first, 0.08, 1e-9);
     EXPECT_NEAR(rest.last, 8.0, 1e-9);
@@ -356,7 +331,7 @@ TEST_P(ChangingProperties, GroundThatTurnsFromTheSoftestToTheStiffestIsNoStep) {
     EXPECT_GT(rest.cancelled, 90);
 }
 
-TEST_P(ChangingProperties, AsMuchAsFromSeaToLandIsNoStepOfATenthOfANewton) {
+TEST_P(ChangingProperties, CoastMakesNoStep) {
     const Rest rest = ChangingWall(GetParam(), {8, 0, 0}, {28, 0, 0}).rest({0.1, 0.1, -101.2});
     EXPECT_GT(rest.last - rest.first, 0.9);
     EXPECT_LE(rest.steepest_rise, 0.1);
@@ -364,34 +339,33 @@ TEST_P(ChangingProperties, AsMuchAsFromSeaToLandIsNoStepOfATenthOfANewton) {
     EXPECT_EQ(rest.jumps > 0, GetParam() == FrameInterpolation::hold);
 }
 
-TEST_P(ChangingProperties, WhatIsLessThanATenthOfANewtonIsNoJump) {
+TEST_P(ChangingProperties, SmallChangeIsNoJump) {
     const Rest rest = ChangingWall(GetParam(), {100, 0, 0}, {102, 0, 0}).rest({0.1, 0.1, -101.2});
     EXPECT_GT(rest.last - rest.first, 0.09);
     EXPECT_EQ(rest.jumps, 0);
     EXPECT_EQ(rest.cancelled, 0);
 }
 
-TEST_P(ChangingProperties, AForceThatDropsDropsAtOnce) {
+TEST_P(ChangingProperties, ForceDropsAtOnce) {
     const Rest rest = ChangingWall(GetParam(), {255, 0, 0}, {0, 0, 0}).rest({0.1, 0.1, -100.8}, 80);
     EXPECT_NEAR(rest.first, 8.0, 1e-9);
     EXPECT_NEAR(rest.last, 0.08, 1e-9);
     EXPECT_LE(rest.steepest_rise, 1e-12);
 }
 
-TEST_P(ChangingProperties, FrictionThatVanishesIsNoJump) {
+TEST_P(ChangingProperties, VanishingFrictionIsNoJump) {
     // Held at mu_s 1 where it would slide 0.7 away; the ground turns slippery.
     const ChangingWall wall(GetParam(), {100, 255, 255}, {100, 0, 0});
-    TouchSettings settings;
+    const Scene& scene = wall.field.scene;
     FingerState finger;
     wall.field.touch(finger, {0.1, 0.1, -99});
     wall.field.touch(finger, {0.1, 0.1, -101});
-    const auto frame_of = [&](std::int64_t n) { return n < 2 ? &wall.field.prev : &wall.field.next; };
-    const TouchSolver solver = TouchSolver::create(wall.field.scene, settings).value();
-    const dvec3 goal{0.8, 0.1, -101};
+    const TouchSolver solver = TouchSolver::create(scene, {}).value();
     Contact contact;
     for (int tick = 0; tick < 100; ++tick) {
-        const HeightField field(wall.field.scene, pair_at(tick, wall.field.scene.rate, frame_of));
-        solver.tick(field, {&goal, 1}, {&finger, 1}, {&contact, 1});
+        const FramePair pair =
+            pair_around(tick * 1'000'000, scene.rate, [&](std::int64_t n) { return wall.frame(n); });
+        contact = tick_one(solver, {scene, pair}, finger, {0.8, 0.1, -101});
         EXPECT_FALSE(contact.jumped) << tick;
         if (tick == 0) {
             EXPECT_NEAR(contact.proxy.x, 0.1, 1e-12);
@@ -400,38 +374,30 @@ TEST_P(ChangingProperties, FrictionThatVanishesIsNoJump) {
     EXPECT_NEAR(contact.proxy.x, 0.8, 1e-9);
 }
 
-TEST_P(ChangingProperties, WhatACutBringsIsCancelledInEveryMetric) {
+TEST_P(ChangingProperties, CancelsCutsInEveryMetric) {
     for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled}) {
         const ChangingWall wall(GetParam(), {0, 0, 0}, {255, 0, 0});
         TouchSettings settings;
         settings.metric = metric;
         const TouchSolver solver = TouchSolver::create(wall.field.scene, settings).value();
         FingerState finger;
-        Contact contact;
-        dvec3 goal{0.1, 0.1, -50};
-        const auto tick_on = [&](const SurfaceFrame& frame, std::int64_t number) {
-            FramePair pair;
-            pair.prev = pair.next = {number, number * 33'000'000, &frame};
-            solver.tick(HeightField(wall.field.scene, pair), {&goal, 1}, {&finger, 1}, {&contact, 1});
+        const auto tick_on = [&](const SurfaceFrame& frame, std::int64_t number, double z = -100.8) {
+            const FramePair pair = still(frame, number, number * 33'000'000);
+            return tick_one(solver, {wall.field.scene, pair}, finger, {0.1, 0.1, z});
         };
-        tick_on(wall.field.prev, 0);
-        goal.z = -100.8;
-        tick_on(wall.field.prev, 0);
-        ASSERT_TRUE(contact.touching);
-        EXPECT_FALSE(contact.jumped);
-        tick_on(wall.field.next, 1);
-        EXPECT_TRUE(contact.jumped) << name_of(metric);
-        EXPECT_NEAR(glm::distance(contact.jumped_force, contact.force), 0, 1e-9);
-        EXPECT_NEAR(contact.force.z, 8.0, 1e-2);
-        tick_on(wall.field.next, 1);
-        EXPECT_FALSE(contact.jumped);
+        tick_on(wall.field.prev, 0, -50);
+        const Contact before = tick_on(wall.field.prev, 0), cut = tick_on(wall.field.next, 1);
+        ASSERT_TRUE(before.touching);
+        EXPECT_FALSE(before.jumped);
+        EXPECT_TRUE(cut.jumped) << name_of(metric);
+        EXPECT_NEAR(glm::distance(cut.jumped_force, cut.force), 0, 1e-9);
+        EXPECT_NEAR(cut.force.z, 8.0, 1e-2);
+        EXPECT_FALSE(tick_on(wall.field.next, 1).jumped);
     }
 }
 
-TEST_P(ChangingProperties, AMovingCoastIsNoClickUnderAFingerAtRest) {
-    SceneOptions options;
-    options.width = 96;
-    options.height = 64;
+TEST_P(ChangingProperties, MovingCoastMakesNoClick) {
+    SceneOptions options = sized(96, 64);
     options.properties = true;
     TouchRig rig("globe", options, TouchRig::Depth::codes);
     rig.scene().interpolation = GetParam();
@@ -466,15 +432,10 @@ TEST_P(ChangingProperties, AMovingCoastIsNoClickUnderAFingerAtRest) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Frames, ChangingProperties,
-                         testing::Values(FrameInterpolation::hold, FrameInterpolation::linear),
-                         [](const auto& run) {
-                             return run.param == FrameInterpolation::hold ? "Held" : "Linear";
-                         });
+                         testing::Values(FrameInterpolation::hold, FrameInterpolation::linear), name_of_run);
 
 // Holes in the depth whose walls are as stiff as the scene says: where that stiffness is felt, when, and how
 // a finger gets out of it again.
-
-using glm::dvec3;
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr double scene_k = 600, hole_k = 100;  // N/m
@@ -489,7 +450,7 @@ public:
     }
 };
 
-TEST(HoleStiffness, IsThatOfCellsWithAnInvalidCornerAndFadesOverTheNext) {
+TEST(HoleStiffness, FadesOverNeighbouringCells) {
     HoleyField small(20, 20);
     small.set(small.prev, 10, 10, nothing);
     const HeightField field = small.field();
@@ -508,7 +469,7 @@ TEST(HoleStiffness, IsThatOfCellsWithAnInvalidCornerAndFadesOverTheNext) {
         EXPECT_EQ(k(x, y), scene_k) << x << ' ' << y;
 }
 
-TEST(HoleStiffness, BeyondThePictureIsAHoleToo) {
+TEST(HoleStiffness, AppliesBeyondPicture) {
     const HoleyField small(20, 20);
     EXPECT_EQ(small.field().stiffness(-1, 5, 0.5, 0), hole_k);
     EXPECT_EQ(small.field().stiffness(900, -7, 0.5, 0.5), hole_k);
@@ -516,7 +477,7 @@ TEST(HoleStiffness, BeyondThePictureIsAHoleToo) {
     EXPECT_EQ(small.field().stiffness(17, 5, 0.5, 0), scene_k);
 }
 
-TEST(HoleStiffness, TakesThePlaceOfTheHapticImages) {
+TEST(HoleStiffness, OverridesHapticImage) {
     HoleyField small(20, 20);
     small.scene.haptic = {{2, 2}, {0, 0}, {0, 0}};
     small.prev.haptic.assign(3 * 400, 0);
@@ -526,7 +487,7 @@ TEST(HoleStiffness, TakesThePlaceOfTheHapticImages) {
     EXPECT_EQ(small.field().properties(8, 10, 0.5, 0).stiffness, 1050);
 }
 
-TEST(HoleStiffness, ComesOnBeforeTheHoleOpensAndEndsWhenItCloses) {
+TEST(HoleStiffness, RampsBeforeHoleOpens) {
     HoleyField small(20, 20);
     small.set(small.next, 10, 10, nothing);
     EXPECT_EQ(small.field(0).stiffness(10, 10, 0, 0), scene_k);
@@ -541,7 +502,7 @@ TEST(HoleStiffness, ComesOnBeforeTheHoleOpensAndEndsWhenItCloses) {
     EXPECT_EQ(small.field(0.75).stiffness(10, 10, 0, 0), hole_k);
 }
 
-TEST(HoleStiffness, OfASceneThatDoesNotSayIsThatOfThePixels) {
+TEST(HoleStiffness, DefaultsToPixelStiffness) {
     HoleyField small(20, 20, std::nullopt);
     small.set(small.prev, 10, 10, nothing);
     EXPECT_EQ(small.field().stiffness(9, 9, 0.5, 0.5), scene_k);
@@ -564,8 +525,7 @@ protected:
     /// above 32 to the other, or back; then at rest.
     static std::vector<dvec3> along(double from_y, double to_y) {
         auto path = path_along({{2, from_y, -50}, {2, from_y, -110}, {-30, from_y, -110}}, 0.1);
-        const auto slide = path_along({path.back(), {-30, to_y, -110}}, 0.02);
-        path.insert(path.end(), slide.begin(), slide.end());
+        append(path, path_along({path.back(), {-30, to_y, -110}}, 0.02));
         path.insert(path.end(), 800, path.back());
         return path;
     }
@@ -574,7 +534,7 @@ protected:
     static double stretch(const Contact& contact) { return 0.001 * length(contact.proxy - contact.goal); }
 };
 
-TEST_F(HoleWall, OfAHoleIsSoftWhereverAFingerIsCaughtBehindIt) {
+TEST_F(HoleWall, IsSoftBehindHole) {
     const auto path = path_along({{2, 3.3, -50}, {2, 3.3, -101}, {-30, 3.3, -101}, {-30, 3.3, -180}}, 0.1);
     const CliffAndHole soft(hole_k / 1000), hard(std::nullopt);
     const PathResult felt = run_path(path, without_ramp(), soft), was = run_path(path, without_ramp(), hard);
@@ -595,7 +555,7 @@ TEST_F(HoleWall, OfAHoleIsSoftWhereverAFingerIsCaughtBehindIt) {
     EXPECT_EQ(was.forces.back().reasons, guard_force);
 }
 
-TEST_F(HoleWall, OutOfAHoleTheForceRisesByNoMoreThanHalfANewtonIn10Ms) {
+TEST_F(HoleWall, LimitsRiseLeavingHole) {
     const CliffAndHole field(hole_k / 1000);
     for (const double depth : {30.0, 5.0}) {
         auto path = along(3.3, -3.6);
@@ -618,23 +578,22 @@ TEST_F(HoleWall, OutOfAHoleTheForceRisesByNoMoreThanHalfANewtonIn10Ms) {
     }
 }
 
-TEST_F(HoleWall, IntoAHoleTheForceFallsAtOnce) {
+TEST_F(HoleWall, FallsAtOnceEnteringHole) {
     const PathResult result = run_path(along(-3.6, 3.3), without_ramp(), CliffAndHole(hole_k / 1000));
     EXPECT_EQ(result.ticks_with(guard_rise), 0);
     EXPECT_NEAR(newtons(result.forces.back()), hole_k * stretch(result.contacts.back()), 1e-9);
 }
 
-TEST_F(HoleWall, ANewContactOutsideHasItsStiffnessAtOnce) {
+TEST_F(HoleWall, NewContactOutsideIsStiff) {
     auto path = path_along({{2, 3.3, -50}, {2, 3.3, -110}, {-20, 3.3, -110}, {-2, 3.3, -110}}, 0.1);
-    const auto away = path_along({{2, 3.3, -110}, {2, 3.3, -90}, {-2, 3.3, -90}, {-2, 3.3, -102}}, 0.1);
-    path.insert(path.end(), away.begin(), away.end());
+    append(path, path_along({{2, 3.3, -110}, {2, 3.3, -90}, {-2, 3.3, -90}, {-2, 3.3, -102}}, 0.1));
     const PathResult result = run_path(path, without_ramp(), CliffAndHole(hole_k / 1000));
     EXPECT_FALSE(result.contacts.back().in_hole);
     EXPECT_EQ(result.forces.back().reasons, guard_none);
     EXPECT_NEAR(newtons(result.forces.back()), scene_k * 0.002, 1e-9);
 }
 
-TEST_F(HoleWall, BetweenValidDepthsIsTheSameToTheBitWhateverHolesAre) {
+TEST_F(HoleWall, HoleStiffnessIgnoresValidCliffs) {
     for (const bool has_haptic_image : {false, true}) {
         CliffAndHole with(hole_k / 1000, false), without(std::nullopt, false);
         for (CliffAndHole* field : {&with, &without})
@@ -653,18 +612,17 @@ TEST_F(HoleWall, BetweenValidDepthsIsTheSameToTheBitWhateverHolesAre) {
     }
 }
 
-TEST_F(HoleWall, MayHaveNoStiffnessAtAll) {
+TEST_F(HoleWall, AllowsZeroStiffness) {
     const PathResult result = run_path(along(3.3, 3.2), without_ramp(), CliffAndHole(0));
     EXPECT_TRUE(result.contacts.back().touching);
     EXPECT_EQ(newtons(result.forces.back()), 0);
 }
 
 /// A finger at rest 5 mm deep on the ground, a pixel beside a hole that opens or closes.
-TEST(HoleStiffness, AHoleThatClosesBesideAFingerDoesNotKickIt) {
+TEST(HoleStiffness, ClosingHoleDoesNotKick) {
     HoleyField field(65, 65);
     field.set(field.prev, 34, 32, nothing);
-    GuardSettings settings = without_ramp();
-    FingerGuard guard(settings, 0.001);
+    FingerGuard guard(without_ramp(), 0.001);
     FingerState finger;
     guard.guard(field.touch(finger, {0.1, 0, -90}));
     const dvec3 goal{0.1, 0, -105};
@@ -682,7 +640,7 @@ TEST(HoleStiffness, AHoleThatClosesBesideAFingerDoesNotKickIt) {
     EXPECT_NEAR(last, scene_k * 0.005, 1e-9);
 }
 
-TEST_F(HoleWall, BecomesACliffBetweenTwoFramesWithoutAKick) {
+TEST_F(HoleWall, BecomesCliffWithoutKick) {
     CliffAndHole field(hole_k / 1000);
     field.shape(field.next, [](int x, int) { return x < 32 ? 100.0 : 400.0; });
     FingerGuard guard(without_ramp(), 0.001);
@@ -705,21 +663,19 @@ TEST_F(HoleWall, BecomesACliffBetweenTwoFramesWithoutAKick) {
 
 /// A surface that jumps from 4 to 12 mm in front of a goal when its hole closes; a few ticks later the hole
 /// opens again, and at last it is gone. The jump takes its 100 ms, and the stiffness its time.
-TEST(HoleStiffness, AJumpAtAHoleComesOnAsEvenlyAsElsewhere) {
+TEST(HoleStiffness, JumpFadesInEvenly) {
     FingerGuard guard(without_ramp(), 0.001);
     std::vector<double> forces;
     for (int tick = 0; tick < 1000; ++tick) {
-        Contact contact;
         const bool jumped = tick >= 10;
         const double x = jumped ? 12 : 4;
-        contact.touching = true;
+        double hole_share = !jumped ? 1.0 : std::clamp((tick - 20) / 16.0, 0.0, 1.0);
+        if (tick >= 60) hole_share = 0;
+        const double k = scene_k + (hole_k - scene_k) * hole_share;
+        Contact contact = pressing({0, 0, 0.001 * k * x}, k);
         contact.proxy = contact.carried = {0, 0, x};
-        contact.hole_share = !jumped ? 1.0 : std::clamp((tick - 20) / 16.0, 0.0, 1.0);
-        if (tick >= 60) contact.hole_share = 0;
-        const double k = scene_k + (hole_k - scene_k) * contact.hole_share;
-        contact.properties.stiffness = k;
+        contact.hole_share = hole_share;
         contact.carried_stiffness = k;
-        contact.force = {0, 0, 0.001 * k * x};
         contact.jumped = tick == 10;
         if (contact.jumped) contact.jumped_force = contact.force;
         forces.push_back(length(guard.guard(contact).force));
@@ -734,8 +690,8 @@ TEST(HoleStiffness, AJumpAtAHoleComesOnAsEvenlyAsElsewhere) {
     EXPECT_GT(fastest, 10 * rise_from_hole);
 }
 
-TEST(HoleStiffness, OnlyWhatRestsOnAnInvalidVertexIsInAHole) {
-    SmallField small(20, 20, 100.0, DepthSemantics::planar);
+TEST(HoleStiffness, HoleNeedsAnInvalidVertex) {
+    HoleyField small(20, 20);
     small.set(small.prev, 10, 10, nothing);
     const HeightField field = small.field();
     const WorldSpace space(field);

@@ -25,39 +25,31 @@ protected:
     SmallField wall;
 };
 
-TEST_F(DampedWall, PressingInAtASteadySpeedAddsBTimesTheSpeed) {
+TEST_F(DampedWall, PressingAddsDampingTimesSpeed) {
     // 0.02 mm a tick is 0.02 m/s.
     const PathResult result = run_path(path_along({{0, 0, -99}, {0, 0, -102}}, 0.02), damped(5), wall);
     EXPECT_NEAR(result.forces.back().force.z, 1000 * 0.002 + 5 * 0.02, 1e-6);
     EXPECT_EQ(result.forces.back().reasons, guard_damping);
 }
 
-TEST_F(DampedWall, PullingOutNeverMakesTheSurfaceHoldTheFinger) {
-    const PathResult result =
-        run_path(path_along({{0, 0, -99}, {0, 0, -102}, {0, 0, -99}}, 0.05), damped(20), wall);
-    int weakened = 0;
-    for (std::size_t k = 0; k < result.forces.size(); ++k) {
-        ASSERT_GE(result.forces[k].force.z, -1e-12) << k;
-        weakened += result.forces[k].force.z < 0.5 * result.contacts[k].force.z;
-    }
-    EXPECT_GT(weakened, 10);
-}
-
 // Of 1000 N/m a soft device gives 100: the damper may only take that back.
-TEST_F(DampedWall, PullingOutOfWhatIsStifferThanTheDeviceDoesNotHoldTheFingerEither) {
-    GuardSettings settings = damped(20);
-    settings.max_stiffness = 100;
-    const PathResult result =
-        run_path(path_along({{0, 0, -99}, {0, 0, -102}, {0, 0, -99}}, 0.05), settings, wall);
-    int weakened = 0;
-    for (std::size_t k = 0; k < result.forces.size(); ++k) {
-        ASSERT_GE(result.forces[k].force.z, -1e-12) << k;
-        weakened += result.forces[k].force.z < 0.05 * result.contacts[k].force.z;
+TEST_F(DampedWall, DoesNotHoldFingerBack) {
+    for (const auto& [max_stiffness, share] :
+         {std::pair{GuardSettings{}.max_stiffness, 0.5}, {100.0, 0.05}}) {
+        GuardSettings settings = damped(20);
+        settings.max_stiffness = max_stiffness;
+        const PathResult result =
+            run_path(path_along({{0, 0, -99}, {0, 0, -102}, {0, 0, -99}}, 0.05), settings, wall);
+        int weakened = 0;
+        for (std::size_t k = 0; k < result.forces.size(); ++k) {
+            ASSERT_GE(result.forces[k].force.z, -1e-12) << k;
+            weakened += result.forces[k].force.z < share * result.contacts[k].force.z;
+        }
+        EXPECT_GT(weakened, 10);
     }
-    EXPECT_GT(weakened, 10);
 }
 
-TEST_F(DampedWall, ALandingIsDampedByItsOwnMotionAlone) {
+TEST_F(DampedWall, LandingForgetsEarlierMotion) {
     ForceGuard used(damped(20), 0.001), fresh(damped(20), 0.001);
     FingerState before, landing;
     for (const dvec3& goal : path_along({{0, 0, -99}, {0, 0, -101}, {0, 0, -99}}, 0.2))
@@ -68,7 +60,7 @@ TEST_F(DampedWall, ALandingIsDampedByItsOwnMotionAlone) {
     }
 }
 
-TEST_F(DampedWall, AlongTheSurfaceThereIsNoDampingWithoutFriction) {
+TEST_F(DampedWall, FrictionlessSlideIsNotDamped) {
     const auto path = path_along({{-2, 0, -99}, {-2, 0, -101}, {2, 0, -101}}, 0.02);
     const PathResult with = run_path(path, damped(20), wall), without = run_path(path, damped(0), wall);
     for (std::size_t k = path.size() - 100; k < path.size(); ++k)
@@ -87,8 +79,7 @@ TEST_F(DampedWall, DampingOnlyDissipates) {
         double work = 0;
         for (std::size_t k = 1; k < path.size(); ++k) {
             const dvec3 damper = with.forces[k].force - without.forces[k].force;
-            const double power = glm::dot(damper, path[k] - path[k - 1]);
-            work += power;
+            work += glm::dot(damper, path[k] - path[k - 1]);
         }
         EXPECT_LT(work, 0);
         EXPECT_LT(with.energy.balance(), without.energy.balance());
@@ -96,7 +87,7 @@ TEST_F(DampedWall, DampingOnlyDissipates) {
     }
 }
 
-TEST_F(DampedWall, TheDevicesForceLimitsTheDamperToo) {
+TEST_F(DampedWall, DeviceForceLimitsDamper) {
     GuardSettings settings = damped(100);
     settings.max_force = 1.5;
     const PathResult result = run_path(path_along({{0, 0, -99}, {0, 0, -102}}, 0.1), settings, wall);
@@ -104,7 +95,7 @@ TEST_F(DampedWall, TheDevicesForceLimitsTheDamperToo) {
     EXPECT_GT(result.ticks_with(guard_force), 5);
 }
 
-TEST_F(DampedWall, ASurfaceThatMovesUnderAHandAtRestIsNotDamped) {
+TEST_F(DampedWall, SurfaceMotionIsNotDamped) {
     wall.fill(wall.next, 96.0);
     FingerState finger;
     ForceGuard guard(damped(20), 0.001);
@@ -115,22 +106,37 @@ TEST_F(DampedWall, ASurfaceThatMovesUnderAHandAtRestIsNotDamped) {
 }
 
 /// Contacts made by hand: the goal goes along x at 0.2 m/s, `depth` mm under its proxy.
-class Dragged : public testing::Test {
+class DraggedContact : public testing::Test {
 protected:
     static Contact at(int tick, double depth, double stiffness = 1000) {
-        Contact contact;
-        contact.touching = true;
+        Contact contact = pressing({0, 0, stiffness * 0.001 * depth}, stiffness);
         contact.proxy = {0.2 * tick, 0, 0};
         contact.goal = {0.2 * tick, 0, -depth};
         contact.carried = {0.2 * (tick - 1), 0, 0};
-        contact.properties.stiffness = stiffness;
         contact.carried_stiffness = stiffness;
-        contact.force = stiffness * 0.001 * (contact.proxy - contact.goal);
         return contact;
+    }
+    /// From soft to hard ground: energy from nowhere.
+    static Contact arriving(int tick) {
+        Contact contact = at(tick, 10, 10000);
+        contact.carried_stiffness = 100;
+        return contact;
+    }
+    static GuardSettings braked(double max_force = 1000) {
+        GuardSettings settings = without_ramp();
+        settings.passivity = 20;
+        settings.max_force = max_force;
+        return settings;
+    }
+    /// On soft ground for some ticks.
+    static ForceGuard drag(const GuardSettings& settings, int ticks) {
+        ForceGuard guard(settings, 0.001);
+        for (int tick = 0; tick < ticks; ++tick) guard.guard(at(tick, 10, 100));
+        return guard;
     }
 };
 
-TEST_F(Dragged, ADamperThatWouldPushTheHandAlongIsDropped) {
+TEST_F(DraggedContact, DropsPushingDamper) {
     ForceGuard guard(damped(10), 0.001);
     for (int tick = 0; tick < 20; ++tick) {
         // Over an edge, say: the proxy runs ahead of the goal, and stretches the spring the way the hand
@@ -152,7 +158,7 @@ TEST_F(Dragged, ADamperThatWouldPushTheHandAlongIsDropped) {
     }
 }
 
-TEST_F(Dragged, AnOutageIsNoHasteToADamper) {
+TEST_F(DraggedContact, DamperBridgesOutage) {
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     GuardSettings settings = damped(10);
     settings.max_force = 1000;
@@ -169,17 +175,10 @@ TEST_F(Dragged, AnOutageIsNoHasteToADamper) {
     EXPECT_NEAR(force, 0.91 * (spring + 10 * 0.2), 1e-6) << "nine steps of the ramp down";
 }
 
-// With energy from nowhere: a finger comes from soft to hard ground.
-TEST_F(Dragged, TheBrakeTakesTheHandsSpeedThroughAnOutage) {
-    GuardSettings settings = without_ramp();
-    settings.passivity = 20;
-    settings.max_force = 1000;
-    ForceGuard guard(settings, 0.001);
-    int tick = 0;
-    for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
-    Contact arriving = at(tick++, 10, 10000);
-    arriving.carried_stiffness = 100;
-    EXPECT_NEAR(guard.guard(arriving).force.x, -20 * 0.2, 1e-6) << "the most there may be";
+TEST_F(DraggedContact, BrakeBridgesOutage) {
+    ForceGuard guard = drag(braked(), 60);
+    EXPECT_NEAR(guard.guard(arriving(60)).force.x, -20 * 0.2, 1e-6) << "the most there may be";
+    int tick = 61;
     for (; tick < 70; ++tick) EXPECT_NEAR(guard.guard(at(tick, 10, 10000)).force.x, -20 * 0.2, 1e-6);
     for (; tick < 79; ++tick) {
         Contact held = at(tick, 10, 10000);
@@ -190,37 +189,24 @@ TEST_F(Dragged, TheBrakeTakesTheHandsSpeedThroughAnOutage) {
 }
 
 // Where the force of a jump is still to come, so is the brake. From 100 to 10000 N/m at 0.2 m/s, as above.
-TEST_F(Dragged, TheBrakeIsFeltAsFarAsTheContactIs) {
-    GuardSettings settings = without_ramp();
-    settings.passivity = 20;
-    settings.max_force = 1000;
+TEST_F(DraggedContact, BrakeScalesWithPresence) {
     for (const double presence : {0.0, 0.25, 1.0}) {
-        ForceGuard guard(settings, 0.001);
-        int tick = 0;
-        for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
-        Contact arriving = at(tick, 10, 10000);
-        arriving.carried_stiffness = 100;
-        BlendedForce blended{arriving.force};
+        ForceGuard guard = drag(braked(), 60);
+        BlendedForce blended{arriving(60).force};
         blended.presence = presence;
-        const GuardedForce out = guard.guard_blended(arriving, blended);
+        const GuardedForce out = guard.guard_blended(arriving(60), blended);
         EXPECT_NEAR(out.force.x, -20 * 0.2 * presence, 1e-6);
         EXPECT_EQ(out.reasons & guard_passivity, presence > 0 ? std::uint32_t{guard_passivity} : 0U);
     }
 }
 
-TEST_F(Dragged, TheBrakeEndsWithTheContactAndKeepsToTheDevicesForce) {
-    GuardSettings settings = without_ramp();
-    settings.passivity = 20;
-    ForceGuard guard(settings, 0.001);
-    int tick = 0;
-    for (; tick < 60; ++tick) guard.guard(at(tick, 10, 100));
-    Contact arriving = at(tick++, 10, 10000);
-    arriving.carried_stiffness = 100;
-    const GuardedForce out = guard.guard(arriving);
+TEST_F(DraggedContact, BrakeEndsWithContact) {
+    ForceGuard guard = drag(braked(GuardSettings{}.max_force), 60);
+    const GuardedForce out = guard.guard(arriving(60));
     EXPECT_NEAR(length(out.force), 10, 1e-9) << "100 N of spring and 4 N across";
     EXPECT_LT(out.force.x, -1);
     EXPECT_EQ(out.reasons, std::uint32_t{guard_passivity | guard_force});
-    Contact leaving = at(tick, 0, 10000);
+    Contact leaving = at(61, 0, 10000);
     leaving.touching = false;
     leaving.properties.stiffness = 0;
     leaving.force = dvec3(0.0);
@@ -229,7 +215,7 @@ TEST_F(Dragged, TheBrakeEndsWithTheContactAndKeepsToTheDevicesForce) {
     EXPECT_EQ(free.reasons, guard_none);
 }
 
-TEST_F(Dragged, TheDamperIsFeltAsFarAsTheContactIs) {
+TEST_F(DraggedContact, DamperScalesWithPresence) {
     for (const double presence : {0.0, 0.25, 1.0}) {
         ForceGuard guard(damped(10), 0.001);
         GuardedForce out;
@@ -245,17 +231,12 @@ TEST_F(Dragged, TheDamperIsFeltAsFarAsTheContactIs) {
     }
 }
 
-TEST_F(Dragged, TheBrakeIsRampedAsTheSpringIs) {
-    GuardSettings settings;
-    settings.passivity = 20;
-    settings.max_force = 1000;
-    ForceGuard guard(settings, 0.001);
-    int tick = 0;
-    for (; tick < 50; ++tick) guard.guard(at(tick, 10, 100));
-    for (; tick < 60; ++tick) {
-        Contact contact = at(tick, 10, 10000);
-        if (tick == 50) contact.carried_stiffness = 100;
-        const GuardedForce out = guard.guard(contact);
+TEST_F(DraggedContact, BrakeRampsWithSpring) {
+    GuardSettings settings = braked();
+    settings.ramp_in_ticks = GuardSettings{}.ramp_in_ticks;
+    ForceGuard guard = drag(settings, 50);
+    for (int tick = 50; tick < 60; ++tick) {
+        const GuardedForce out = guard.guard(tick == 50 ? arriving(50) : at(tick, 10, 10000));
         const double ramp = 0.01 * tick;
         EXPECT_NEAR(out.force.x, -ramp * 20 * 0.2, 1e-6) << tick;
         EXPECT_NEAR(out.force.z, ramp * 100, 1e-9) << tick;
@@ -263,7 +244,7 @@ TEST_F(Dragged, TheBrakeIsRampedAsTheSpringIs) {
     }
 }
 
-TEST_F(Dragged, NothingIsAddedToAForceThatACutHasBuried) {
+TEST_F(DraggedContact, BuriedForceGetsNothingAdded) {
     GuardSettings settings = damped(10);
     settings.passivity = 20;
     FingerGuard guard(settings, 0.001);
@@ -294,7 +275,7 @@ TEST_F(Dragged, NothingIsAddedToAForceThatACutHasBuried) {
     }
 }
 
-TEST_F(Dragged, ADamperHoldsNoFingerBackWhereTheForceIsStillToCome) {
+TEST_F(DraggedContact, DamperWaitsForFadingForce) {
     FingerGuard guard(damped(50), 0.001);
     // A free finger; a surface comes through it at once, 5 mm; it withdraws at 0.05 m/s.
     guard.guard(Contact{});
@@ -316,7 +297,7 @@ protected:
     }
 };
 
-TEST_F(Passivity, NeverEngagesOnAConstantStiffnessInTheWorldsMetric) {
+TEST_F(Passivity, IdlesAtConstantStiffness) {
     for (const double friction : {0.0, 0.4}) {
         rig.scene().default_properties = {1000, friction, friction};
         for (int flank = 0; flank < 6; ++flank)
@@ -330,7 +311,7 @@ TEST_F(Passivity, NeverEngagesOnAConstantStiffnessInTheWorldsMetric) {
     }
 }
 
-TEST_F(Passivity, TakesBackWhatThePapersMetricCreates) {
+TEST_F(Passivity, DissipatesPixelMetricEnergy) {
     rig.settings.metric = TouchMetric::pixel;
     for (const double azimuth : {0.2, 2.2, 4.2}) {
         const bool limbward = loop(azimuth, true, 0).energy.created > loop(azimuth, false, 0).energy.created;
@@ -341,7 +322,7 @@ TEST_F(Passivity, TakesBackWhatThePapersMetricCreates) {
     }
 }
 
-TEST(PassivityController, BrakesByWhatItTakesAndNoMoreThanAllowed) {
+TEST(PassivityController, BrakesWithinItsLimit) {
     const PassivityController controller(20);
     const dvec3 slow{0, 0, 0.01}, fast{0.3, 0, 0.4};
     EXPECT_EQ(controller.force(0, fast), dvec3(0.0));
@@ -355,14 +336,12 @@ TEST(PassivityController, BrakesByWhatItTakesAndNoMoreThanAllowed) {
 // The books of energy: a finger pressed in, along and out gets back no more than it gave, but for what
 // holding a force for a tick creates.
 
-using glm::dvec3;
-
 // Sums of thousands of terms of millijoules.
 constexpr double energy_rounding = 1e-13;
 
 class Globe : public GlobeFlank {};
 
-TEST_F(Globe, PressSlideRetractCreatesNoMoreThanHoldingForcesDoes) {
+TEST_F(Globe, StrokeStaysWithinBound) {
     for (int flank = 0; flank < 6; ++flank)
         for (const bool limbward : {false, true}) {
             const PathResult result = loop(0.2 + flank, 0.02, limbward);
@@ -374,7 +353,7 @@ TEST_F(Globe, PressSlideRetractCreatesNoMoreThanHoldingForcesDoes) {
         }
 }
 
-TEST_F(Globe, WhatIsCreatedGoesToZeroWithTheSpeed) {
+TEST_F(Globe, CreatedEnergyVanishesWithSpeed) {
     for (const bool limbward : {false, true}) {
         double last_bound = 1, last_created = 1;
         for (const double step : {0.04, 0.02, 0.01, 0.005}) {
@@ -388,7 +367,7 @@ TEST_F(Globe, WhatIsCreatedGoesToZeroWithTheSpeed) {
     }
 }
 
-TEST_F(Globe, ThePapersMetricCreatesMillijoulesAtAnySpeed) {
+TEST_F(Globe, PixelMetricCreatesMillijoules) {
     rig.settings.metric = TouchMetric::pixel;
     for (const double step : {0.02, 0.005}) {
         const PathResult in = loop(0.2, step, false), out = loop(0.2, step, true);
@@ -398,7 +377,7 @@ TEST_F(Globe, ThePapersMetricCreatesMillijoulesAtAnySpeed) {
     }
 }
 
-TEST_F(Globe, ForcesCutOffByTheDeviceCreateNothingEither) {
+TEST_F(Globe, LimitedForcesStayWithinBound) {
     GuardSettings settings = without_ramp();
     settings.max_force = 0.7;
     settings.max_stiffness = 600;
@@ -409,7 +388,7 @@ TEST_F(Globe, ForcesCutOffByTheDeviceCreateNothingEither) {
     EXPECT_LT(result.energy.bound, loop(1.2, 0.02, true).energy.bound);
 }
 
-TEST_F(Globe, AGuardThatRampsInPutsEnergyIntoTheSpring) {
+TEST_F(Globe, RampInLoadsSpring) {
     // The hand goes in while there is no force, and is pushed out by all of it.
     std::vector<dvec3> going = path(0.2, 0.02, true);
     going.erase(going.begin(), going.begin() + 145);  // begins all but 2 mm deep
@@ -420,7 +399,7 @@ TEST_F(Globe, AGuardThatRampsInPutsEnergyIntoTheSpring) {
     EXPECT_LE(result.energy.created, result.energy.bound + energy_rounding);
 }
 
-TEST(Energy, PressingIntoAWallLeaksExactlyHalfKStepSquaredATick) {
+TEST(Energy, PressingLeaksHoldEnergy) {
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     const double step = 0.01;  // mm
     const auto path = path_along({{0, 0, -99.5}, {0, 0, -102}, {0, 0, -99.5}}, step);
@@ -441,7 +420,7 @@ TEST(Energy, FrictionOnlyTakes) {
     EXPECT_NEAR(result.energy.balance(), -0.3 * 5.7e-3, 2e-4);
 }
 
-TEST(Energy, ASurfaceThatLiftsTheHandGivesWhatItGives) {
+TEST(Energy, RisingSurfaceDoesTheWork) {
     // A wall comes 4 mm nearer to a hand that gives way at the end: its work is the wall's, nothing is
     // created.
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
@@ -459,18 +438,15 @@ TEST(Energy, ASurfaceThatLiftsTheHandGivesWhatItGives) {
     EXPECT_LT(energy.bound, 1e-4);
 }
 
-TEST(Energy, AMovingReliefCreatesNoMoreThanHoldingForcesDoes) {
-    SceneOptions options;
-    options.width = 320;
-    options.height = 240;
-    TouchRig rig("moving", options, TouchRig::Depth::codes);
+TEST(Energy, MovingReliefStaysWithinBound) {
+    TouchRig rig("moving", sized(320, 240), TouchRig::Depth::codes);
     SurfaceFrame later;
     rig.load(3, TouchRig::Depth::codes, later);
     rig.pair.next = {3, 100'000'000, &later};
     for (const double friction : {0.0, 0.4}) {
         rig.scene().default_properties = {600, friction, friction};
         rig.lift_fingers();
-        ReliefStroke stroke(Relief::bumps, options.width, options.height, 0.1);
+        ReliefStroke stroke(Relief::bumps, 320, 240, 0.1);
         ForceGuard guard(without_ramp(), 0.001);
         EnergyFigures energy;
         int touching = 0;
@@ -486,9 +462,9 @@ TEST(Energy, AMovingReliefCreatesNoMoreThanHoldingForcesDoes) {
     }
 }
 
-// Where the hand was meanwhile nobody knows: neither the force that it had nor a jump's share of it works on
-// the way to where it is found again.
-TEST(Energy, TheWayOfAHandThatWasLostIsNotBooked) {
+// The hand's path meanwhile is unknown: neither the force that it had nor a jump's share of it works on the
+// way to where it is found again.
+TEST(Energy, AccountSkipsLostGoals) {
     EnergyAccount account({1000, 10}, 0.001);
     Contact pressed;
     pressed.touching = true;
@@ -514,18 +490,16 @@ TEST(Energy, TheWayOfAHandThatWasLostIsNotBooked) {
 
 /// A goal `depth` mm deep in ground of 1000 N/m, 0 or less: free; the finger was there before.
 Contact resting_at(double depth) {
-    Contact contact;
-    contact.goal = contact.proxy = contact.carried = {0, 0, -depth};
-    if (depth <= 0) return contact;
-    contact.touching = true;
-    contact.proxy.z = contact.carried.z = 0;
-    contact.properties.stiffness = 1000;
-    contact.carried_stiffness = 1000;
-    contact.force = contact.proxy - contact.goal;
+    Contact contact = depth > 0 ? pressing({0, 0, depth}) : Contact{};
+    contact.goal = {0, 0, -depth};
+    if (depth > 0)
+        contact.carried_stiffness = 1000;
+    else
+        contact.proxy = contact.carried = contact.goal;
     return contact;
 }
 
-TEST(Energy, AGuardThatMissesAGoalDoesNotBookTheWayEither) {
+TEST(Energy, GuardSkipsLostGoals) {
     ForceGuard guard(without_ramp(), 0.001);
     guard.guard(resting_at(0));
     const EnergyFigures before = guard.guard(resting_at(2)).energy;
@@ -536,7 +510,7 @@ TEST(Energy, AGuardThatMissesAGoalDoesNotBookTheWayEither) {
 }
 
 // All that the spring holds in the end came from the ramp; nothing was created.
-TEST(Energy, UnderAFingerAtRestTheRampPutsInWhatIsStored) {
+TEST(Energy, RampLoadsSpringAtRest) {
     ForceGuard guard(GuardSettings{}, 0.001);
     EnergyFigures energy;
     for (int tick = 0; tick < 150; ++tick) {
@@ -550,7 +524,7 @@ TEST(Energy, UnderAFingerAtRestTheRampPutsInWhatIsStored) {
 
 // The jump's part of the force is the surface's, whatever moves against it: as the device gives it, beyond
 // its limit and in the ramp.
-TEST(Energy, WhatAJumpsCancellationTakesFromTheHandIsTheSurfaces) {
+TEST(Energy, CancelledJumpCountsForSurface) {
     const auto surface_of_a_step = [](double depth, double newtons, int ramp_ticks) {
         GuardSettings settings;
         settings.ramp_in_ticks = ramp_ticks;
@@ -569,7 +543,7 @@ TEST(Energy, WhatAJumpsCancellationTakesFromTheHandIsTheSurfaces) {
     EXPECT_NEAR(surface_of_a_step(4, 1, 2), -0.0015 + 0.004, energy_rounding);
 }
 
-TEST(Energy, AGoalThatIsLostForAWhileLeavesTheBooksFinite) {
+TEST(Energy, StaysFiniteThroughLostGoals) {
     SmallField wall(33, 33, 100.0);
     FingerState finger;
     ForceGuard guard(without_ramp(), 0.001);

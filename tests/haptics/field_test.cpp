@@ -14,7 +14,7 @@
 namespace touchable::test {
 namespace {
 
-TEST(HeightField, RingLiesAtTheFarPlaneAndBeyondItTheSurfaceIsFlat) {
+TEST(HeightField, RingLiesAtFarPlane) {
     SmallField small(5, 4, 100.0);
     const HeightField field = small.field();
     for (const auto& [i, j] : {std::pair{-1, 0}, {5, 3}, {2, -1}, {2, 4}, {-7, 2}, {900, -900}}) {
@@ -31,7 +31,7 @@ TEST(HeightField, RingLiesAtTheFarPlaneAndBeyondItTheSurfaceIsFlat) {
     EXPECT_DOUBLE_EQ(world.vertex(50, 2).position.x, small.scene.camera.u(50) / ring);
 }
 
-TEST(HeightField, HeightIsALengthTakenOffTheDepth) {
+TEST(HeightField, HeightReducesDepth) {
     SmallField small(3, 3, 100.0);
     small.scene.height_coding = {2.0, HeightUnits::world, 255};
     small.prev.heights.assign(9, 0);
@@ -42,7 +42,7 @@ TEST(HeightField, HeightIsALengthTakenOffTheDepth) {
     EXPECT_DOUBLE_EQ(small.field().vertex(1, 1).depth, 100.0 - 2.0 * 51 / 255 * small.scene.depth.level());
 }
 
-TEST(HeightField, InvalidPixelsAreHolesAtTheFarPlaneWithoutHeight) {
+TEST(HeightField, HolesLieAtFarPlane) {
     SmallField small(3, 3, 100.0);
     small.scene.height_coding = {2.0, HeightUnits::world, 255};
     small.prev.heights.assign(9, 255);
@@ -51,7 +51,7 @@ TEST(HeightField, InvalidPixelsAreHolesAtTheFarPlaneWithoutHeight) {
     EXPECT_FALSE(small.field().vertex(1, 1).valid);
 }
 
-TEST(HeightField, BetweenFramesDepthIsLinearInTime) {
+TEST(HeightField, DepthIsLinearInTime) {
     SmallField small(3, 3, 100.0);
     small.fill(small.next, 108.0);
     EXPECT_EQ(small.field(0.25).vertex(1, 1).depth, 102.0);
@@ -60,7 +60,7 @@ TEST(HeightField, BetweenFramesDepthIsLinearInTime) {
     EXPECT_EQ(small.field(0.25).blend(), 0);
 }
 
-TEST(HeightField, APixelValidInOneFrameTakesTheStateOfTheNearerOne) {
+TEST(HeightField, NearerFrameDecidesValidity) {
     SmallField small(3, 3, 100.0);
     small.set(small.next, 1, 1, NAN);
     EXPECT_TRUE(small.field(0.49).vertex(1, 1).valid);
@@ -68,7 +68,7 @@ TEST(HeightField, APixelValidInOneFrameTakesTheStateOfTheNearerOne) {
     EXPECT_FALSE(small.field(0.5).vertex(1, 1).valid);
 }
 
-TEST(HeightField, PropertiesAreBilinearInSpaceAndLinearInTime) {
+TEST(HeightField, InterpolatesProperties) {
     SmallField small(3, 3, 100.0);
     small.scene.haptic = {{0.0, 2.55}, {0.0, 1.0}, {0.0, 1.0}};
     small.prev.haptic.assign(27, 0);
@@ -87,7 +87,7 @@ TEST(HeightField, PropertiesAreBilinearInSpaceAndLinearInTime) {
     EXPECT_EQ(small.field(0.75).properties(0, 0, 0.5, 0.5).stiffness, before.stiffness);
 }
 
-TEST(HeightField, AFrameWithoutAHapticImageHasTheDefaults) {
+TEST(HeightField, MissingHapticImageMeansDefaults) {
     SmallField small(3, 3, 100.0);
     small.scene.default_properties = {700, 0.8, 0.4};
     small.scene.haptic = {{0.1, 0.1}, {0.0, 1.0}, {0.0, 1.0}};
@@ -99,7 +99,7 @@ TEST(HeightField, AFrameWithoutAHapticImageHasTheDefaults) {
     EXPECT_DOUBLE_EQ(small.field(0.25).properties(0, 0, 0.5, 0.5).dynamic_friction, 0.3);
 }
 
-TEST(HeightField, OfBothFrictionsTheLesserIsTakenOfTheMeans) {
+TEST(HeightField, LimitsDynamicMeanByStatic) {
     SmallField small(3, 3, 100.0);
     small.scene.haptic = {{1, 1}, {0.0, 1.0}, {0.0, 1.0}};
     small.prev.haptic.assign(27, 0);
@@ -111,7 +111,7 @@ TEST(HeightField, OfBothFrictionsTheLesserIsTakenOfTheMeans) {
     EXPECT_NEAR(small.field(0.75).properties(0, 0, 0.5, 0.5).dynamic_friction, 0.05, 1e-15);
 }
 
-TEST(HeightField, FrictionIsZeroAtInvalidAndRingVertices) {
+TEST(HeightField, HolesAndRingAreFrictionless) {
     SmallField small(3, 3, 100.0);
     small.scene.default_properties = {700, 0.8, 0.4};
     small.set(small.prev, 1, 1, NAN);
@@ -129,7 +129,7 @@ TEST(HeightField, DynamicFrictionNeverExceedsStatic) {
     EXPECT_EQ(small.field().properties(0, 0, 0.5, 0.5).dynamic_friction, 0.1);
 }
 
-TEST(WorldSpace, ATilesBoundIsNearerThanEveryVertexOfIt) {
+TEST(WorldSpace, TileBoundCoversItsVertices) {
     for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar}) {
         SmallField small(40, 35, 100.0);
         small.scene.depth.semantics = semantics;
@@ -150,7 +150,7 @@ TEST(WorldSpace, ATilesBoundIsNearerThanEveryVertexOfIt) {
     }
 }
 
-TEST(WorldSpace, ImageStepIsTheStraightMovesTrackOverThePicture) {
+TEST(WorldSpace, ImageStepTracksStraightMove) {
     SmallField small(5, 4, 100.0);
     const HeightField field = small.field();
     const WorldSpace world(field);
@@ -165,7 +165,7 @@ TEST(WorldSpace, ImageStepIsTheStraightMovesTrackOverThePicture) {
 // Where a straight way meets the surface.
 
 /// Also beside the picture, thousands of pixels from where the way began, where no line bends the surface.
-TEST(Cast, PutsTheProxyOnTheWay) {
+TEST(Cast, PutsProxyOnPath) {
     SmallField wall(64, 48, 100.0);
     wall.scene.depth.semantics = DepthSemantics::planar;
     const HeightField field = wall.field();
@@ -211,7 +211,7 @@ private:
     std::unique_ptr<VertexSource> counted_;
 };
 
-TEST(ClearWay, AFingerFarFromEverythingCostsOneBoundAndNoVertex) {
+TEST(ClearPath, ReadsBoundsButNoVertex) {
     SmallField wall(64, 48, 100.0);
     auto counted = std::make_unique<CountedVertices>(std::move(wall.prev.vertices));
     const CountedVertices& counts = *counted;
@@ -227,7 +227,7 @@ TEST(ClearWay, AFingerFarFromEverythingCostsOneBoundAndNoVertex) {
     EXPECT_TRUE(wall.touch(finger, {0, 0, -101}).touching) << "and it is stopped all the same";
 }
 
-TEST(ClearWay, IsNeverClaimedOfAWayThatMeetsTheSurface) {
+TEST(ClearPath, IsNeverClaimedThroughSurface) {
     SmallField rough(40, 35, 100.0);
     Random random(11);
     rough.shape(rough.prev, [&](int, int) { return 60.0 + random.below(80); });
@@ -258,7 +258,7 @@ TEST(ClearWay, IsNeverClaimedOfAWayThatMeetsTheSurface) {
 
 /// Columns that come nearer to the right; above row 4 the ground falls away. Focal length and depths are
 /// powers of two and their sums, so that goals of height 0 run along row 4 to the bit.
-TEST(Rim, AFootOnTheRimIsNoRestWhereTheOtherSideFallsAway) {
+TEST(Rim, ProxyLeavesWhereGroundFalls) {
     SmallField cliff(9, 9, 256, DepthSemantics::planar);
     cliff.scene.camera = {8, 8, 4, 4};
     cliff.shape(cliff.prev, [](int x, int y) { return y < 4 ? 256.0 : 128.0 - 8 * x; });

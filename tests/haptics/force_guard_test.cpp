@@ -14,32 +14,22 @@
 namespace touchable::test {
 namespace {
 
-Contact pressing(double newtons, double stiffness = 1000) {
-    Contact contact;
-    contact.touching = true;
-    contact.force = {0, 0, newtons};
-    contact.properties.stiffness = stiffness;
-    return contact;
-}
-
-TEST(ForceGuard, LeavesAForceWithinTheLimitsAlone) {
+TEST(ForceGuard, LeavesSmallForceAlone) {
     ForceGuard guard(without_ramp(), 0.001);
-    const GuardedForce out = guard.guard(pressing(3.25));
+    const GuardedForce out = guard.guard(pressing({0, 0, 3.25}));
     EXPECT_EQ(out.force, glm::dvec3(0, 0, 3.25));
     EXPECT_EQ(out.reasons, guard_none);
 }
 
-TEST(ForceGuard, ShortensToTheDevicesForceAndKeepsTheDirection) {
+TEST(ForceGuard, LimitsForceKeepingDirection) {
     ForceGuard guard(without_ramp(), 0.001);
-    Contact contact = pressing(0);
-    contact.force = {30, 0, 40};
-    const GuardedForce out = guard.guard(contact);
+    const GuardedForce out = guard.guard(pressing({30, 0, 40}));
     EXPECT_NEAR(out.force.x, 6, 1e-12);
     EXPECT_NEAR(out.force.z, 8, 1e-12);
     EXPECT_EQ(out.reasons, guard_force);
 }
 
-TEST(ForceGuard, NoRoundingBringsALimitedForceAboveTheDevices) {
+TEST(ForceGuard, LimitSurvivesRounding) {
     SplitMix64 random(5);
     int limited = 0;
     for (int k = 0; k < 100'000; ++k) {
@@ -47,7 +37,7 @@ TEST(ForceGuard, NoRoundingBringsALimitedForceAboveTheDevices) {
         settings.max_force = random.within(0.1, 20);
         settings.max_stiffness = random.within(500, 1500);
         ForceGuard guard(settings, 0.001);
-        Contact contact = pressing(0, random.within(500, 1500));
+        Contact contact = pressing(glm::dvec3(0.0), random.within(500, 1500));
         const double most = k % 2 == 0 ? 40 : settings.max_force;  // far above the limit, and about it
         for (int axis = 0; axis < 3; ++axis) contact.force[axis] = random.within(-most, most);
         const GuardedForce out = guard.guard(contact);
@@ -62,16 +52,20 @@ TEST(ForceGuard, NoRoundingBringsALimitedForceAboveTheDevices) {
 
 TEST(ForceGuard, LimitsStiffnessToTheDevices) {
     ForceGuard guard(without_ramp(), 0.001);
-    const GuardedForce out = guard.guard(pressing(4, 40000));
+    const GuardedForce out = guard.guard(pressing({0, 0, 4}, 40000));
     EXPECT_DOUBLE_EQ(out.force.z, 1.0);
     EXPECT_EQ(out.reasons, guard_stiffness);
+}
+
+Contact five_newtons() {
+    return pressing({0, 0, 5});
 }
 
 TEST(ForceGuard, RampsInFromZero) {
     ForceGuard guard(GuardSettings{}, 0.001);
     double last = -1;
     for (int k = 0; k < 100; ++k) {
-        const GuardedForce out = guard.guard(pressing(5));
+        const GuardedForce out = guard.guard(five_newtons());
         EXPECT_EQ(out.reasons, guard_ramp);
         EXPECT_GT(out.force.z, last);
         if (k == 0) {
@@ -79,10 +73,10 @@ TEST(ForceGuard, RampsInFromZero) {
         }
         last = out.force.z;
     }
-    EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
+    EXPECT_EQ(guard.guard(five_newtons()).force.z, 5);
 }
 
-TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
+TEST(ForceGuard, RampsOutAtInvalidGoal) {
     SmallField wall(33, 33, 100.0);
     FingerState finger;
     GuardSettings settings = without_ramp();
@@ -109,21 +103,21 @@ TEST(ForceGuard, AGoalThatIsNotFiniteRampsTheForceToZeroAndBackIn) {
 }
 
 Contact without_goal() {
-    Contact contact = pressing(5);
+    Contact contact = five_newtons();
     contact.goal_held = true;
     return contact;
 }
 
-TEST(ForceGuard, ABadSampleSinksTheForceByAStepOfTheRampAndItRisesFromThere) {
+TEST(ForceGuard, BadSampleCostsOneStep) {
     ForceGuard guard(GuardSettings{}, 0.001);
-    for (int k = 0; k < 150; ++k) guard.guard(pressing(5));
+    for (int k = 0; k < 150; ++k) guard.guard(five_newtons());
     EXPECT_DOUBLE_EQ(guard.guard(without_goal()).force.z, 5 * 0.99);
-    EXPECT_DOUBLE_EQ(guard.guard(pressing(5)).force.z, 5 * 0.99);
-    EXPECT_DOUBLE_EQ(guard.guard(pressing(5)).force.z, 5);
-    EXPECT_EQ(guard.guard(pressing(5)).reasons, guard_none);
+    EXPECT_DOUBLE_EQ(guard.guard(five_newtons()).force.z, 5 * 0.99);
+    EXPECT_DOUBLE_EQ(guard.guard(five_newtons()).force.z, 5);
+    EXPECT_EQ(guard.guard(five_newtons()).reasons, guard_none);
 }
 
-TEST(ForceGuard, NoFaultMakesAStepLongerThanTheRampsOwn) {
+TEST(ForceGuard, FaultsNeverExceedRampStep) {
     SplitMix64 random(8);
     for (const int in : {1, 7, 100})
         for (const int out : {1, 10, 100}) {
@@ -135,7 +129,7 @@ TEST(ForceGuard, NoFaultMakesAStepLongerThanTheRampsOwn) {
             for (int k = 0; k < 5000; ++k) {
                 const unsigned one_in = std::array{20U, 2U, 5U, 1U}[static_cast<std::size_t>(k / 500 % 4)];
                 const bool fails = random.next() % one_in == 0 && k > 200;
-                const double force = guard.guard(fails ? without_goal() : pressing(5)).force.z;
+                const double force = guard.guard(fails ? without_goal() : five_newtons()).force.z;
                 ASSERT_LE(force - last, 5.0 / in + 1e-9) << in << ' ' << out << ' ' << k;
                 ASSERT_LE(last - force, 5.0 / out + 1e-9) << in << ' ' << out << ' ' << k;
                 last = force;
@@ -147,23 +141,23 @@ TEST(ForceGuard, NoFaultMakesAStepLongerThanTheRampsOwn) {
         }
 }
 
-TEST(ForceGuard, ARampOfNoTicksIsAtOnce) {
+TEST(ForceGuard, ZeroTickRampIsImmediate) {
     GuardSettings settings = without_ramp();
     settings.ramp_out_ticks = 0;
     ForceGuard guard(settings, 0.001);
-    EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
+    EXPECT_EQ(guard.guard(five_newtons()).force.z, 5);
     EXPECT_EQ(guard.guard(without_goal()).force, glm::dvec3(0.0));
     EXPECT_TRUE(guard.has_let_go());
     EXPECT_FALSE(guard.has_begun_anew());
-    EXPECT_EQ(guard.guard(pressing(5)).force.z, 5);
+    EXPECT_EQ(guard.guard(five_newtons()).force.z, 5);
 }
 
-TEST(ForceGuard, ABadSampleIsNoNewContactToAStiffnessThatMustBePaidFor) {
+TEST(ForceGuard, BadSampleKeepsPaidContact) {
     GuardSettings settings = without_ramp();
     settings.rise.paid = true;
     ForceGuard guard(settings, 0.001);
     const auto resting = [](double stiffness) {  // 2 mm deep
-        Contact contact = pressing(0.002 * stiffness, stiffness);
+        Contact contact = pressing({0, 0, 0.002 * stiffness}, stiffness);
         contact.goal.z = -2;
         contact.carried_stiffness = stiffness;
         return contact;
@@ -178,7 +172,7 @@ TEST(ForceGuard, ABadSampleIsNoNewContactToAStiffnessThatMustBePaidFor) {
     EXPECT_NEAR(guard.guard(resting(4000)).force.z, 8, 1e-12) << "after a while it is one";
 }
 
-TEST(ForceGuard, LimitsHoldWithEverythingOnAndGoalsThatJumpAndFail) {
+TEST(ForceGuard, LimitsHoldWithEverythingOn) {
     SmallField ground(65, 65, 0, DepthSemantics::planar);
     SplitMix64 random(3);
     ground.shape(ground.prev, [&](int, int) { return random.within(97, 103); });
@@ -213,7 +207,7 @@ TEST(ForceGuard, LimitsHoldWithEverythingOnAndGoalsThatJumpAndFail) {
     EXPECT_EQ(all_reasons, 127U) << "each had something to do";
 }
 
-TEST(TouchSolver, AFirstGoalThatIsNotFiniteGivesNoForce) {
+TEST(TouchSolver, InvalidFirstGoalExertsNothing) {
     SmallField wall(9, 9, 100.0);
     FingerState finger;
     const Contact contact = wall.touch(finger, {NAN, 0, 0});
@@ -222,7 +216,7 @@ TEST(TouchSolver, AFirstGoalThatIsNotFiniteGivesNoForce) {
     EXPECT_FALSE(finger.started);
 }
 
-TEST(TouchSolver, RefusesWhatItsMetricCannotMeasure) {
+TEST(TouchSolver, RejectsUnmeasurableScene) {
     TouchSettings settings;
     for (const TouchMetric metric : {TouchMetric::pixel, TouchMetric::scaled}) {
         SmallField wall(9, 9, 100.0);
@@ -240,7 +234,7 @@ TEST(TouchSolver, RefusesWhatItsMetricCannotMeasure) {
     EXPECT_FALSE(TouchSolver::create(wall.scene, settings));
 }
 
-TEST(ForceHash, IsXxh64OfLittleEndianDoublesWithOneZero) {
+TEST(ForceHash, IsXxh64WithOneZero) {
     ForceHash empty;
     EXPECT_EQ(empty.hex(), "ef46db3751d8e999");  // XXH64 of nothing, seed 0
     ForceHash plus, minus, other;

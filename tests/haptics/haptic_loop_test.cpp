@@ -1,4 +1,4 @@
-// The real-time thread: what it promises whatever the machine's load. No test here depends on a deadline
+// The real-time thread: what it promises at any load of the machine. No test here depends on a deadline
 // being met.
 
 #include <gtest/gtest.h>
@@ -71,6 +71,20 @@ public:
         slot->vertices = std::move(vertices);
         EXPECT_TRUE(timeline.publish(0, 0));
     }
+    void run_to_end() {
+        ASSERT_TRUE(loop.start());
+        while (loop.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        loop.stop();
+    }
+    void run_for(std::int64_t ns) const {
+        while (loop.time_ns() < ns) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    bool is_unpowered() const { return port.last == std::vector<glm::dvec3>(2, glm::dvec3(0.0)); }
+    template <class Take>
+    void for_each_logged(Take take) {
+        while (log.pop(take)) {
+        }
+    }
 
     SmallField wall;
     TouchSolver solver;
@@ -78,17 +92,12 @@ public:
     TouchStep step;
     TickLog log;
     PressingPort port;
+    HapticLoop loop{wall.scene, timeline, step, port, log};
 };
 
-void wait_for_the_end(HapticLoop& loop) {
-    while (loop.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    loop.stop();
-}
-
-TEST(HapticLoop, TicksInOrderLogsEachAndEndsWithZeroForce) {
+TEST(HapticLoop, LogsTicksAndEndsUnpowered) {
     LoopRig rig(4096);
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    ASSERT_TRUE(loop.start());
+    ASSERT_TRUE(rig.loop.start());
     std::vector<std::int64_t> logged;
     double largest = 0;
     while (largest < 0.5) {
@@ -100,70 +109,62 @@ TEST(HapticLoop, TicksInOrderLogsEachAndEndsWithZeroForce) {
             largest = std::max(largest, tick.forces[1].force.z);
         });
     }
-    loop.stop();
-    while (rig.log.pop([&](const TouchTick& tick) { logged.push_back(tick.tick); })) {
-    }
-    EXPECT_FALSE(loop.running());
+    rig.loop.stop();
+    rig.for_each_logged([&](const TouchTick& tick) { logged.push_back(tick.tick); });
+    EXPECT_FALSE(rig.loop.running());
     EXPECT_EQ(logged, rig.port.ticks);
     for (std::size_t k = 1; k < logged.size(); ++k) EXPECT_GT(logged[k], logged[k - 1]);
-    const HapticLoop::Facts& facts = loop.facts();
+    const HapticLoop::Facts& facts = rig.loop.facts();
     EXPECT_EQ(facts.ticks, static_cast<std::int64_t>(logged.size()));
     EXPECT_EQ(facts.skipped, logged.back() + 1 - facts.ticks) << "a tick is run or counted as skipped";
     EXPECT_EQ(facts.lost, 0);
     EXPECT_GT(rig.port.largest, 0.4);
-    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+    EXPECT_TRUE(rig.is_unpowered());
     EXPECT_EQ(rig.port.writes, facts.ticks + 1);
 }
 
-TEST(HapticLoop, SaysWhenItsFirstTickWasDue) {
+TEST(HapticLoop, ReportsFirstTickTime) {
     LoopRig rig(4096);
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    EXPECT_FALSE(loop.zero());
+    EXPECT_FALSE(rig.loop.zero());
     const auto before = std::chrono::steady_clock::now();
-    ASSERT_TRUE(loop.start());
-    while (loop.time_ns() < 3'000'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    ASSERT_TRUE(loop.zero());
-    EXPECT_GE(*loop.zero(), before);
-    EXPECT_LE(*loop.zero(), std::chrono::steady_clock::now() - std::chrono::milliseconds(3));
-    loop.stop();
+    ASSERT_TRUE(rig.loop.start());
+    rig.run_for(3'000'000);
+    ASSERT_TRUE(rig.loop.zero());
+    EXPECT_GE(*rig.loop.zero(), before);
+    EXPECT_LE(*rig.loop.zero(), std::chrono::steady_clock::now() - std::chrono::milliseconds(3));
+    rig.loop.stop();
 }
 
-TEST(HapticLoop, StaysOnTheCpuItNames) {
+TEST(HapticLoop, StaysOnNamedCpu) {
     LoopRig rig(64);
     rig.port.fails_at = 20;
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    ASSERT_TRUE(loop.start());
-    wait_for_the_end(loop);
-    const RealtimeGrant& grant = loop.facts().grant;
+    rig.run_to_end();
+    const RealtimeGrant& grant = rig.loop.facts().grant;
     if (grant.cpu < 0)
         GTEST_SKIP() << "this machine has one CPU, or lets no thread choose: " << grant.in_words();
     EXPECT_EQ(rig.port.cpus, std::vector<int>(20, grant.cpu));
     EXPECT_NE(grant.in_words().find("on CPU " + std::to_string(grant.cpu)), std::string::npos);
 }
 
-TEST(HapticLoop, ADeviceThatIsGoneEndsTheLoopWithZeroForce) {
+TEST(HapticLoop, LostDeviceEndsUnpowered) {
     LoopRig rig(4096);
     rig.port.fails_at = 5;
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    ASSERT_TRUE(loop.start());
-    wait_for_the_end(loop);
-    EXPECT_TRUE(loop.facts().port_failed);
+    rig.run_to_end();
+    EXPECT_TRUE(rig.loop.facts().port_failed);
     EXPECT_EQ(rig.port.ticks.size(), 5U);
-    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+    EXPECT_TRUE(rig.is_unpowered());
 }
 
-TEST(HapticLoop, APortThatThrowsIsADeviceThatIsGone) {
+TEST(HapticLoop, ThrowingPortIsLostDevice) {
     for (const bool writing : {false, true}) {
         LoopRig rig(4096);
         (writing ? rig.port.write_throws_at : rig.port.throws_at) = 150;
-        HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-        ASSERT_TRUE(loop.start());
-        wait_for_the_end(loop);
-        EXPECT_TRUE(loop.facts().port_failed);
-        EXPECT_FALSE(loop.facts().broke_off);
+        rig.run_to_end();
+        EXPECT_TRUE(rig.loop.facts().port_failed);
+        EXPECT_FALSE(rig.loop.facts().broke_off);
         EXPECT_EQ(rig.port.ticks.size(), 150U);
         EXPECT_GT(rig.port.largest, 0.5) << "there was a force to take away";
-        EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+        EXPECT_TRUE(rig.is_unpowered());
     }
 }
 
@@ -181,127 +182,112 @@ private:
     mutable std::int64_t calls_ = 0;
 };
 
-TEST(HapticLoop, AFaultInATickEndsItWithZeroForceToo) {
+TEST(HapticLoop, FaultEndsUnpowered) {
     LoopRig rig(4096, std::make_unique<BreakingVertices>());
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    ASSERT_TRUE(loop.start());
-    wait_for_the_end(loop);
-    EXPECT_TRUE(loop.facts().broke_off);
-    EXPECT_FALSE(loop.facts().port_failed);
-    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
+    rig.run_to_end();
+    EXPECT_TRUE(rig.loop.facts().broke_off);
+    EXPECT_FALSE(rig.loop.facts().port_failed);
+    EXPECT_TRUE(rig.is_unpowered());
 }
 
 // The fingers would go on as they were left, with the force they had, and without a ramp.
 TEST(HapticLoop, RunsOnceAndSaysSo) {
     LoopRig rig(4096);
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    loop.stop();
-    ASSERT_TRUE(loop.start()) << "that it was stopped before it started is no matter";
-    EXPECT_FALSE(loop.start()) << "it runs";
-    while (loop.time_ns() < 10'000'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    loop.stop();
-    const std::int64_t ticks = loop.facts().ticks;
+    rig.loop.stop();
+    ASSERT_TRUE(rig.loop.start()) << "that it was stopped before it started is no matter";
+    EXPECT_FALSE(rig.loop.start()) << "it runs";
+    rig.run_for(10'000'000);
+    rig.loop.stop();
+    const std::int64_t ticks = rig.loop.facts().ticks;
     EXPECT_GE(rig.port.writes, 2);
-    const auto again = loop.start();
+    const auto again = rig.loop.start();
     ASSERT_FALSE(again);
     EXPECT_NE(again.error().message.find("runs once"), std::string::npos);
-    EXPECT_FALSE(loop.running());
-    EXPECT_EQ(loop.facts().ticks, ticks);
+    EXPECT_FALSE(rig.loop.running());
+    EXPECT_EQ(rig.loop.facts().ticks, ticks);
 }
 
-// Whatever the machine is busy with, a tick begins within its own millisecond, for a later one is the next.
-TEST(HapticLoop, TicksThatWereMissedAreSkippedAndNotMadeUpFor) {
+// However busy the machine is, a tick begins within its own millisecond, for a later one is the next.
+TEST(HapticLoop, SkipsMissedTicks) {
     for (const int ms : {2, 5}) {
         LoopRig rig(4096);
         rig.port.stalls_at = 10;
         rig.port.stall = std::chrono::milliseconds(ms);
         rig.port.fails_at = 60;
-        HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-        ASSERT_TRUE(loop.start());
-        wait_for_the_end(loop);
+        rig.run_to_end();
         EXPECT_GE(rig.port.ticks[10] - rig.port.ticks[9], ms);
-        EXPECT_GE(loop.facts().late, 1);
-        EXPECT_GE(loop.facts().skipped, ms - 1);
-        EXPECT_EQ(loop.facts().skipped, rig.port.ticks.back() + 1 - loop.facts().ticks);
+        EXPECT_GE(rig.loop.facts().late, 1);
+        EXPECT_GE(rig.loop.facts().skipped, ms - 1);
+        EXPECT_EQ(rig.loop.facts().skipped, rig.port.ticks.back() + 1 - rig.loop.facts().ticks);
         int logged = 0;
-        while (rig.log.pop([&](const TouchTick& tick) {
+        rig.for_each_logged([&](const TouchTick& tick) {
             ++logged;
             EXPECT_GE(tick.late_us, 0);
             EXPECT_LT(tick.late_us, 1000) << "tick " << tick.tick;
-        })) {
-        }
+        });
         EXPECT_EQ(logged, 59);
     }
 }
 
-TEST(HapticLoop, KnowsTheLongestThatThePortTookInATickToReadAndToWrite) {
+TEST(HapticLoop, MeasuresLongestPortTime) {
     LoopRig rig(4096);
     rig.port.stalls_at = rig.port.write_stalls_at = 10;
     rig.port.fails_at = 40;
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    ASSERT_TRUE(loop.start());
-    wait_for_the_end(loop);
-    EXPECT_GE(loop.facts().longest_port_ms, 10) << "5 ms each, ticks ago";
+    rig.run_to_end();
+    EXPECT_GE(rig.loop.facts().longest_port_ms, 10) << "5 ms each, ticks ago";
 }
 
-TEST(HapticLoop, EndsByItselfBeforeATickThatItWasTold) {
+TEST(HapticLoop, EndsBeforeGivenTick) {
     LoopRig rig(4096);
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    loop.end_before(30);
-    ASSERT_TRUE(loop.start());
-    wait_for_the_end(loop);
+    rig.loop.end_before(30);
+    rig.run_to_end();
     EXPECT_LT(rig.port.ticks.back(), 30);
-    EXPECT_EQ(loop.facts().ticks, static_cast<std::int64_t>(rig.port.ticks.size()));
-    EXPECT_EQ(rig.port.last, std::vector<glm::dvec3>(2, glm::dvec3(0.0)));
-    EXPECT_FALSE(loop.facts().port_failed);
+    EXPECT_EQ(rig.loop.facts().ticks, static_cast<std::int64_t>(rig.port.ticks.size()));
+    EXPECT_TRUE(rig.is_unpowered());
+    EXPECT_FALSE(rig.loop.facts().port_failed);
 }
 
 // A machine that is suspended stops the clock that ticks go by, and another one goes on.
-TEST(HapticLoop, AHandThatWasLeftAloneComesBackWhicheverClockKnows) {
+TEST(HapticLoop, ComesBackAfterSuspension) {
     LoopRig rig(4096);
     rig.port.fails_at = 300;
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
     std::int64_t now_ns = 5, reads = 0;
-    loop.see_gaps_by([&] {
+    rig.loop.see_gaps_by([&] {
         ++reads;
         return now_ns += reads == 150 ? 3'000'000'000 : reads == 200 ? 50'000'000 : 1'000'000;
     });
-    ASSERT_TRUE(loop.start());
-    wait_for_the_end(loop);
+    rig.run_to_end();
     // The first reading is before the first tick.
     EXPECT_EQ(rig.port.alone, (std::vector<std::pair<std::int64_t, std::int64_t>>{{148, 3000}}));
-    EXPECT_EQ(loop.facts().gaps, 1);
+    EXPECT_EQ(rig.loop.facts().gaps, 1);
     std::size_t ticks = 0;
-    while (rig.log.pop([&](const TouchTick& tick) {
+    rig.for_each_logged([&](const TouchTick& tick) {
         const bool after_gap = ticks++ == 148;
         for (const GuardedForce& force : tick.forces) {
             EXPECT_EQ((force.reasons & guard_gap) != 0, after_gap) << ticks;
             EXPECT_TRUE(!after_gap || force.force == glm::dvec3(0.0));
         }
-    })) {
-    }
+    });
     EXPECT_GT(rig.port.largest, 0.5) << "there was a force to take away";
 }
 
-TEST(HapticLoop, ALogThatNobodyReadsCostsTicksOfTheLogButNoForce) {
+TEST(HapticLoop, UnreadLogCostsNoForce) {
     LoopRig rig(8);
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    ASSERT_TRUE(loop.start());
-    while (loop.time_ns() < 50'000'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    loop.stop();
-    EXPECT_EQ(loop.facts().lost, std::max<std::int64_t>(0, loop.facts().ticks - 8));
-    EXPECT_EQ(rig.port.writes, loop.facts().ticks + 1);
+    ASSERT_TRUE(rig.loop.start());
+    rig.run_for(50'000'000);
+    rig.loop.stop();
+    EXPECT_EQ(rig.loop.facts().lost, std::max<std::int64_t>(0, rig.loop.facts().ticks - 8));
+    EXPECT_EQ(rig.port.writes, rig.loop.facts().ticks + 1);
 }
 
 TEST(HapticLoop, StopsWhereItNeverStarted) {
     LoopRig rig(8);
-    HapticLoop loop(rig.wall.scene, rig.timeline, rig.step, rig.port, rig.log);
-    loop.stop();
-    EXPECT_FALSE(loop.running());
+    rig.loop.stop();
+    EXPECT_FALSE(rig.loop.running());
     EXPECT_EQ(rig.port.writes, 0);
 }
 
-TEST(TickLog, HandsOverWholeTicksInOrderUnderASaturatingWriter) {
+TEST(TickLog, DeliversWholeTicksInOrder) {
     constexpr std::int64_t count = 200'000;
     TickLog log(16, 3);
     std::atomic<std::int64_t> refused{0};
@@ -369,7 +355,7 @@ bool take_memory(std::size_t bytes) {
     return true;
 }
 
-TEST(Realtime, MemoryThatComesLaterIsLockedToo) {
+TEST(Realtime, LocksLaterMemory) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "sanitizers take every call that locks memory for themselves";
 #endif
@@ -385,7 +371,7 @@ TEST(Realtime, MemoryThatComesLaterIsLockedToo) {
     EXPECT_EQ(said, right);
 }
 
-TEST(Realtime, BelowALimitWhatComesLaterIsNotRefusedAndTheLimitIsNamed) {
+TEST(Realtime, NamesMemoryLimit) {
     const int said = in_a_child([] {
         rlimit limit{};
         getrlimit(RLIMIT_MEMLOCK, &limit);

@@ -24,33 +24,31 @@ GuardSettings device() {
     return settings;
 }
 
-Contact pressing(const dvec3& force) {
-    Contact contact;
-    contact.touching = true;
-    contact.force = force;
-    contact.properties.stiffness = 1000;
-    return contact;
-}
-
 /// The goal rests: what it meets now is what the last tick's goal meets on this surface.
-Contact jumping(const dvec3& force) {
-    Contact contact = pressing(force);
+Contact jumping(const dvec3& force, double stiffness = 1000) {
+    Contact contact = pressing(force, stiffness);
     contact.jumped = true;
     contact.jumped_force = force;
     return contact;
 }
 
+/// The same contact for some ticks; what came of the last one.
+BlendedForce repeat(JumpCancellation& calm, int ticks, const Contact& contact) {
+    BlendedForce out;
+    for (int tick = 0; tick < ticks; ++tick) out = calm.calm(contact);
+    return out;
+}
+
 /// A goal `depth` mm deep, where the stiffness is `stiffness` N/m, `hole_share` of it a hole's.
 Contact near_hole(double depth, double stiffness, double hole_share, bool jumped) {
     const dvec3 force{0, 0, 0.001 * stiffness * depth};
-    Contact contact = jumped ? jumping(force) : pressing(force);
-    contact.properties.stiffness = stiffness;
+    Contact contact = jumped ? jumping(force, stiffness) : pressing(force, stiffness);
     contact.carried_stiffness = stiffness;
     contact.hole_share = hole_share;
     return contact;
 }
 
-TEST(JumpCancellation, WhatNeverJumpsGoesThroughToTheBit) {
+TEST(JumpCancellation, PassesCalmForcesUnchanged) {
     JumpCancellation calm(device());
     Random random(3);
     for (int tick = 0; tick < 1000; ++tick) {
@@ -65,7 +63,7 @@ TEST(JumpCancellation, WhatNeverJumpsGoesThroughToTheBit) {
     }
 }
 
-TEST(JumpCancellation, AJumpOfTheSurfaceIsNoStepAndIsFeltWholeAfterATenthOfASecond) {
+TEST(JumpCancellation, FadesJumpInOver100Ms) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 1}));
     BlendedForce out = calm.calm(jumping({0, 2, 5}));
@@ -88,7 +86,7 @@ TEST(JumpCancellation, AJumpOfTheSurfaceIsNoStepAndIsFeltWholeAfterATenthOfASeco
 }
 
 /// docs/solver.md: F - w J with w = 1 - p^2 (3 - 2p), p from 0 to 1 in 100 ms.
-TEST(JumpCancellation, AJumpComesOnAlongTheCubicOfTheSolversPage) {
+TEST(JumpCancellation, FadeFollowsDocumentedCubic) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 1}));
     std::vector<double> came{calm.calm(jumping({0, 0, 5})).force.z};
@@ -111,7 +109,7 @@ TEST(JumpCancellation, TheSpringItselfIsUntouched) {
     }
 }
 
-TEST(JumpCancellation, ItNeverLengthensAForceNorPullsAgainstIt) {
+TEST(JumpCancellation, NeverLengthensOrReversesForce) {
     Random random(17);
     const auto any = [&] { return 0.01 * (random.below(2000) - 1000); };
     int active = 0;
@@ -130,7 +128,7 @@ TEST(JumpCancellation, ItNeverLengthensAForceNorPullsAgainstIt) {
     EXPECT_GT(active, 10000);
 }
 
-TEST(JumpCancellation, CutsThatOverlapGoOnFromTheCurrentForce) {
+TEST(JumpCancellation, OverlappingCutsContinueSmoothly) {
     JumpCancellation calm(device());
     dvec3 last = calm.calm(pressing({0, 0, 0.5})).force;
     const double fading = 1.5 / JumpCancellation::fade_ticks * 10;  // newtons a tick
@@ -146,7 +144,7 @@ TEST(JumpCancellation, CutsThatOverlapGoOnFromTheCurrentForce) {
     }
 }
 
-TEST(JumpCancellation, ARowOfSmallJumpsIsFollowedNotHeldBackForEver) {
+TEST(JumpCancellation, FollowsRowOfSmallJumps) {
     JumpCancellation calm(GuardSettings{});
     calm.calm(pressing({0, 0, 0.001}));
     double behind = 0;
@@ -156,11 +154,10 @@ TEST(JumpCancellation, ARowOfSmallJumpsIsFollowedNotHeldBackForEver) {
         EXPECT_GT(behind, -1e-12);
         EXPECT_LT(behind, 6.0) << "50 ms behind";
     }
-    for (int tick = 0; tick < 100; ++tick) calm.calm(pressing({0, 0, 8.4}));
-    EXPECT_EQ(calm.calm(pressing({0, 0, 8.4})).force.z, 8.4);
+    EXPECT_EQ(repeat(calm, 101, pressing({0, 0, 8.4})).force.z, 8.4);
 }
 
-TEST(JumpCancellation, TheEndOfContactEndsItAtOnce) {
+TEST(JumpCancellation, EndsWithContact) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 1}));
     calm.calm(jumping({0, 0, 5}));
@@ -173,30 +170,22 @@ TEST(JumpCancellation, TheEndOfContactEndsItAtOnce) {
 }
 
 // A device gives 500 N/m of either: the hand feels 1 N before and after.
-TEST(JumpCancellation, FromOneStiffnessBeyondTheDevicesToAnotherNothingJumps) {
+TEST(JumpCancellation, IgnoresStiffnessBeyondDevice) {
     GuardSettings soft = device();
     soft.max_stiffness = 500;
     JumpCancellation calm(soft);
     calm.calm(pressing({0, 0, 2}));
-    Contact stiffer = jumping({0, 0, 4});
-    stiffer.properties.stiffness = 2000;
-    stiffer.carried_stiffness = 2000;
-    EXPECT_EQ(calm.calm(stiffer).force, dvec3(0, 0, 4));
+    EXPECT_EQ(calm.calm(near_hole(2, 2000, 0, true)).force, dvec3(0, 0, 4));
     // One that the device gives whole is a jump, of what the hand feels.
-    Contact softer = jumping({0, 0, 0.4});
-    softer.properties.stiffness = 100;
-    softer.carried_stiffness = 100;
-    EXPECT_EQ(calm.calm(softer).force, dvec3(0, 0, 0.4)) << "never longer than the force itself";
-    Contact stiffest = jumping({0, 0, 8});
-    stiffest.properties.stiffness = 4000;
-    stiffest.carried_stiffness = 4000;
-    EXPECT_NEAR(calm.calm(stiffest).force.z, 8 * 0.4, 1e-12)
+    EXPECT_EQ(calm.calm(near_hole(4, 100, 0, true)).force, dvec3(0, 0, 0.4))
+        << "longer than the force itself";
+    EXPECT_NEAR(calm.calm(near_hole(2, 4000, 0, true)).force.z, 8 * 0.4, 1e-12)
         << "1 N as the device gives it, less a jump of 0.6";
 }
 
 // The share that the device gives of a jump is that of the stiffness under the jump, not of where the finger
 // has moved to since.
-TEST(JumpCancellation, AJumpCountsAsTheDeviceGivesItWhereItHappened) {
+TEST(JumpCancellation, MeasuresJumpWhereItHappened) {
     GuardSettings soft = device();
     soft.max_stiffness = 500;
     JumpCancellation calm(soft);
@@ -208,18 +197,17 @@ TEST(JumpCancellation, AJumpCountsAsTheDeviceGivesItWhereItHappened) {
     EXPECT_EQ(calm.calm(moved).force, dvec3(0, 0, 1)) << "nothing jumped";
 }
 
-TEST(JumpCancellation, MoreThanTheDevicesForceBuriesAndNoMoreDoesNot) {
+TEST(JumpCancellation, BuriesAboveDeviceForce) {
     for (const double newtons : {7.999, 8.001}) {
         JumpCancellation calm(device());  // of 8 N
         calm.calm(pressing({0, 0, 4}));
         calm.calm(jumping({0, 0, newtons}));
-        for (int tick = 0; tick < 100; ++tick) calm.calm(pressing({0, 0, newtons}));
-        EXPECT_EQ(calm.calm(pressing({0, 0, newtons})).force.z, newtons < 8 ? newtons : 0.0);
+        EXPECT_EQ(repeat(calm, 101, pressing({0, 0, newtons})).force.z, newtons < 8 ? newtons : 0.0);
     }
 }
 
 // As where every frame is another picture.
-TEST(JumpCancellation, CutsThatBuryAgainAndAgainHoldNoForceUp) {
+TEST(JumpCancellation, RepeatedBuryingHoldsNoForce) {
     JumpCancellation calm(device());
     double last = calm.calm(pressing({0, 0, 4})).force.z;
     for (int tick = 0; tick <= 100; ++tick) {
@@ -230,15 +218,13 @@ TEST(JumpCancellation, CutsThatBuryAgainAndAgainHoldNoForceUp) {
     EXPECT_EQ(last, 0);
 }
 
-TEST(JumpCancellation, ACutBackWhileTheForceStillFadesGoesOnFromThere) {
+TEST(JumpCancellation, CutBackContinuesFromFade) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 4}));
     calm.calm(jumping({0, 0, 60}));
-    for (int tick = 1; tick < 50; ++tick) calm.calm(pressing({0, 0, 60}));
-    EXPECT_NEAR(calm.calm(pressing({0, 0, 60})).force.z, 2, 1e-12);
+    EXPECT_NEAR(repeat(calm, 50, pressing({0, 0, 60})).force.z, 2, 1e-12);
     EXPECT_NEAR(calm.calm(jumping({0, 0, 3})).force.z, 2, 1e-12);
-    for (int tick = 1; tick < 50; ++tick) calm.calm(pressing({0, 0, 3}));
-    EXPECT_NEAR(calm.calm(pressing({0, 0, 3})).force.z, 2.5, 1e-12);
+    EXPECT_NEAR(repeat(calm, 50, pressing({0, 0, 3})).force.z, 2.5, 1e-12);
 }
 
 /// A finger that is inside a new surface.
@@ -248,7 +234,7 @@ JumpCancellation waiting() {
     return JumpCancellation(settings);
 }
 
-TEST(JumpCancellation, AFingerThatWaitsGetsNothingOfAJumpEither) {
+TEST(JumpCancellation, WaitingFingerGetsNoJump) {
     JumpCancellation calm = waiting();
     const BlendedForce first = calm.calm(pressing({0, 0, 3}));
     EXPECT_EQ(first.force, dvec3(0.0));
@@ -260,7 +246,7 @@ TEST(JumpCancellation, AFingerThatWaitsGetsNothingOfAJumpEither) {
 }
 
 // No contact is known of, but that it is free is not known either.
-TEST(JumpCancellation, AFingerWhoseGoalIsMissingGoesOnWaiting) {
+TEST(JumpCancellation, MissingGoalKeepsFingerWaiting) {
     JumpCancellation calm = waiting();
     Contact missing;
     missing.goal_held = true;
@@ -274,7 +260,7 @@ TEST(JumpCancellation, AFingerWhoseGoalIsMissingGoesOnWaiting) {
     EXPECT_EQ(calm.calm(pressing({0, 0, 3})).force, dvec3(0, 0, 3));
 }
 
-TEST(JumpCancellation, OnceResetItIsAsItWasMade) {
+TEST(JumpCancellation, ResetRestoresInitialState) {
     for (const bool waits : {false, true}) {
         GuardSettings settings = device();
         settings.waits_to_be_free = waits;
@@ -297,7 +283,7 @@ TEST(JumpCancellation, OnceResetItIsAsItWasMade) {
     }
 }
 
-TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
+TEST(JumpCancellation, BuryingCutFadesToNothing) {
     JumpCancellation calm(device());
     double last = calm.calm(pressing({0, 0, 4})).force.z;
     BlendedForce out = calm.calm(jumping({0, 0, 60}));
@@ -313,13 +299,12 @@ TEST(JumpCancellation, ACutThatBuriesFadesToNothingAndACutBackFadesIn) {
     EXPECT_EQ(calm.calm(pressing({0, 0, 5})).force, dvec3(0.0));
     // The next cut brings a surface that it merely touches.
     EXPECT_EQ(calm.calm(jumping({0, 0, 3})).force, dvec3(0.0));
-    for (int tick = 0; tick < 100; ++tick) out = calm.calm(pressing({0, 0, 3}));
-    EXPECT_EQ(out.force, dvec3(0, 0, 3));
+    EXPECT_EQ(repeat(calm, 100, pressing({0, 0, 3})).force, dvec3(0, 0, 3));
 }
 
 // docs/solver.md: a jump that fades when k changes near a hole fades in proportion to k. So how deep a hand
 // feels itself does not depend on what holes do to the stiffness.
-TEST(JumpCancellation, AtAHoleAJumpIsHowFarTheSurfaceJumpedWhateverTheStiffness) {
+TEST(JumpCancellation, HoleJumpScalesWithStiffness) {
     for (const auto& [max_force, max_stiffness] :
          {std::pair{8.0, 1e4}, {1e6, 1e4}, {1e6, 300.0}}) {  // with jumps that bury, without; a soft device
         GuardSettings settings = device();
@@ -347,24 +332,23 @@ TEST(JumpCancellation, AtAHoleAJumpIsHowFarTheSurfaceJumpedWhateverTheStiffness)
     }
 }
 
-TEST(JumpCancellation, AHoleThatOpensAsACutBuriesLeavesOnlyWhatItsStiffnessGives) {
+TEST(JumpCancellation, OpeningHoleLimitsBuriedForce) {
     JumpCancellation calm(device());
     ASSERT_EQ(calm.calm(near_hole(4, 600, 0, false)).force.z, 0.001 * 600 * 4);
     EXPECT_NEAR(calm.calm(near_hole(200, 100, 1, true)).force.z, 0.4, 1e-12) << "4 mm at 100 N/m";
-    for (int tick = 1; tick < 50; ++tick) calm.calm(near_hole(200, 100, 1, false));
-    EXPECT_NEAR(calm.calm(near_hole(200, 100, 1, false)).force.z, 0.2, 1e-12);
+    EXPECT_NEAR(repeat(calm, 50, near_hole(200, 100, 1, false)).force.z, 0.2, 1e-12);
 }
 
 // J is newtons there: 1.8 of it are left half-way.
-TEST(JumpCancellation, AwayFromHolesAnotherStiffnessIsNoOtherJump) {
+TEST(JumpCancellation, StiffnessLeavesJumpOutsideHoles) {
     JumpCancellation calm(device());
     calm.calm(near_hole(4, 600, 0, false));
     calm.calm(near_hole(10, 600, 0, true));
-    for (int tick = 1; tick < 50; ++tick) calm.calm(near_hole(10, 600, 0, false));
+    repeat(calm, 49, near_hole(10, 600, 0, false));
     EXPECT_NEAR(calm.calm(near_hole(10, 500, 0, false)).force.z, 5 - 1.8, 1e-12);
 }
 
-TEST(JumpCancellation, OutOfAHoleWithoutStiffnessTheForceIsOneThatTheSurfaceGives) {
+TEST(JumpCancellation, LeavingHoleStaysWithinSpring) {
     JumpCancellation calm(device());
     calm.calm(near_hole(4, 600, 0, false));
     calm.calm(near_hole(8, 600, 0, true));
@@ -376,7 +360,7 @@ TEST(JumpCancellation, OutOfAHoleWithoutStiffnessTheForceIsOneThatTheSurfaceGive
     }
 }
 
-TEST(JumpCancellation, AForceThatIsNoNumberLeavesNoTrace) {
+TEST(JumpCancellation, NanForceLeavesNoTrace) {
     JumpCancellation calm(device()), other(device());
     for (JumpCancellation* one : {&calm, &other}) {
         one->calm(pressing({0, 0, 1}));
@@ -392,7 +376,7 @@ TEST(JumpCancellation, AForceThatIsNoNumberLeavesNoTrace) {
         ASSERT_EQ(calm.calm(pressing({0, 0, 5})).force, other.calm(pressing({0, 0, 5})).force) << tick;
 }
 
-TEST(JumpCancellation, AForceThatIsNoNumberIsLeftToTheGuard) {
+TEST(JumpCancellation, PassesNanToGuard) {
     JumpCancellation calm(device());
     calm.calm(pressing({0, 0, 1}));
     calm.calm(jumping({0, 0, 5}));
@@ -401,8 +385,6 @@ TEST(JumpCancellation, AForceThatIsNoNumberIsLeftToTheGuard) {
 
 // A speed is a way over the time that has passed, whether its ticks ran or were skipped.
 
-using glm::dvec3;
-
 const double pi = std::acos(-1.0);
 
 /// What a low pass of first order at 80 Hz lets through of a step after so many milliseconds.
@@ -410,7 +392,7 @@ double step_response(int milliseconds) {
     return 1 - std::exp(-2 * pi * 80 * 0.001 * milliseconds);
 }
 
-TEST(TickVelocity, IsALowPassOfFirstOrderAt80Hz) {
+TEST(TickVelocity, IsFirstOrderLowPass) {
     double speed = 0;
     for (int tick = 1; tick <= 40; ++tick) {
         speed = filtered_velocity(speed, 0.002, 1);  // 2 m/s
@@ -418,7 +400,7 @@ TEST(TickVelocity, IsALowPassOfFirstOrderAt80Hz) {
     }
 }
 
-TEST(TickVelocity, TicksThatWereSkippedCountLikeTicksThatMovedEvenly) {
+TEST(TickVelocity, SkippedTicksAreEvenMotion) {
     for (const int ticks : {1, 2, 3, 10, 33, 99, 100, 101, 5000}) {
         double one_by_one = 0.7;
         for (int tick = 0; tick < ticks; ++tick) one_by_one = filtered_velocity(one_by_one, -0.00013, 1);
@@ -428,7 +410,7 @@ TEST(TickVelocity, TicksThatWereSkippedCountLikeTicksThatMovedEvenly) {
     EXPECT_LT(length(rested), 1e-20);
 }
 
-TEST(SkippedTicks, ADamperFeelsTheSpeedOfTheHand) {
+TEST(SkippedTicks, DamperFeelsHandSpeed) {
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
     TouchSettings touch;
     touch.metres_per_scene_unit = 0.001;
@@ -450,7 +432,7 @@ TEST(SkippedTicks, ADamperFeelsTheSpeedOfTheHand) {
     }
 }
 
-TEST(SkippedTicks, ACountThatBeginsAnewHasNoTickBefore) {
+TEST(SkippedTicks, RestartedCountHasNoGap) {
     SmallField wall(33, 33, 100.0);
     const TouchSolver solver = TouchSolver::create(wall.scene, {}).value();
     TouchStep step(solver, {}, 1);
@@ -485,14 +467,14 @@ protected:
     FingerState finger;
 };
 
-TEST_F(SkippedTicksSliding, FrictionIsThatOfTheSpeed) {
+TEST_F(SkippedTicksSliding, FrictionFollowsSpeed) {
     double last = 0;
     for (int k = 0; k <= 100; k += 10) last = lag(k, 10);
     EXPECT_NEAR(last, mu, 1e-3);
     EXPECT_NEAR(finger.slip_speed, 0.2, 1e-3);
 }
 
-TEST_F(SkippedTicksSliding, AGoalThatIsHeldForAWhileIsNoHaste) {
+TEST_F(SkippedTicksSliding, HeldGoalKeepsSlipSpeed) {
     for (int k = 0; k <= 50; ++k) lag(k, 1);
     const double speed = finger.slip_speed;
     ASSERT_NEAR(speed, 0.2, 1e-6);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -17,8 +19,55 @@
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "haptics_cpu/touch_step.hpp"
 
 namespace touchable::test {
+
+inline SceneOptions sized(int width, int height) {
+    SceneOptions options;
+    options.width = width;
+    options.height = height;
+    return options;
+}
+
+/// A frame that stands still.
+inline FramePair still(const SurfaceFrame& frame, std::int64_t number = 0, std::int64_t time_ns = 0) {
+    const TimedFrame timed{number, time_ns, &frame};
+    return {timed, timed, 0};
+}
+
+/// The frames around a moment of a clip whose frames are at `rate`.
+template <class FrameOf>
+FramePair pair_around(std::int64_t time_ns, const FrameRate& rate, FrameOf frame_of) {
+    std::int64_t n = 0;
+    while (rate.time_ns(n + 1) <= time_ns) ++n;
+    const auto timed = [&](std::int64_t m) { return TimedFrame{m, rate.time_ns(m), frame_of(m)}; };
+    FramePair pair{timed(n), timed(n + 1), 0};
+    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+    return pair;
+}
+
+/// A tick of one finger.
+inline Contact tick_one(const TouchSolver& solver, const HeightField& field, FingerState& finger,
+                        const glm::dvec3& goal, int ticks = 1) {
+    Contact contact;
+    solver.tick(field, {&goal, 1}, {&finger, 1}, {&contact, 1}, ticks);
+    return contact;
+}
+
+/// A contact made by hand.
+inline Contact pressing(const glm::dvec3& force, double stiffness = 1000) {
+    Contact contact;
+    contact.touching = true;
+    contact.force = force;
+    contact.properties.stiffness = stiffness;
+    return contact;
+}
+
+inline std::string name_of_run(const testing::TestParamInfo<FrameInterpolation>& run) {
+    return run.param == FrameInterpolation::hold ? "Held" : "Linear";
+}
 
 /// A generated scene, frame 0 built either unquantised or from codes, and fingers on it.
 class TouchRig {
@@ -32,7 +81,7 @@ public:
           contacts_(static_cast<std::size_t>(fingers)) {
         settings.metres_per_scene_unit = scene_.device_metres_per_unit.value_or(0.001);
         load(0, depth, frame_);
-        pair.prev = pair.next = {0, 0, &frame_};
+        pair = still(frame_);
     }
 
     void load(std::int64_t number, Depth depth, SurfaceFrame& frame) {
@@ -79,6 +128,10 @@ inline std::vector<glm::dvec3> path_along(const std::vector<glm::dvec3>& corners
         for (int n = 1; n <= steps; ++n) path.push_back(corners[k - 1] + way * (double(n) / steps));
     }
     return path;
+}
+
+inline void append(std::vector<glm::dvec3>& path, const std::vector<glm::dvec3>& more) {
+    path.insert(path.end(), more.begin(), more.end());
 }
 
 /// No ramp, so that all that happens is the solver's.
@@ -131,10 +184,7 @@ public:
     Contact touch(FingerState& finger, const glm::dvec3& goal, double blend = 0, TouchSettings settings = {},
                   int ticks = 1) const {
         settings.metres_per_scene_unit = 0.001;
-        Contact contact;
-        const auto solver = TouchSolver::create(scene, settings);
-        solver.value().tick(field(blend), {&goal, 1}, {&finger, 1}, {&contact, 1}, ticks);
-        return contact;
+        return tick_one(TouchSolver::create(scene, settings).value(), field(blend), finger, goal, ticks);
     }
 
     Scene scene;
@@ -195,17 +245,40 @@ inline PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSetti
                     [&](FingerState&, const glm::dvec3& goal) { return rig.tick(goal); });
 }
 
+/// One finger over a small field, by whole ticks.
+struct StepRig {
+    explicit StepRig(double depth = 100, DepthSemantics semantics = DepthSemantics::planar)
+        : field(33, 33, depth, semantics) {
+        settings.metres_per_scene_unit = 0.001;
+        guard.ramp_in_ticks = 0;
+    }
+    void begin() {
+        solver.emplace(TouchSolver::create(field.scene, settings).value());
+        step.emplace(*solver, guard, 1);
+    }
+    TouchTick run(std::int64_t tick, const FramePair& pair, const glm::dvec3& goal) {
+        step->goals()[0] = goal;
+        return step->run(tick, tick * 1'000'000, field.scene, pair);
+    }
+
+    SmallField field;
+    TouchSettings settings;
+    GuardSettings guard;
+    std::optional<TouchSolver> solver;
+    std::optional<TouchStep> step;
+};
+
 /// A globe to press, slide along and retract from, on its flank 45 degrees from its axis; stiffness 1000 N/m,
 /// no friction.
 class GlobeFlank : public testing::Test {
 protected:
-    GlobeFlank() : rig("globe", options(), TouchRig::Depth::codes) {
+    GlobeFlank() : rig("globe", sized(360, 240), TouchRig::Depth::codes) {
         rig.scene().default_properties = {1000, 0, 0};
     }
     /// From 1 mm outside straight in to 2 mm, 5 mm along, out and back through free space, in steps of
     /// `step_mm`, millimetres of the device; `limbward`: along away from the axis, or towards it.
     std::vector<glm::dvec3> path(double azimuth, double step_mm, bool limbward) const {
-        const GlobeSphere sphere = globe_sphere(CameraPreset::b, options().width, options().height);
+        const GlobeSphere sphere = globe_sphere(CameraPreset::b, 360, 240);
         const double scale = 0.001 / rig.settings.metres_per_scene_unit, half = std::sqrt(0.5);
         const glm::dvec3 aside{cosine(azimuth), sine(azimuth), 0}, axis{0, 0, 1};
         const glm::dvec3 out = half * (aside + axis), along = half * (aside - axis);
@@ -222,14 +295,6 @@ protected:
     }
 
     TouchRig rig;
-
-private:
-    static SceneOptions options() {
-        SceneOptions options;
-        options.width = 360;
-        options.height = 240;
-        return options;
-    }
 };
 
 }  // namespace touchable::test
