@@ -18,7 +18,7 @@ namespace touchable::test {
 namespace {
 
 /// A program that does everything wrong, sometimes.
-class Hostile : SpoiledValues {
+class Hostile : public SpoiledValues {
 public:
     explicit Hostile(unsigned seed) : SpoiledValues(seed) {}
     ~Hostile() {
@@ -60,18 +60,14 @@ private:
         camera.frames_per_second = spoilt(camera.frames_per_second);
         camera.stiffness_n_per_m = spoilt(camera.stiffness_n_per_m);
         touch_scene made{};
-        const touch_status status = touch_scene_from_camera(or_null(&camera), or_null(&made), error());
-        if (status == TOUCH_OK) scenes_.push_back(made);
-        return status;
+        return kept(touch_scene_from_camera(or_null(&camera), or_null(&made), error()), made, scenes_);
     }
     touch_status scene_from_text() {
         std::string text = R"({"touchable_scene": 1, "size": [4, 4], "camera": {"fx": 3, "fy": 3}})";
         text[upto(text.size())] = static_cast<char>(random_());
         touch_scene made{};
-        const touch_status status =
-            touch_scene_from_text(or_null(text.data()), text.size(), or_null(&made), error());
-        if (status == TOUCH_OK) scenes_.push_back(made);
-        return status;
+        return kept(touch_scene_from_text(or_null(text.data()), text.size(), or_null(&made), error()), made,
+                    scenes_);
     }
     touch_status scene_text() {
         std::array<char, 100> text;
@@ -100,10 +96,9 @@ private:
     touch_status with_filters() {
         const touch_frame frame = spoilt_frame();
         touch_scene made{};
-        const touch_status status = touch_scene_with_filters(
-            one_of(scenes_), or_null(&frame), spoilt(sizeof frame), upto(2), or_null(&made), error());
-        if (status == TOUCH_OK) scenes_.push_back(made);
-        return status;
+        return kept(touch_scene_with_filters(one_of(scenes_), or_null(&frame), spoilt(sizeof frame), upto(2),
+                                             or_null(&made), error()),
+                    made, scenes_);
     }
     /// The handle stays in the list, so that calls come to what has ended.
     touch_status end_something() {
@@ -123,10 +118,8 @@ private:
         settings.threads = spoilt(settings.threads);
         settings.frames = spoilt(settings.frames);
         touch_surface made{};
-        const touch_status status =
-            touch_surface_create(one_of(scenes_), or_null(&settings), or_null(&made), error());
-        if (status == TOUCH_OK) surfaces_.push_back(made);
-        return status;
+        return kept(touch_surface_create(one_of(scenes_), or_null(&settings), or_null(&made), error()), made,
+                    surfaces_);
     }
     touch_frame spoilt_frame() {
         touch_frame frame = hill_.frame(++number_);
@@ -173,10 +166,8 @@ private:
         settings.ramp_in_ticks = spoilt(settings.ramp_in_ticks);
         settings.ramp_out_ticks = spoilt(settings.ramp_out_ticks);
         touch_solver made{};
-        const touch_status status =
-            touch_solver_create(one_of(surfaces_), or_null(&settings), or_null(&made), error());
-        if (status == TOUCH_OK) solvers_.push_back(made);
-        return status;
+        return kept(touch_solver_create(one_of(surfaces_), or_null(&settings), or_null(&made), error()), made,
+                    solvers_);
     }
     touch_status forces_at() {
         touch_solver_settings settings;
@@ -199,9 +190,12 @@ private:
         const touch_status status = touch_surface_forces_at(
             one_of(surfaces_), or_null(&settings), or_null(&at), spoilt(1), or_null(points.data()), count,
             or_null(contacts_.data()), is_wide ? SIZE_MAX : stride, error());
+        expect_finite();
+        return status;
+    }
+    void expect_finite() const {
         for (const touch_contact& contact : contacts_)
             EXPECT_TRUE(std::isfinite(contact.force_n.x + contact.force_n.y + contact.force_n.z));
-        return status;
     }
     touch_status tick() {
         const touch_solver solver = one_of(solvers_);
@@ -231,8 +225,7 @@ private:
         const bool is_wide = stride > sizeof(touch_contact);
         const touch_status status = touch_solver_tick(solver, or_null(&at), or_null(goals.data()),
                                                       or_null(contacts_.data()), is_wide ? SIZE_MAX : stride);
-        for (const touch_contact& contact : contacts_)
-            EXPECT_TRUE(std::isfinite(contact.force_n.x + contact.force_n.y + contact.force_n.z));
+        expect_finite();
         return status;
     }
 
@@ -246,28 +239,17 @@ private:
     std::array<touch_contact, 256> contacts_{};
 };
 
-TEST(HostileCalls, EachGivesAStatus) {
-    std::array<int, 256> seen{};
+TEST(HostileCalls, EachGivesStatus) {
+    Hostile::Statuses seen{};
     for (unsigned seed = 1; seed <= 40; ++seed) {
         Hostile program(seed);
-        for (int k = 0; k < 1000; ++k) {
-            const touch_status status = program.call();
-            ASSERT_STRNE(touch_status_name(status), "unknown status");
-            ASSERT_NE(status, TOUCH_INTERNAL);
-            ++seen[static_cast<std::size_t>(status)];
-        }
+        ASSERT_NO_FATAL_FAILURE(Hostile::count_statuses(program, seen));
     }
-    for (const touch_status status :
-         {TOUCH_OK, TOUCH_USAGE, TOUCH_INPUT, TOUCH_STALE, TOUCH_BUSY, TOUCH_FULL})
-        EXPECT_GT(seen[static_cast<std::size_t>(status)], 10) << touch_status_name(status);
-    EXPECT_GT(seen[TOUCH_OK], 4000) << "hardly anything was called as it should be";
+    Hostile::expect_seen(seen, {TOUCH_OK, TOUCH_USAGE, TOUCH_INPUT, TOUCH_STALE, TOUCH_BUSY, TOUCH_FULL},
+                         4000);
 }
 
 // What the C API refuses, and how it says so.
-
-touch_error no_error() {
-    return {sizeof(touch_error), 0, {}};
-}
 
 TEST(Statuses, HaveNames) {
     EXPECT_EQ(touch_version(), static_cast<std::uint32_t>(TOUCH_VERSION));
@@ -275,7 +257,7 @@ TEST(Statuses, HaveNames) {
     EXPECT_STREQ(touch_status_name(12345), "unknown status");
 }
 
-TEST(Statuses, HandlesOfOthersAndOfTheDeadAreStale) {
+TEST(Statuses, ForeignHandlesAreStale) {
     touch_scene scene{};
     const touch_camera camera = Hill::camera();
     ASSERT_EQ(touch_scene_from_camera(&camera, &scene, nullptr), TOUCH_OK);
@@ -296,7 +278,7 @@ TEST(Statuses, HandlesOfOthersAndOfTheDeadAreStale) {
     EXPECT_EQ(touch_surface_destroy(surface), TOUCH_OK);
 }
 
-TEST(Statuses, OneSolverForASurfaceWhichOutlastsIt) {
+TEST(Statuses, SurfaceHasOneSolver) {
     TouchedHill hill;
     touch_solver second{};
     EXPECT_EQ(touch_solver_create(hill.surface, nullptr, &second, nullptr), TOUCH_BUSY);
@@ -326,14 +308,14 @@ TEST(Statuses, ErrorsNameWhatIsWrong) {
 /// A scene that ends at 1 m (Hill), and floats of which some are beyond.
 class FarDepth : public testing::Test {
 protected:
-    FarDepth() : touched_(), metres_(static_cast<std::size_t>(pixels), 0.5F) {}
+    FarDepth() : metres_(static_cast<std::size_t>(pixels), 0.5F) {}
 
     touch_status push(std::int64_t number = 1) {
         touch_frame frame = hill_.frame(number);
-        frame.depth = {metres_.data(), 4 * Hill::width, Hill::width, Hill::height, TOUCH_F32, 1};
+        frame.depth = Hill::plane_of(metres_);
         frame.lost_pixels = &lost_;
         error_ = no_error();
-        return touch_surface_push(touched_.surface, &frame, &error_);
+        return touched_.push(frame, &error_);
     }
     void fill(std::int64_t count, float metres) { std::fill_n(metres_.begin(), count, metres); }
 
@@ -358,7 +340,7 @@ TEST_F(FarDepth, IsCounted) {
     EXPECT_EQ(lost_, 0);
 }
 
-TEST_F(FarDepth, IsRefusedWhereItIsMost) {
+TEST_F(FarDepth, IsRejectedWhenMost) {
     fill(pixels / 2 + 1, 3);
     metres_[0] = 80;
     EXPECT_EQ(push(), TOUCH_USAGE);
@@ -382,62 +364,55 @@ TEST_F(FarDepth, IsNotARenderersBackground) {
     EXPECT_EQ(lost_, pixels / 4);
 }
 
-TEST(Statuses, FramesAreCheckedAndInOrder) {
+TEST(Statuses, FramesAreCheckedInOrder) {
     TouchedHill touched;
     const Hill hill;
     touch_error error = no_error();
     touch_frame frame = hill.frame(0);
-    EXPECT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_USAGE) << "not later";
+    EXPECT_EQ(touched.push(frame, &error), TOUCH_USAGE) << "not later";
     frame = hill.frame(1);
     frame.depth.width = 63;
-    EXPECT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_USAGE);
+    EXPECT_EQ(touched.push(frame, &error), TOUCH_USAGE);
     EXPECT_NE(std::string(error.line).find("63x48"), std::string::npos) << error.line;
     frame = hill.frame(1);
     frame.depth.stride_bytes = 3;
-    EXPECT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_USAGE);
+    EXPECT_EQ(touched.push(frame, &error), TOUCH_USAGE);
     frame = hill.frame(1);
     frame.haptic = frame.depth;
-    EXPECT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_USAGE);
+    EXPECT_EQ(touched.push(frame, &error), TOUCH_USAGE);
     for (const std::int64_t far : {INT64_MIN, INT64_MAX}) {
         frame = hill.frame(1);
         frame.time_ns = far;
-        EXPECT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_USAGE);
+        EXPECT_EQ(touched.push(frame, &error), TOUCH_USAGE);
         EXPECT_NE(std::string(error.line).find("time_ns"), std::string::npos) << error.line;
     }
     int pushed = 0;
     touch_status status = TOUCH_OK;
     for (std::int64_t n = 1; n < 20 && status == TOUCH_OK; ++n) {
         frame = hill.frame(n);
-        status = touch_surface_push(touched.surface, &frame, &error);
+        status = touched.push(frame, &error);
         pushed += status == TOUCH_OK;
     }
-    EXPECT_EQ(status, TOUCH_FULL) << "nobody ticks";
+    EXPECT_EQ(status, TOUCH_FULL) << "without ticks";
     EXPECT_GE(pushed, 2);
     EXPECT_EQ(touch_surface_begin_epoch(touched.surface, 1, &error), TOUCH_OK);
     EXPECT_EQ(touch_surface_begin_epoch(touched.surface, 1, &error), TOUCH_USAGE);
     EXPECT_EQ(touch_surface_end_epoch(touched.surface), TOUCH_OK);
 }
 
-TEST(Statuses, TicksGoForwardAndGoalsThatAreNoNumbersRampAway) {
+TEST(Statuses, NanGoalsRampAway) {
     TouchedHill touched;
-    touch_contact contact;
+    touch_contact& contact = touched.contact;
     const touch_vec3 deep{0, 0, -0.44};
-    for (std::int64_t tick = 0; tick < 200; ++tick) {
-        const touch_tick at = tick_at(tick);
-        ASSERT_EQ(touch_solver_tick(touched.solver, &at, &deep, &contact, sizeof contact), TOUCH_OK);
-    }
+    for (std::int64_t tick = 0; tick < 200; ++tick) ASSERT_EQ(touched.tick(tick, deep), TOUCH_OK);
     EXPECT_GT(contact.force_n.z, 0.5);
     EXPECT_EQ(contact.touching, 1);
-    touch_tick at = tick_at(199);
-    EXPECT_EQ(touch_solver_tick(touched.solver, &at, &deep, &contact, sizeof contact), TOUCH_USAGE)
-        << "again";
-    at = tick_at(200);
+    EXPECT_EQ(touched.tick(199, deep), TOUCH_USAGE) << "again";
+    const touch_tick at = tick_at(200);
     EXPECT_EQ(touch_solver_tick(touched.solver, &at, &deep, &contact, 8), TOUCH_USAGE) << "no room";
-    const touch_vec3 nowhere{NAN, 0, 0};
     double before = contact.force_n.z;
     for (std::int64_t tick = 200; tick < 320; ++tick) {
-        at = tick_at(tick);
-        ASSERT_EQ(touch_solver_tick(touched.solver, &at, &nowhere, &contact, sizeof contact), TOUCH_OK);
+        ASSERT_EQ(touched.tick(tick, {NAN, 0, 0}), TOUCH_OK);
         EXPECT_LE(contact.force_n.z, before);
         EXPECT_TRUE(contact.guard & TOUCH_GUARD_FAULT);
         before = contact.force_n.z;
@@ -445,21 +420,19 @@ TEST(Statuses, TicksGoForwardAndGoalsThatAreNoNumbersRampAway) {
     EXPECT_EQ(contact.force_n.z, 0);
 }
 
-TEST(Statuses, NoForceIsLongerThanTheCallerAllows) {
+TEST(Statuses, ForceLimitHolds) {
     touch_solver_settings settings;
     touch_solver_settings_defaults(&settings, sizeof settings);
     settings.max_force_n = 0.25;
     TouchedHill touched(&settings);
-    touch_contact contact;
     for (std::int64_t tick = 0; tick < 300; ++tick) {
-        const touch_tick at = tick_at(tick);
-        const touch_vec3 goal = goal_at(tick);
-        ASSERT_EQ(touch_solver_tick(touched.solver, &at, &goal, &contact, sizeof contact), TOUCH_OK);
-        EXPECT_LE(std::hypot(contact.force_n.x, contact.force_n.y, contact.force_n.z), 0.25);
+        ASSERT_EQ(touched.tick(tick), TOUCH_OK);
+        const touch_vec3& force = touched.contact.force_n;
+        EXPECT_LE(std::hypot(force.x, force.y, force.z), 0.25);
     }
 }
 
-TEST(Statuses, AScenesTextGivesTheSceneAgain) {
+TEST(Statuses, SceneTextRoundTrips) {
     touch_scene scene{}, again{};
     const touch_camera camera = Hill::camera();
     ASSERT_EQ(touch_scene_from_camera(&camera, &scene, nullptr), TOUCH_OK);
@@ -521,7 +494,7 @@ Grown& as_grown(AsItWas& old) {
     return reinterpret_cast<Grown&>(old);
 }
 
-TEST(StructSizes, OfAnOlderProgramAreFilledInAndNoFurther) {
+TEST(StructSizes, FillOnlyOlderProgramsPart) {
     AsItWas old{0, 0, 77};
     EXPECT_EQ(give_defaults(Grown{0, 1, 2}, &as_grown(old), 8), TOUCH_OK);
     EXPECT_EQ(old.struct_size, 8U);
@@ -533,7 +506,7 @@ TEST(StructSizes, OfAnOlderProgramAreFilledInAndNoFurther) {
     EXPECT_EQ(old.beyond, 77);
 }
 
-TEST(StructSizes, OfAnOlderProgramAreReadAndNoFurther) {
+TEST(StructSizes, ReadOnlyOlderProgramsPart) {
     AsItWas old{8, 3, 77};
     EXPECT_TRUE(has_known_size(&as_grown(old)));
     const Grown wanted = over_defaults(&as_grown(old), Grown{sizeof(Grown), 1, 2});
@@ -547,15 +520,14 @@ TEST(StructSizes, OlderFramesGetNoCount) {
     touch_surface surface{};
     ASSERT_EQ(touch_scene_from_camera(&camera, &scene, nullptr), TOUCH_OK);
     ASSERT_EQ(touch_surface_create(scene, nullptr, &surface, nullptr), TOUCH_OK);
-    std::vector<float> metres(
-        static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), 0.5F);
+    std::vector<float> metres = test::Hill().metres();
     metres[3] = 7;  // beyond the far plane
     std::int64_t lost = -1;
     // Of a part of the pointer, too, nothing is written.
     std::int64_t number = 0;
     for (const std::size_t size : {offsetof(touch_frame, lost_pixels), sizeof(touch_frame) - 1}) {
         touch_frame frame = test::Hill().frame(number++);
-        frame.depth = {metres.data(), 4 * camera.width, camera.width, camera.height, TOUCH_F32, 1};
+        frame.depth = test::Hill::plane_of(metres);
         frame.lost_pixels = &lost;
         frame.struct_size = static_cast<std::uint32_t>(size);
         EXPECT_EQ(touch_surface_push(surface, &frame, nullptr), TOUCH_OK);
@@ -569,7 +541,7 @@ TEST(StructSizes, OlderFramesGetNoCount) {
     touch_scene_destroy(scene);
 }
 
-TEST(StructSizes, ThatNobodyKnowsAreRefused) {
+TEST(StructSizes, RejectUnknown) {
     Grown grown{4, 0, 0};
     EXPECT_FALSE(has_known_size(&grown));
     grown.struct_size = sizeof grown + 4;

@@ -93,7 +93,7 @@ struct Touched {
 
 Touched forces_of_the_api(const Globe& globe, int threads) {
     const std::string text = scene_to_json(globe.scene());
-    touch_error error{sizeof error, 0, {}};
+    touch_error error = no_error();
     touch_scene scene{};
     EXPECT_EQ(touch_scene_from_text(text.data(), text.size(), &scene, &error), TOUCH_OK) << error.line;
     touch_surface_settings shape;
@@ -143,7 +143,7 @@ Touched forces_of_the_api(const Globe& globe, int threads) {
     return touched;
 }
 
-TEST(SameForces, AsTheRoomsBehindToTheBit) {
+TEST(SameForces, MatchEngineToTheBit) {
     const Globe globe;
     const std::uint64_t expected = forces_of_the_rooms(globe);
     for (const int threads : {1, 3}) {
@@ -157,13 +157,11 @@ TEST(SameForces, AsTheRoomsBehindToTheBit) {
 TEST(SameForces, BatchesAreTicks) {
     TouchedHill one, many;
     std::vector<touch_vec3> goals;
-    std::vector<touch_contact> singly(500), together(500);
+    std::vector<touch_contact> singly, together(500);
     for (std::int64_t tick = 0; tick < 500; ++tick) {
         goals.push_back(goal_at(tick));
-        const touch_tick at = tick_at(tick);
-        ASSERT_EQ(touch_solver_tick(one.solver, &at, &goals.back(), &singly[static_cast<std::size_t>(tick)],
-                                    sizeof(touch_contact)),
-                  TOUCH_OK);
+        ASSERT_EQ(one.tick(tick), TOUCH_OK);
+        singly.push_back(one.contact);
     }
     const touch_tick first = tick_at(0);
     const std::size_t before = allocations();
@@ -191,10 +189,9 @@ TEST(SameForces, BatchesAreTicks) {
 
 /// Floats of metres are the codes that they round to; rows from below, and at odd places, are the same
 /// picture.
-TEST(SameForces, WhateverMemoryDepthLiesIn) {
+TEST(SameForces, AnyMemoryLayoutWorks) {
     const Hill hill;
-    std::vector<float> metres;
-    for (const std::uint16_t code : hill.codes()) metres.push_back(static_cast<float>(code) * 0.001F);
+    const std::vector<float> metres = hill.metres();
     constexpr std::size_t row = 2 * Hill::width, rows = Hill::height;
     std::vector<std::uint8_t> upside_down(row * rows), odd(row * rows + 1);
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(hill.codes().data());
@@ -203,7 +200,7 @@ TEST(SameForces, WhateverMemoryDepthLiesIn) {
     std::copy_n(bytes, row * rows, odd.data() + 1);
     const touch_plane planes[] = {
         hill.frame().depth,
-        {metres.data(), 4 * Hill::width, Hill::width, Hill::height, TOUCH_F32, 1},
+        Hill::plane_of(metres),
         {upside_down.data() + row * (rows - 1), -static_cast<std::int64_t>(row), Hill::width, Hill::height,
          TOUCH_U16, 1},
         {odd.data() + 1, row, Hill::width, Hill::height, TOUCH_U16, 1},
@@ -213,16 +210,10 @@ TEST(SameForces, WhateverMemoryDepthLiesIn) {
         TouchedHill touched;
         touch_frame frame = hill.frame(1);
         frame.depth = plane;
-        touch_error error{sizeof error, 0, {}};
-        ASSERT_EQ(touch_surface_push(touched.surface, &frame, &error), TOUCH_OK) << error.line;
-        for (std::int64_t tick = 40; tick < 300; ++tick) {
-            const touch_tick at = tick_at(tick);
-            const touch_vec3 goal = goal_at(tick);
-            touch_contact contact;
-            ASSERT_EQ(touch_solver_tick(touched.solver, &at, &goal, &contact, sizeof contact), TOUCH_OK);
-        }
-        hashes.emplace_back();
-        touch_solver_force_hash(touched.solver, &hashes.back());
+        touch_error error = no_error();
+        ASSERT_EQ(touched.push(frame, &error), TOUCH_OK) << error.line;
+        for (std::int64_t tick = 40; tick < 300; ++tick) ASSERT_EQ(touched.tick(tick), TOUCH_OK);
+        hashes.push_back(touched.hash());
     }
     for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, hashes.front());
 }
@@ -320,7 +311,7 @@ void expect_as_ticked(TiltedPlane& plane, const std::vector<touch_vec3>& points,
     }
 }
 
-TEST(ForcesAt, AreThoseOfManyTicks) {
+TEST(ForcesAt, MatchManyTicks) {
     TiltedPlane plane;
     // Without friction a finger ends where the plane is nearest, however it came.
     const auto points = points_behind(plane);
@@ -341,7 +332,7 @@ TEST(ForcesAt, FrictionLeansOnlyWhereAsked) {
     EXPECT_EQ(without.stiffness_n_per_m, 400);
 }
 
-TEST(ForcesAt, PlacesDoNotDependOnEachOther) {
+TEST(ForcesAt, PlacesAreIndependent) {
     const TiltedPlane plane;
     auto points = points_behind(plane);
     points[5].x = std::numeric_limits<double>::quiet_NaN();
@@ -358,12 +349,12 @@ TEST(ForcesAt, PlacesDoNotDependOnEachOther) {
     EXPECT_EQ(all[7].guard, 0U);
 }
 
-TEST(ForcesAt, SayWhatIsMissing) {
+TEST(ForcesAt, ErrorsNameTheProblem) {
     TiltedPlane plane;
     const touch_tick moment = touch::tick_at(0);
     const touch_vec3 point = plane.point(30, 20, 1);
     touch_contact contact{};
-    touch_error error{sizeof error, 0, {}};
+    touch_error error = no_error();
     const auto call = [&](touch_surface surface, int friction) {
         return touch_surface_forces_at(surface, nullptr, &moment, friction, &point, 1, &contact,
                                        sizeof contact, &error);
@@ -405,7 +396,7 @@ public:
         touch_frame frame = touch::frame();
         frame.number = frames_;
         frame.time_ns = frames_ == 0 ? 0 : (tick_ - 1) * 1'000'000;
-        frame.depth = {metres.data(), 4 * Hill::width, Hill::width, Hill::height, TOUCH_F32, 1};
+        frame.depth = Hill::plane_of(metres);
         ++frames_;
         EXPECT_TRUE(surface_.push(frame));
     }
@@ -431,10 +422,10 @@ private:
     touch::Solver solver_;
 };
 
-class Missing : public testing::TestWithParam<int> {};
+class MissingGoals : public testing::TestWithParam<int> {};
 
 /// A tracker loses the finger for some milliseconds, and a nearer surface comes meanwhile.
-TEST_P(Missing, GoalsReturnWithoutAStepOfForce) {
+TEST_P(MissingGoals, ReturnWithoutStep) {
     for (const bool has_frame : {false, true}) {
         PressedWall wall(PressedWall::settings());
         const touch_vec3 goal{0, 0, -0.503};
@@ -458,9 +449,9 @@ TEST_P(Missing, GoalsReturnWithoutAStepOfForce) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(ForceSafety, Missing, testing::Values(1, 5, 20, 40, 50, 60, 80, 99, 100, 120));
+INSTANTIATE_TEST_SUITE_P(ForceSafety, MissingGoals, testing::Values(1, 5, 20, 40, 50, 60, 80, 99, 100, 120));
 
-TEST(ForceSafety, RampsOfAnyLengthAreRamps) {
+TEST(ForceSafety, LongestRampIsGradual) {
     touch_solver_settings settings = PressedWall::settings();
     settings.ramp_out_ticks = std::numeric_limits<std::int32_t>::max();
     PressedWall wall(settings);
@@ -480,15 +471,8 @@ TEST(ForceSafety, RampsOfAnyLengthAreRamps) {
 
 std::uint64_t hash_of_a_run() {
     TouchedHill touched;
-    for (std::int64_t tick = 0; tick < 500; ++tick) {
-        const touch_tick at = tick_at(tick);
-        const touch_vec3 goal = goal_at(tick);
-        touch_contact contact;
-        EXPECT_EQ(touch_solver_tick(touched.solver, &at, &goal, &contact, sizeof contact), TOUCH_OK);
-    }
-    std::uint64_t hash = 0;
-    EXPECT_EQ(touch_solver_force_hash(touched.solver, &hash), TOUCH_OK);
-    return hash;
+    for (std::int64_t tick = 0; tick < 500; ++tick) EXPECT_EQ(touched.tick(tick), TOUCH_OK);
+    return touched.hash();
 }
 
 TEST(Threads, TwoSolversInTwoThreads) {
@@ -508,10 +492,8 @@ TEST(Threads, OnePushesWhileAnotherTicks) {
     std::thread writer([&] {
         for (std::int64_t n = 1; n < frames; ++n) {
             const Hill hill(static_cast<int>(n % 5));
-            const touch_frame frame = hill.frame(n);
             touch_status status = TOUCH_FULL;
-            while ((status = touch_surface_push(touched.surface, &frame, nullptr)) == TOUCH_FULL)
-                std::this_thread::yield();
+            while ((status = touched.push(hill.frame(n))) == TOUCH_FULL) std::this_thread::yield();
             EXPECT_EQ(status, TOUCH_OK);
         }
         pushed_all = true;
@@ -530,8 +512,8 @@ TEST(Threads, OnePushesWhileAnotherTicks) {
     EXPECT_EQ(newest, (frames - 1) * 33'000'000);
 }
 
-/// Whoever tries to destroy what a solver needs gets TOUCH_BUSY, and nobody else notices.
-TEST(Threads, WhatCannotBeDestroyedStaysThereForAll) {
+/// Destroying what a solver needs gives TOUCH_BUSY, and other threads go on using it.
+TEST(Threads, BusySurfaceStaysUsable) {
     const TouchedHill touched;
     std::atomic<bool> over = false;
     std::thread destroyer([&] {
@@ -606,19 +588,13 @@ struct HeldObjects {
         const touch_frame frame = picture.frame();
         return touch_writer_write(writer, &frame, error);
     }
-    touch_status tick(std::int64_t number) const {
-        const touch_tick at = tick_at(number);
-        const touch_vec3 goal = goal_at(number);
-        touch_contact contact;
-        return touch_solver_tick(hill.solver, &at, &goal, &contact, sizeof contact);
-    }
 };
 
-TEST(Forks, ChildIsRefusedItsParentsObjects) {
+TEST(Forks, ChildCannotUseParentsObjects) {
     const TemporaryFolder folder;
     HeldObjects held(folder);
     const int refused = in_child([&] {
-        touch_error error{sizeof error, 0, {}};
+        touch_error error = no_error();
         touch_frameset next{};
         touch_clip_facts facts{};
         facts.struct_size = sizeof facts;
@@ -632,7 +608,7 @@ TEST(Forks, ChildIsRefusedItsParentsObjects) {
                                          HeldObjects::push(held.threaded, 1, &error),
                                          touch_surface_newest_ns(held.threaded, &time),
                                          touch_solver_create(held.threaded, nullptr, &solver, &error),
-                                         held.tick(0),
+                                         held.hill.tick(0),
                                          touch_solver_force_hash(held.hill.solver, &hash),
                                          held.write(&error),
                                          HeldObjects::forces_at(held.threaded),
@@ -648,7 +624,7 @@ TEST(Forks, ChildIsRefusedItsParentsObjects) {
                    : 101;
     });
     EXPECT_EQ(refused, 0) << "the call of that number";
-    EXPECT_EQ(held.tick(0), TOUCH_OK);
+    EXPECT_EQ(held.hill.tick(0), TOUCH_OK);
     EXPECT_EQ(HeldObjects::push(held.threaded, 1), TOUCH_OK);
     touch_frameset next{};
     EXPECT_EQ(touch_clip_next(held.clip, &next, nullptr), TOUCH_OK);
@@ -657,7 +633,7 @@ TEST(Forks, ChildIsRefusedItsParentsObjects) {
     EXPECT_EQ(touch_writer_finish(held.writer, nullptr), TOUCH_OK);
 }
 
-TEST(Forks, ChildForgetsAndMakesItsOwn) {
+TEST(Forks, ChildReleasesAndMakesObjects) {
     const TemporaryFolder folder;
     HeldObjects held(folder);
     const int forgotten = in_child([&] {
@@ -681,7 +657,7 @@ TEST(Forks, ChildForgetsAndMakesItsOwn) {
         return touch_scene_destroy(held.hill.scene) == TOUCH_OK ? 0 : 13;
     });
     EXPECT_EQ(forgotten, 0) << "the step of that number";
-    EXPECT_EQ(held.tick(0), TOUCH_OK);
+    EXPECT_EQ(held.hill.tick(0), TOUCH_OK);
     EXPECT_EQ(touch_writer_abandon(held.writer), TOUCH_OK);
 }
 
