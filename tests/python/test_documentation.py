@@ -39,7 +39,7 @@ def public():
 
 
 class Documentation(unittest.TestCase):
-    def test_EveryPublicNameHasADocstring(self):
+    def test_EveryPublicNameHasDocstring(self):
         for name, thing in public():
             own = vars(thing).get("__doc__") if inspect.isclass(thing) else thing.__doc__
             generated = dataclasses.is_dataclass(thing) and (own or "").startswith(f"{name}(")
@@ -47,7 +47,7 @@ class Documentation(unittest.TestCase):
             made = name.endswith(".__init__") and dataclasses.is_dataclass(getattr(touchable, name.split(".")[0]))
             self.assertTrue(made or (own and not generated), name)
 
-    def test_EveryParameterAndResultHasAHint(self):
+    def test_EveryParameterHasTypeHint(self):
         for name, thing in public():
             if inspect.isclass(thing):
                 continue
@@ -57,7 +57,7 @@ class Documentation(unittest.TestCase):
                     self.assertIsNot(parameter.annotation, parameter.empty, f"{name}: {parameter.name}")
             self.assertIsNot(signature.return_annotation, signature.empty, name)
 
-    def test_WhoeverTakesOrGivesArraysSaysTheirShapes(self):
+    def test_ArraysHaveDocumentedShapes(self):
         for name, thing in public():
             hints = "" if inspect.isclass(thing) else str(inspect.signature(thing))
             if re.search("NDArray|ArrayLike", hints):
@@ -66,7 +66,7 @@ class Documentation(unittest.TestCase):
                 has_shape = re.search(shape, text)
                 self.assertTrue(has_shape, f"{name}: {text}")
 
-    def test_WhoeverMayRefuseSaysWhatIsRaised(self):
+    def test_FunctionsDocumentTheirErrors(self):
         for name, thing in public():
             if inspect.isclass(thing) or name.endswith((".close", ".closed", ".__init__")):
                 continue
@@ -74,7 +74,7 @@ class Documentation(unittest.TestCase):
             if re.search(r"_check_open|raise |refuse\(|made\(", body):
                 self.assertRegex(thing.__doc__, "[Rr]aises|see touchable.touch", name)
 
-    def test_WhatAnObjectHasIsExplainedInItsDocstring(self):
+    def test_AttributesAreDocumented(self):
         for name, thing in public():
             if not inspect.isclass(thing):
                 continue
@@ -83,14 +83,14 @@ class Documentation(unittest.TestCase):
             for member in has:
                 self.assertRegex(thing.__doc__, rf"\b{member}(, \w+)*: ", f"{name}.{member}")
 
-    def test_TheNamesAreThoseThatADocumentationTellsOf(self):
+    def test_NamesMatchDocumentation(self):
         text = (source / "docs/python.md").read_text()
         for name in touchable.__all__:
             self.assertIn(name, text)
         for name in re.findall(r"touchable\.([A-Za-z_]+)", text):
             self.assertTrue(hasattr(touchable, name) or name in ("mkv", "so", "h", "md", "bag"), name)
 
-    def test_ItsFirstProgramPrintsWhatItSays(self):
+    def test_FirstProgramPrintsAsDocumented(self):
         text = (source / "docs/python.md").read_text()
         blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", text, re.M)
         program, printed = (textwrap.dedent(block) for block in blocks[:2])
@@ -99,14 +99,14 @@ class Documentation(unittest.TestCase):
             exec(compile(program, "docs/python.md", "exec"), {})
         self.assertEqual(out.getvalue().strip(), printed.strip())
 
-    def test_PydocShowsThem(self):
+    def test_PydocShowsPublicNames(self):
         text = pydoc.plain(pydoc.render_doc(touchable))
         for name in touchable.__all__:
             self.assertRegex(text, rf"(class )?{name}\b")
 
 
 class Wheel(unittest.TestCase):
-    def test_HasBothLibrariesAndItsPlatform(self):
+    def test_HasLibrariesAndPlatform(self):
         wheel = os.environ["TOUCHABLE_WHEEL"]
         version = re.search(r"project\(touchable VERSION ([0-9.]+)", (source / "CMakeLists.txt").read_text())[1]
         machine = os.uname().machine

@@ -23,7 +23,7 @@ class Examples(unittest.TestCase):
         self.assertEqual(done.stderr, "")
         return done.stdout
 
-    def test_AnArrayIsTouchedAndDrawnInFifteenLines(self):
+    def test_ArrayIsTouchedAndDrawn(self):
         with tempfile.TemporaryDirectory() as folder:
             said = self.says("touch_array.py", folder + "/forces.png")
             self.assertTrue(2 < float(re.search(r"force (\S+) N", said)[1]) < 4)  # 5 mm at 600 N/m
@@ -33,23 +33,23 @@ class Examples(unittest.TestCase):
         lines = (source / "examples/python/touch_array.py").read_text().splitlines()
         self.assertLessEqual(sum(bool(line.strip()) for line in lines), 15)
 
-    def test_ADeviceIsHeldForASecondOfVirtualTime(self):
+    def test_DeviceRunsInVirtualTime(self):
         said = self.says("device_loop.py", "--seconds", "1")
         self.assertGreater(int(re.search(r"in contact for (\d+) ms", said)[1]), 300)
         self.assertEqual(said, self.says("device_loop.py", "--seconds", "1"))
 
-    def test_AWallClockCountsWhatIsLate(self):
+    def test_WallClockCountsLateTicks(self):
         said = self.says("device_loop.py", "--seconds", "0.2", "--wall-clock")
         self.assertRegex(said, r"\d+ ticks were more than 1 ms late")
 
-    def test_ASimulatorGetsZeroWhereDataIsMissing(self):
+    def test_SimulatorGetsZeroForMissing(self):
         said = self.says("sim_step.py").splitlines()
         self.assertEqual(said[3], "step 60: left [3. 3. 3. 3. 3.] N, right [3. 3. 3. 3. 3.] N")
         self.assertEqual(said[4], "step 75: left [3. 3. 3. 3. 3.] N, right [0. 0. 0. 0. 0.] N")
 
 
 class Plots(unittest.TestCase):
-    def test_SeveralFingersAndHolesAndKindsOfFiles(self):
+    def test_DrawsFingersHolesAndFormats(self):
         depth = numpy.full((30, 40), 500, numpy.uint16)
         depth[10:20, 10:20] = 0
         camera = touchable.Camera(40, 30, fx_px=40.0)
@@ -66,7 +66,7 @@ class Plots(unittest.TestCase):
             with self.assertRaises(OSError):
                 touchable.plot(touched, folder + "/nowhere/x.png")
 
-    def test_WithoutAPathPyplotShowsIt(self):
+    def test_WithoutPathPyplotShowsIt(self):
         from matplotlib import pyplot
 
         depth = numpy.full((30, 40), 500, numpy.uint16)
@@ -74,13 +74,13 @@ class Plots(unittest.TestCase):
         self.assertIs(pyplot.gcf(), figure)
         pyplot.close(figure)
 
-    def test_NothingThatIsTouchedIsDrawnToo(self):
+    def test_FreeFingersAreDrawn(self):
         nothing = touchable.Surface(numpy.zeros((30, 40), numpy.uint16), touchable.Camera(40, 30))
         with tempfile.TemporaryDirectory() as folder:
             touchable.plot(nothing.touch(numpy.zeros((3, 3)), metres_per_scene_unit=1), folder + "/x.png")
             touchable.plot(nothing.touch(numpy.zeros((0, 3)), metres_per_scene_unit=1), folder + "/y.png")
 
-    def test_WithoutMatplotlibItSaysSo(self):
+    def test_WithoutMatplotlibRaisesClearError(self):
         done = python("-c", "import sys; sys.modules['matplotlib'] = None\nimport numpy, touchable\n"
                       "depth = numpy.full((9, 9), 500, numpy.uint16)\n"
                       "touched = touchable.Surface(depth, touchable.Camera(9, 9)).touch([(0, 0, 0)])\n"
@@ -103,18 +103,18 @@ class Libraries(unittest.TestCase):
             open(f"{folder.name}/touchable/lib/{library}", "w").close()
         return folder.name
 
-    def test_ThoseOfTheSystemDo(self):
+    def test_SystemLibrariesWork(self):
         environment = {**os.environ, "PYTHONPATH": self.package(), "LD_LIBRARY_PATH": os.environ["TOUCHABLE_LIBRARIES"]}
         program = f"import touchable; print(len(touchable.open({globe()!r})), touchable.__version__)"
         done = python("-c", program, env=environment)
         self.assertEqual(done.stdout, f"12 {touchable.__version__}\n", done.stderr)
 
-    def test_WithoutTheSolverItSaysWhereItComesFrom(self):
+    def test_WithoutSolverNamesItsSource(self):
         package = self.package(broken=["libtouchable.so.0"])
         done = python("-c", "import touchable", env={**os.environ, "PYTHONPATH": package})
         self.assertRegex(done.stderr, "ImportError: libtouchable.so.0.*Debian package touchable")
 
-    def test_WithoutMediaSurfacesAreTouched(self):
+    def test_WithoutMediaSurfacesWork(self):
         program = ("import numpy, touchable\nsurface = touchable.Surface(numpy.full((9, 9), 0.5), touchable.Camera(9, 9))\n"
                    "print(surface.touch([(0, 0, -0.6)] * 9).touching.all())\ntouchable.open('x')")
         package = self.package("libtouchable.so.0", broken=["libtouchable-media.so.0"])
@@ -135,14 +135,14 @@ class Libraries(unittest.TestCase):
                 shutil.copy(source / name, folder.name + "/touchable")
         return folder.name
 
-    def test_AWheelWithoutThemIsRefused(self):
+    def test_WheelWithoutLibrariesIsRejected(self):
         folder = self.copied()
         done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/touchable/python",
                               capture_output=True, text=True, env={**os.environ, "TOUCHABLE_LIBRARIES": folder})
         self.assertNotEqual(done.returncode, 0)
         self.assertIn(f"{folder} has no libtouchable.so.0 and no libtouchable-media.so.0", done.stderr)
 
-    def test_AnSdistHasWhatTheLibrariesAreBuiltOf(self):
+    def test_SdistHasLibrarySources(self):
         """What CMake configures with it; to compile it takes minutes. The wheel of it has libraries that were built before."""
         folder = self.copied("LICENSE", "capi", "cmake", "device", "engine", "haptics_cpu", "shaders")
         subprocess.run(["/usr/bin/python3", "-m", "build", "--sdist", "--no-isolation", "--outdir", folder, folder +
@@ -164,7 +164,7 @@ class Libraries(unittest.TestCase):
         with zipfile.ZipFile(f"{folder}/{wheel}") as file, zipfile.ZipFile(os.environ["TOUCHABLE_WHEEL"]) as tested:
             self.assertEqual(sorted(file.namelist()), sorted(tested.namelist()))
 
-    def test_WithoutACompilerAWheelSaysWhatToInstall(self):
+    def test_WithoutCompilerNamesPackages(self):
         folder = self.copied()
         environment = {name: value for name, value in os.environ.items() if name != "TOUCHABLE_LIBRARIES"}
         done = subprocess.run(["/usr/bin/python3", "setup.py", "-q", "bdist_wheel"], cwd=folder + "/touchable/python",

@@ -39,7 +39,7 @@ def in_child(work):
 class Forks(unittest.TestCase):
     """A forked child, such as multiprocessing's: it has the memory of its parent, but neither its threads nor its files."""
 
-    def test_AChildIsToldWhatBelongsToItsParent(self):
+    def test_ChildCannotUseParentsObjects(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera, threads=2)
         with touchable.open(globe()) as clip, touchable.Solver(surface) as solver:
@@ -58,7 +58,7 @@ class Forks(unittest.TestCase):
             self.assertEqual([frame.number for frame in clip], list(range(12)))
             self.assertEqual(solver.tick(None).tolist(), [[0, 0, 0]])
 
-    def test_AChildClosesAndCollectsNothingOfItsParents(self):
+    def test_ChildLeavesParentsObjectsAlone(self):
         depth, camera = hill()
         held = {"clip": touchable.open(globe())}
         held["frame"] = held["clip"][2]
@@ -81,11 +81,11 @@ class Forks(unittest.TestCase):
         self.assertEqual(held["clip"][5].number, 5)
         self.assertEqual(held["solver"].tick(None).shape, (1, 3))
 
-    def test_AChildHasScenesAndFramesAndOpensForItself(self):
+    def test_ChildOpensForItself(self):
         with touchable.open(globe()) as clip:
             frame, scene = clip[2], clip.scene
             expected = frame.depth.sum(), numpy.nansum(scene.metres(frame.depth)), numpy.nansum(frame.metres)
-            fresh = clip[2]  # whose metres nobody asked for
+            fresh = clip[2]  # whose metres were never read
 
             def work():
                 with touchable.open(globe()) as own:
@@ -94,7 +94,7 @@ class Forks(unittest.TestCase):
 
             self.assertEqual(in_child(work), str(expected))
 
-    def test_AChildLeavesTheClipThatItsParentWrites(self):
+    def test_ChildLeavesParentsClip(self):
         for then, status in ("sys.exit(0)", 0), ("pass", 1):  # the second one goes on writing, and is refused
             for name in "folder", "clip.mkv":
                 with self.subTest(name, then=then), tempfile.TemporaryDirectory() as folder:
@@ -125,7 +125,7 @@ class Copies(unittest.TestCase):
     def copies_of(self, thing):
         return pickle.loads(pickle.dumps(thing)), copy.copy(thing), copy.deepcopy(thing)
 
-    def test_ScenesAreCopiedByTheirText(self):
+    def test_ScenesPickleByText(self):
         depth, camera = hill()
         for make in (lambda: touchable.Scene.from_camera(camera)), (lambda: touchable.open(globe()).scene):
             scene = make()
@@ -136,7 +136,7 @@ class Copies(unittest.TestCase):
                 self.assertEqual(again.text, text)
                 self.assertEqual({name: value for name, value in vars(again).items() if name != "_handle"}, facts)
 
-    def test_WhatWasTouchedIsCopiedWhole(self):
+    def test_TouchResultsPickleWhole(self):
         depth, camera = hill()
         touched = touchable.Surface(depth, camera).touch(stroke(camera))
         for again in self.copies_of(touched):
@@ -144,7 +144,7 @@ class Copies(unittest.TestCase):
             self.assertEqual(again.surface_metres.tobytes(), touched.surface_metres.tobytes())
             self.assertEqual((again.force_hash, again.scene.text), (touched.force_hash, touched.scene.text))
 
-    def test_WhatHasThreadsOrFilesIsNotCopied(self):
+    def test_ThreadsAndFilesNeverPickle(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         with touchable.open(globe()) as clip, touchable.Solver(surface) as solver:
@@ -155,14 +155,14 @@ class Copies(unittest.TestCase):
 
 
 class Interrupted(unittest.TestCase):
-    def test_WhatCMadeEndsWhereCtrlCComesBeforeItsHandle(self):
+    def test_InterruptBeforeHandleLeaksNothing(self):
         surface = touchable.Surface(*hill())
         with unittest.mock.patch.object(_library, "Handle", side_effect=KeyboardInterrupt):
             self.assertRaises(KeyboardInterrupt, touchable.Solver, surface)
         touchable.Solver(surface).close()  # a surface has one at a time
         surface.close()
 
-    def test_WhatIsForgottenEndsWhereCtrlCComesJustThen(self):
+    def test_InterruptDuringReleaseLeaksNothing(self):
         ended = []
 
         def end(number):

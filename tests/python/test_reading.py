@@ -37,7 +37,7 @@ def compare_with_the_program(test, path, step=1):
 
 
 class Reading(unittest.TestCase):
-    def test_CodesAreThoseOfTheFolderThatTheProgramWrites(self):
+    def test_CodesMatchProgramsFolder(self):
         with tempfile.TemporaryDirectory() as folder, touchable.open(globe()) as clip:
             run("convert", globe(), folder + "/pictures")
             self.assertEqual(len(clip), 12)
@@ -47,7 +47,7 @@ class Reading(unittest.TestCase):
                     expected = png(f"{folder}/pictures/{role}_{k:06d}.png")
                     self.assertTrue(numpy.array_equal(getattr(frame, role), expected), role)
 
-    def test_CodesAndMetresAreThoseOfExport(self):
+    def test_CodesAndMetresMatchExport(self):
         with tempfile.TemporaryDirectory() as folder, touchable.open(globe()) as clip:
             run("export", globe(), "--frame", "3", "--out", folder + "/3")
             frame = clip[3]
@@ -58,7 +58,7 @@ class Reading(unittest.TestCase):
             self.assertLess(numpy.abs(frame.metres - expected).max(), 1e-7)
             self.assertEqual(frame.metres.dtype, numpy.float32)
 
-    def test_OnlyMultiplesOfALengthHaveMetresPerCode(self):
+    def test_OnlyMetricCodingHasStep(self):
         codings = {"linear": {"near": 0.5, "far": 4}, "inverse": {"near": 0.5, "far": 4}, "log": {"near": 0.5, "far": 4},
                    "hue": {"near": 0.5, "far": 4}, "metric": {"scale": 0.0005, "far": 4}}
         for coding, depth in codings.items():
@@ -86,20 +86,20 @@ class Reading(unittest.TestCase):
                     self.assertAlmostEqual(back.camera.metres_per_code, camera.far_m / 65535, places=12)
                     self.assertLess(numpy.nanmax(numpy.abs(back[0].metres - frame.metres)), camera.far_m / 65535)
 
-    def test_ColourIsThereUnlessItIsLeftOut(self):
+    def test_ColourCanBeOmitted(self):
         with touchable.open(globe()) as clip, touchable.open(globe(), colour=False) as plain:
             self.assertEqual(clip[0].colour.shape, (120, 160, 3))
             self.assertGreater(clip[0].colour.std(), 10)
             self.assertIsNone(plain[0].colour)
             self.assertTrue(numpy.array_equal(plain[0].depth, clip[0].depth))
 
-    def test_PicturesThatAreNotThereAreNone(self):
+    def test_MissingPicturesAreNone(self):
         with touchable.open(made("plane", "--frames", "2", "--size", "64x48")) as clip:
             self.assertEqual((clip.has_haptic, clip.has_height), (False, False))
             self.assertIsNone(clip[0].haptic)
             self.assertIsNone(clip[0].height)
 
-    def test_NothingIsCopiedAndNobodyMayWrite(self):
+    def test_ArraysAreReadOnlyViews(self):
         with touchable.open(globe()) as clip:
             frame = clip[0]
             self.assertEqual(frame.depth.ctypes.data, frame._struct.depth.data)
@@ -117,7 +117,7 @@ class Reading(unittest.TestCase):
         [numpy.ones((120, 160), numpy.uint16) for _ in range(100)]  # would take the memory, were it free
         self.assertTrue(numpy.array_equal(part, expected[10:60:2, ::-1]))
 
-    def test_AFramesetIsReleasedWithItsLastArray(self):
+    def test_LastArrayReleasesFrameset(self):
         with touchable.open(globe()) as clip:
             frame = clip[0]
             number, array = frame._handle.number, frame.colour[5:]
@@ -128,7 +128,7 @@ class Reading(unittest.TestCase):
             gc.collect()
             self.assertEqual(status_of_frameset(number), touchable.Status.STALE)
 
-    def test_ArraysLastUntilPythonHasEnded(self):
+    def test_ArraysLastUntilExit(self):
         program = ("import atexit\ndef look(): print(lies_over(number, _library.FrameStruct()), int(array.sum()))\n"
                    "atexit.register(look)\nimport touchable\nfrom touchable import _library\n"
                    "lies_over = _library.function('frameset_frame')\n"
@@ -138,7 +138,7 @@ class Reading(unittest.TestCase):
         while_it_runs, at_exit = done.stdout.splitlines()
         self.assertEqual(at_exit, while_it_runs, done.stderr)
 
-    def test_EachLoopBeginsAnewAndSeveralGoSideBySide(self):
+    def test_LoopsAreIndependent(self):
         with touchable.open(globe()) as clip:
             self.assertEqual([frame.number for frame in clip], list(range(12)))
             pairs = [(a.number, b.number) for a, b in zip(clip, iter(clip))]
@@ -151,7 +151,7 @@ class Reading(unittest.TestCase):
                 with self.assertRaisesRegex(IndexError, "12"):
                     clip[beyond]
 
-    def test_TimesAreThoseOfTheRate(self):
+    def test_TimesFollowRate(self):
         with touchable.open(globe()) as clip:
             self.assertEqual([frame.time_ns for frame in clip], [k * 10**9 // 30 for k in range(12)])
             self.assertAlmostEqual(clip[3].time_s, 0.1)
@@ -160,7 +160,7 @@ class Reading(unittest.TestCase):
         with self.assertRaisesRegex(touchable.ClosedError, "was closed"):
             clip.times_ns
 
-    def test_RecordingsOfRobotsHaveTheCodesOfTheProgramAndAreWrittenBack(self):
+    def test_RobotRecordingsRoundTrip(self):
         pictures = 0
         for kind in "bag", "mcap", "db3":
             found = sorted((source / "tests/fuzz/seeds" / kind).iterdir())
@@ -170,7 +170,7 @@ class Reading(unittest.TestCase):
                     pictures += compare_with_the_program(self, path)
         self.assertGreater(pictures, 12)
 
-    def test_EveryClipHasTheCodesOfTheProgramAndIsWrittenBack(self):
+    def test_EveryClipRoundTrips(self):
         codecs = set()
         for path in sorted((source / "tests/fuzz/seeds/clip").glob("*.mkv")):
             with self.subTest(path.name):
@@ -178,7 +178,7 @@ class Reading(unittest.TestCase):
                 compare_with_the_program(self, path)
         self.assertEqual(codecs, {"t3dz", "t3d2"})
 
-    def test_WhatIsSaidOfTheCameraCounts(self):
+    def test_CameraSettingsApply(self):
         with tempfile.TemporaryDirectory() as folder:
             depth = numpy.full((48, 64), 700, numpy.uint16)
             touchable.write(folder + "/pictures", [depth], camera=touchable.Camera(64, 48))
@@ -194,7 +194,7 @@ class Reading(unittest.TestCase):
 
 
 class RealReading(unittest.TestCase):
-    def test_CastelHasTheCodesOfItsPictures(self):
+    def test_CastelMatchesItsPictures(self):
         castel = recording("castel_sr300")
         with touchable.open(castel, metres_per_code=0.000124986647) as clip:
             self.assertEqual(len(clip), 30)
@@ -205,7 +205,7 @@ class RealReading(unittest.TestCase):
                 self.assertLess(numpy.nanmax(numpy.abs(frame.metres - metres)), 1e-6)
         self.assertEqual(compare_with_the_program(self, castel, step=10), 30)
 
-    def test_DepthAsHueStaysColoursThatMeanMetres(self):
+    def test_HueDepthGivesMetres(self):
         video = recording("depthkit_typing/Test.mov")
         with touchable.open(video, colour=False) as clip, tempfile.TemporaryDirectory() as folder:
             self.assertEqual((clip[0].depth.shape, clip[0].depth.dtype), ((424, 512, 3), numpy.uint8))
@@ -217,10 +217,10 @@ class RealReading(unittest.TestCase):
                     self.assertEqual(frame.metres.tobytes(), again.metres.tobytes())
 
 
-class LeftOut(unittest.TestCase):
+class MissingData(unittest.TestCase):
     """Tests that lack something."""
 
-    def test_WithoutDebiansModulesAllAre(self):
+    def test_AllExistWithoutDebiansModules(self):
         with tempfile.TemporaryDirectory() as folder:
             pathlib.Path(folder, "matplotlib.py").write_text("raise ImportError")
             done = subprocess.run([source / "tests/python/run.sh", folder], capture_output=True, text=True,
@@ -228,15 +228,15 @@ class LeftOut(unittest.TestCase):
         self.assertEqual(done.returncode, 77, done.stderr)  # the SKIP_RETURN_CODE of CMakeLists.txt
         self.assertRegex(done.stdout, "has no matplotlib .*python3-matplotlib")
 
-    def test_OneWithoutItsRecordingIsOrFailsWhereTheyAreRequired(self):
+    def test_MissingRecordingSkipsOrFails(self):
         for environment, outcome in (({}, unittest.SkipTest), ({"TOUCHABLE_REQUIRE_DATA": "1"}, AssertionError), (
                 {"TOUCHABLE_REQUIRE_DATA": "1", "TOUCHABLE_TEST_DATA": "/nothing-beside"}, unittest.SkipTest)):
             with unittest.mock.patch.dict(os.environ):
                 for name in "TOUCHABLE_REQUIRE_DATA", "TOUCHABLE_TEST_DATA":
                     os.environ.pop(name, None)
                 os.environ.update(environment)
-                with self.assertRaisesRegex(outcome, "no real data at .*nobody.bag"):
-                    recording("nobody.bag")
+                with self.assertRaisesRegex(outcome, "no real data at .*missing.bag"):
+                    recording("missing.bag")
 
 
 if __name__ == "__main__":

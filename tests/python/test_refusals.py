@@ -23,7 +23,7 @@ class Refusals(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        self.file = self.folder.name + "/x.mkv"  # which nobody writes
+        self.file = self.folder.name + "/x.mkv"  # which is never written
 
     def refuses(self, kind, words, called, *arguments, **options):
         with self.assertRaisesRegex(kind, words) as refused:
@@ -37,7 +37,7 @@ class Refusals(unittest.TestCase):
         self.assertEqual(problem.status, touchable.Status.INPUT)
         self.assertEqual(problem.status.name, "INPUT")
 
-    def test_FilesThatAreNoClip(self):
+    def test_ForeignFiles(self):
         with tempfile.NamedTemporaryFile(suffix=".mkv") as file:
             file.write(b"no clip at all" * 100)
             file.flush()
@@ -107,7 +107,7 @@ class Refusals(unittest.TestCase):
                              camera=hill()[1], fps=rate)
         self.refuses(touchable.Error, "depht", touchable.Scene.from_text, '{"touchable_scene": 1, "depht": 3}')
 
-    def test_TextThatCWouldCut(self):
+    def test_TextWithNul(self):
         depth, camera = hill()
         with tempfile.TemporaryDirectory() as folder:
             for wrong in folder + "/x.mkv\0y.mkv", folder + "/\ud800.mkv", folder.encode() + b"/x.mkv\0":
@@ -160,7 +160,7 @@ class Refusals(unittest.TestCase):
             self.refuses(ValueError, "tick 10.*11", solver.tick, None, tick=10)
             self.assertEqual(solver.next_tick, 11)
 
-    def test_WholeNumbersThatCWouldCut(self):
+    def test_NumbersBeyondCRange(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         with touchable.Solver(surface) as solver:
@@ -188,7 +188,7 @@ class Refusals(unittest.TestCase):
         self.refuses(ValueError, f"times_ns has {2**63 + 5}", touchable.write, self.file, [depth] * 2, camera=camera,
                      times_ns=numpy.array([0, 2**63 + 5], numpy.uint64))
 
-    def test_WhatIsClosed(self):
+    def test_ClosedObjects(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         solver = touchable.Solver(surface)
@@ -213,7 +213,7 @@ class Refusals(unittest.TestCase):
             self.assertEqual(self.refuses(ValueError, "clip.*was closed", used).status, touchable.Status.STALE)
         self.assertEqual(len(clip), 12)
 
-    def test_ASolverThatTicksStaysOpenUntilItIsClosedAgain(self):
+    def test_BusySolverStaysOpen(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         path = numpy.tile(camera.points(32, 24, 0.48), (300_000, 1))
@@ -240,7 +240,7 @@ class Refusals(unittest.TestCase):
         touchable.Solver(surface).close()
         surface.close()
 
-    def test_PicturesThatComeTooLateOrTooMany(self):
+    def test_LateOrTooManyPictures(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         self.refuses(ValueError, "later", surface.push, depth, 0)
@@ -305,7 +305,7 @@ class CtrlC(unittest.TestCase):
                 pass
         self.fail(f"it has not ended in {longest_s} s")
 
-    def test_EndsTheWaitForAStreamThatSaysNothing(self):
+    def test_EndsWaitForSilentStream(self):
         with socket.create_server(("127.0.0.1", 0)) as server:
             server.settimeout(longest_s)
             process, words = self.start(os.sys.executable, "-c", self.beginning + (
@@ -316,7 +316,7 @@ class CtrlC(unittest.TestCase):
                 self.interrupt(process)
                 self.assertEqual(words.next(), "ended\n")
 
-    def test_EndsTheWaitForAFrameAndClosesTheConnection(self):
+    def test_EndsWaitForFrame(self):
         stream, said = self.start(os.environ["TOUCHABLE_PROGRAM"], "serve", globe(), "tcp://127.0.0.1:0", "--loop")
         address = None
         while not address:

@@ -20,7 +20,7 @@ def hash_that_the_program_prints(*arguments):
     return re.search(r"force hash\s+([0-9a-f]{16})", run("touch", *arguments, "--verbose"))[1]
 
 
-class ForcesOfTheProgram(unittest.TestCase):
+class ProgramForces(unittest.TestCase):
     """The program touches with a hand of its own; its goals, from its file of forces, are touched here."""
 
     def compare(self, clip, *options):
@@ -49,16 +49,16 @@ class ForcesOfTheProgram(unittest.TestCase):
                 self.assertEqual(again, expected)
             return expected
 
-    def test_OneFingerOnATurningGlobe(self):
+    def test_OneFingerOnGlobe(self):
         self.compare(globe(), "--seconds", "0.7")  # longer than the clip
 
-    def test_SeveralFingersAndAnotherHand(self):
+    def test_SeveralFingersAndScale(self):
         self.compare(globe(), "--seconds", "0.4", "--fingers", "3", "--hand", "stroke")
 
-    def test_AClipOfAFastRate(self):
+    def test_FastClip(self):
         self.compare(made("moving", "--frames", "60", "--rate", "240", "--size", "96x64"), "--seconds", "0.5")
 
-    def test_DepthThatGetsFilters(self):
+    def test_FilteredDepth(self):
         self.compare(made("noise", "--frames", "10"), "--seconds", "0.5", "--hand", "press")
 
     def test_ASingleFrame(self):
@@ -66,12 +66,12 @@ class ForcesOfTheProgram(unittest.TestCase):
 
 
 class RealForces(unittest.TestCase):
-    def test_ThoseOfTheProgramOnCastel(self):
-        ForcesOfTheProgram().compare(str(recording("castel_sr300")), "--seconds", "1.2")
+    def test_MatchProgramOnCastel(self):
+        ProgramForces().compare(str(recording("castel_sr300")), "--seconds", "1.2")
 
 
 class ForcesAt(unittest.TestCase):
-    def test_AWallPushesAlongItsNormal(self):
+    def test_WallPushesAlongNormal(self):
         camera = touchable.Camera(64, 48, fx_px=64, stiffness_n_per_m=400)
         surface = touchable.Surface(numpy.full((48, 64), 500, numpy.uint16), camera)
         x, y = numpy.meshgrid(numpy.arange(2, 62), numpy.arange(2, 46))
@@ -86,7 +86,7 @@ class ForcesAt(unittest.TestCase):
         free = surface.forces_at(camera.points(x, y, 0.49))
         self.assertTrue(free.steady.all() and not free.touching.any() and not free.force_n.any())
 
-    def test_ItIsTheForceOfManyTicks(self):
+    def test_MatchesManyTicks(self):
         depth, camera = hill()
         smooth = dataclasses.replace(camera, static_friction=0, dynamic_friction=0)
         points = camera.points(numpy.linspace(12, 50, 9), numpy.linspace(34, 14, 9), 0.505)
@@ -101,7 +101,7 @@ class ForcesAt(unittest.TestCase):
         self.assertLess(numpy.abs(found.force_n - ticked.force_n[-1]).max(), 1e-9)
         self.assertTrue(found.static_friction.all())
 
-    def test_FrictionOfPicturesIsLeftOutToo(self):
+    def test_PaintedFrictionCanBeOff(self):
         with touchable.open(globe()) as clip:
             points = clip.scene.points(70, 60, numpy.float64(clip[0].metres[60, 70]) + 0.004)
             surface = touchable.Surface(clip[0])
@@ -110,7 +110,7 @@ class ForcesAt(unittest.TestCase):
         self.assertGreater(rough.static_friction, 0)
         self.assertEqual(smooth.force_n.shape, (3,))
 
-    def test_WhatIsNotSteadyIsSaid(self):
+    def test_UnsteadyForceIsReported(self):
         """Where a finger comes out of a soft hole stiffness rises by 0.04 N a tick: 20 N in 500."""
         random = numpy.random.default_rng(1)
         depth = random.integers(500, 520, (120, 160)).astype(numpy.uint16)
@@ -128,7 +128,7 @@ class ForcesAt(unittest.TestCase):
         self.assertEqual(none.steady.tolist(), [False, True])
         self.assertFalse(none.force_n.any())
 
-    def test_ItMeetsTheNewestPictureAndRefusesWhatCannotBe(self):
+    def test_UsesNewestPicture(self):
         depth, camera = hill()
         surface = touchable.Surface(camera=camera)
         point = camera.points(32, 24, 0.5)
@@ -155,7 +155,7 @@ class ForcesAt(unittest.TestCase):
 
 
 class Surfaces(unittest.TestCase):
-    def test_AForceIsStiffnessTimesTheWayIn(self):
+    def test_ForceIsStiffnessTimesDepth(self):
         depth = numpy.full((48, 64), 500, numpy.uint16)
         camera = touchable.Camera(64, 48, fx_px=64, stiffness_n_per_m=400)
         touched = touchable.Surface(depth, camera).touch(numpy.tile(camera.points(32, 24, 0.505), (200, 1)),
@@ -166,7 +166,7 @@ class Surfaces(unittest.TestCase):
         self.assertEqual(touched.guard[-1, 0], 0)
         self.assertEqual(touched.time_s[-1], 0.199)
 
-    def test_TicksAndBatchesGiveTheSameBits(self):
+    def test_BatchesEqualTicks(self):
         depth, camera = hill()
         path = numpy.stack([stroke(camera), stroke(camera, depth_m=0.49)], 1)
         whole = touchable.Surface(depth, camera).touch(path)
@@ -178,7 +178,7 @@ class Surfaces(unittest.TestCase):
         self.assertTrue(numpy.array_equal(numpy.concatenate([forces, rest.force_n]), whole.force_n))
         self.assertEqual(rest.time_s[0], 0.150)
 
-    def test_SurfacesThatMoveArePushedAndTickedAsAClip(self):
+    def test_MovingSurfaceMatchesClip(self):
         path = None
         with touchable.open(globe()) as clip:
             ticks = numpy.arange(300)
@@ -195,7 +195,7 @@ class Surfaces(unittest.TestCase):
             self.assertEqual(solver.force_hash, clip.touch(path).force_hash)
             self.assertTrue(solver.contacts["touching"].any())
 
-    def test_ASurfaceOfArraysIsThatOfTheirFrame(self):
+    def test_ArraySurfaceMatchesFrame(self):
         with touchable.open(globe()) as clip:
             frame = clip[0]
             path = clip.scene.points(numpy.linspace(60, 100, 200), numpy.full(200, 60.0),
@@ -215,7 +215,7 @@ class Surfaces(unittest.TestCase):
                   for given in (depth, metres, metres.astype(numpy.float32), depth[::-1][::-1], numpy.asfortranarray(depth))}
         self.assertEqual(len(hashes), 1)
 
-    def test_AGoalThatIsMissingLetsTheForceGoToZero(self):
+    def test_MissingGoalRampsForceOut(self):
         depth, camera = hill()
         for missing in None, numpy.full(3, numpy.nan):
             with touchable.Solver(touchable.Surface(depth, camera)) as solver:
@@ -227,7 +227,7 @@ class Surfaces(unittest.TestCase):
                 self.assertTrue(numpy.isfinite(after).all())
                 self.assertTrue(solver.contacts["guard"][0] & touchable.Guard.FAULT)
 
-    def test_AMaskedGoalIsMissing(self):
+    def test_MaskedGoalIsMissing(self):
         depth, camera = hill()
         goals = stroke(camera)
         masked = numpy.ma.masked_array(goals, mask=numpy.zeros_like(goals, bool))
@@ -246,7 +246,7 @@ class Surfaces(unittest.TestCase):
         points = camera.points(numpy.ma.masked_array([1, 2], mask=[False, True]), 3, 0.5)
         self.assertEqual(numpy.isnan(points[:, 0]).tolist(), [False, True])
 
-    def test_OfTwoThreadsInOneSolverTheSecondIsRefusedAndChangesNothing(self):
+    def test_SecondThreadIsRejected(self):
         depth, camera = hill()
         free, deep = numpy.tile(camera.points(32, 24, 0.4), (2, 1)), numpy.tile(camera.points(32, 24, 0.48), (2, 1))
         with touchable.Solver(touchable.Surface(depth, camera), 2, ramp_in_ticks=0) as solver, \
@@ -268,7 +268,7 @@ class Surfaces(unittest.TestCase):
             solver._run = in_c
             self.assertTrue(other.submit(solver.tick, deep).result(longest_s).any())
 
-    def test_NoForceIsLongerThanItsLimit(self):
+    def test_ForceLimitHolds(self):
         depth, camera = hill()
         path = stroke(camera, depth_m=0.6)
         touched = touchable.Surface(depth, camera).touch(path, metres_per_scene_unit=1, max_force_n=1.5)
@@ -276,7 +276,7 @@ class Surfaces(unittest.TestCase):
         self.assertTrue(1.4 < longest <= 1.5 + 1e-12)
         self.assertTrue((touched.guard & touchable.Guard.FORCE).any())
 
-    def test_AnEpochBeginsAnywhere(self):
+    def test_EpochBeginsAnywhere(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         solver = touchable.Solver(surface)
@@ -289,7 +289,7 @@ class Surfaces(unittest.TestCase):
             force = solver.tick(inside, time_ns=5_000_000_000 + k * 1_000_000, epoch=1, epoch_start_ns=5_000_000_000)
         self.assertEqual(numpy.abs(force).max(), 0)  # the surface of the other epoch is 100 mm deeper
 
-    def test_OneThreadPushesWhileAnotherTicks(self):
+    def test_PushesWhileTicking(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         faults, pushed = [], threading.Event()
@@ -317,7 +317,7 @@ class Surfaces(unittest.TestCase):
         self.assertTrue(pushed.is_set())
         self.assertEqual(surface.newest_ns, 59_000_000)
 
-    def test_HandlesEndWithTheirObjectsAlsoInCycles(self):
+    def test_CyclesReleaseHandles(self):
         depth, camera = hill(16, 12)
 
         class Owner:
@@ -330,7 +330,7 @@ class Surfaces(unittest.TestCase):
         self.assertEqual(owner.solver.tick((0, 0, 0)).shape, (1, 3))
 
 
-    def test_WhatWasTouchedKeepsNoSurface(self):
+    def test_ResultsKeepNoSurface(self):
         depth, camera = hill()
         metres = touchable.Scene.from_camera(camera).metres(depth)
         for given in depth, metres:
@@ -346,7 +346,7 @@ class Surfaces(unittest.TestCase):
 
 
 class CamerasAndScenes(unittest.TestCase):
-    def test_DefaultsAreThoseOfTheLibrary(self):
+    def test_DefaultsMatchLibrary(self):
         struct = _library.CameraStruct()
         _library.call("camera_defaults", struct, struct.struct_size)
         mine = touchable.Camera()._struct()
@@ -358,14 +358,14 @@ class CamerasAndScenes(unittest.TestCase):
         for name, _ in settings._fields_:
             self.assertEqual(getattr(mine, name), getattr(settings, name), name)
 
-    def test_StructsHaveTheSizesOfTheLibrary(self):
+    def test_StructSizesMatchLibrary(self):
         for name, struct in (("surface_settings_defaults", _library.SurfaceSettings), (
                 "clip_settings_defaults", _library.ClipSettings), ("writer_settings_defaults", _library.WriterSettings), (
                 "frame_defaults", _library.FrameStruct)):
             value = struct()
             self.assertEqual(_library.function(name)(value, value.struct_size), touchable.Status.OK, name)
 
-    def test_PointsAreWhereThePixelsLook(self):
+    def test_PointsLieOnPixelRays(self):
         camera = touchable.Camera(64, 48, 80, 90, 31, 23)
         self.assertTrue(numpy.allclose(camera.points(31, 23, 2), (0, 0, -2)))
         self.assertTrue(numpy.allclose(camera.points([31 + 80, 31], [23, 23 - 90], [1, 2]), [(1, 0, -1), (0, 2, -2)]))
@@ -373,7 +373,7 @@ class CamerasAndScenes(unittest.TestCase):
         self.assertAlmostEqual(numpy.linalg.norm(along_rays.points(5, 7, 2)), 2)
         self.assertEqual(camera.points(numpy.zeros((3, 4)), 0, 1).shape, (3, 4, 3))
 
-    def test_TheSurfaceIsWherePointsSayItIs(self):
+    def test_PointsLieOnSurface(self):
         depth, camera = hill()
         x, y = numpy.array((20.0, 30.0, 40.0)), 20.0
         depth_m = depth[20, [20, 30, 40]] * 0.001
@@ -387,7 +387,7 @@ class CamerasAndScenes(unittest.TestCase):
         self.assertAlmostEqual(camera.fx_px, 320)
         self.assertEqual((camera.fy_px, camera.cx_px, camera.cy_px, camera.far_m), (camera.fx_px, 319.5, 239.5, 3))
 
-    def test_FiltersAreChosenByFrames(self):
+    def test_FramesChooseFilters(self):
         with touchable.open(made("noise", "--frames", "10")) as clip:
             self.assertTrue(clip.scene.has_unstated_filters)
             chosen = clip.scene.with_filters(clip[:10])

@@ -28,7 +28,7 @@ class Writing(unittest.TestCase):
         with touchable.open(self.path(name)) as clip:
             return [getattr(frame, role).copy() for frame in clip]
 
-    def test_AClipIsWrittenBackToTheSameBytes(self):
+    def test_ClipRoundTripsToBytes(self):
         with touchable.open(globe()) as clip:
             self.assertEqual(touchable.write(self.path(), clip, exact_colour=True), 12)
             with touchable.open(self.path()) as back:
@@ -37,7 +37,7 @@ class Writing(unittest.TestCase):
                         self.assertEqual(getattr(frame, role).tobytes(), getattr(again, role).tobytes(), role)
                     self.assertEqual(frame.metres.tobytes(), again.metres.tobytes())
 
-    def test_EveryCodeOfAnArrayIsKeptInEachKindOfFile(self):
+    def test_EveryFormatKeepsCodes(self):
         for name in "out.mkv", "out.mp4", "folder", "small.mkv":
             with self.subTest(name):
                 written = touchable.write(self.path(name), iter(ramp(3)), camera=self.camera, small="small" in name)
@@ -45,7 +45,7 @@ class Writing(unittest.TestCase):
                 self.assertTrue(numpy.array_equal(self.read(name), ramp(3)))
         self.assertTrue(numpy.array_equal(png(self.path("folder/depth_000001.png")), ramp(3)[1]))
 
-    def test_StridesOfEveryKindAreReadAsNumpyReadsThem(self):
+    def test_ReadsAllStrides(self):
         wide = numpy.arange(48 * 64, dtype=numpy.uint16).reshape(48, 64)
         for way, array in {
             "every second": wide[::2, ::2], "upside down": wide[24:][::-1, :32], "right to left": wide[:24, 63:31:-1],
@@ -57,7 +57,7 @@ class Writing(unittest.TestCase):
                 touchable.write(self.path(), [array], camera=self.camera, overwrite=True)
                 self.assertTrue(numpy.array_equal(self.read()[0], array))
 
-    def test_FloatsAreMetresToTheNearestCode(self):
+    def test_FloatsRoundToCodes(self):
         metres = numpy.linspace(0.3, 5, 24 * 32).reshape(24, 32)
         metres[0, :6] = numpy.nan, numpy.inf, -1, 0, -numpy.inf, 70
         for kind in numpy.float64, numpy.float32, numpy.dtype(">f4"):
@@ -67,7 +67,7 @@ class Writing(unittest.TestCase):
             self.assertTrue((codes[0, :6] == 0).all())
             self.assertLessEqual(numpy.abs(codes[1:] * 0.001 - metres[1:]).max(), 0.0005001)
 
-    def test_MetresThatWereReadAreWrittenBackToTheSameCodes(self):
+    def test_MetresRoundTripToCodes(self):
         """Guards the far plane: its depth as a float may lie beyond it, and is a surface all the same."""
         for far_m, metres_per_code in (0.6, 0.0001), (0.7, 0.001), (3.3, 0.001):
             camera = touchable.Camera(32, 24, far_m=far_m, metres_per_code=metres_per_code)
@@ -83,7 +83,7 @@ class Writing(unittest.TestCase):
                 pushed = touchable.Surface(metres, camera).first_metres
                 self.assertEqual(pushed.tobytes(), metres.tobytes())
 
-    def test_MetresBeyondTheLastCodeAreNoSurface(self):
+    def test_MetresBeyondRangeAreHoles(self):
         for far_m, metres_per_code in (10, 0.0001), (10.0009, 0.001), (10, 0.001), (0.6, 0.0001):
             camera = touchable.Camera(32, 24, far_m=far_m, metres_per_code=metres_per_code)
             last = min(65535 * metres_per_code, far_m)
@@ -99,7 +99,7 @@ class Writing(unittest.TestCase):
                     surface = touchable.Surface(metres, camera)
                 self.assertEqual(numpy.isfinite(surface.first_metres).tolist(), valid.tolist())
 
-    def test_WholeArraysReachTheirOwnDepth(self):
+    def test_ArraysReachTheirDepth(self):
         """Of floats and of codes, in each kind of sequence; the far plane is as `touchable info` finds it for files."""
         street = numpy.linspace(2, 80, 24 * 32).reshape(24, 32)
         plain = touchable.Camera(32, 24)
@@ -133,7 +133,7 @@ class Writing(unittest.TestCase):
             with touchable.open(self.path()) as clip:
                 self.assertEqual(clip.camera.far_m, 10)
 
-    def test_StrayDepthsAndBackgroundDoNotTellTheFarPlane(self):
+    def test_OutliersDoNotSetRange(self):
         near = numpy.full((120, 160), 20.0)
         near[0, 0] = 50000  # one in 19200
         with self.assertWarnsRegex(UserWarning, "^1 pixels have no surface"):
@@ -147,7 +147,7 @@ class Writing(unittest.TestCase):
                 self.assertAlmostEqual(clip.camera.far_m, 21, places=3)
             self.assertEqual((sky[0].valid.sum(), stray[0].valid.sum()), (1200, 19199))
 
-    def test_WhatIsMostlyLostIsRefused(self):
+    def test_MostlyLostDepthIsRejected(self):
         street = numpy.linspace(2, 80, 24 * 32).reshape(24, 32)
         stated = touchable.Camera(32, 24, far_m=10)
         for frames, camera, words in (
@@ -168,7 +168,7 @@ class Writing(unittest.TestCase):
         self.assertEqual(surface.newest_ns, 0)
         surface.push(numpy.where(street < 10, street, numpy.nan), 1)
 
-    def test_AStreamWarnsOfLostDepthOnce(self):
+    def test_StreamWarnsOnce(self):
         metres = numpy.full((24, 32), 5.0)
         metres[0] = 12
         surface = touchable.Surface(camera=touchable.Camera(32, 24))
@@ -179,7 +179,7 @@ class Writing(unittest.TestCase):
         self.assertEqual([str(one.message)[:32] for one in said], ["32 pixels have no surface: their"])
         self.assertEqual(said[0].filename, __file__)
 
-    def test_DictsAndTuplesHavePicturesBesideDepth(self):
+    def test_AcceptsDictsAndTuples(self):
         colour = numpy.arange(24 * 32 * 3, dtype=numpy.uint8).reshape(24, 32, 3)
         depth = ramp(1)[0]
         touchable.write(self.path(), [{"depth": depth, "colour": colour, "haptic": colour[::-1]}], camera=self.camera,
@@ -189,7 +189,7 @@ class Writing(unittest.TestCase):
         touchable.write(self.path("tuple.mkv"), [(depth, colour)], camera=self.camera, exact_colour=True)
         self.assertTrue(numpy.array_equal(self.read("tuple.mkv", "colour")[0], colour))
 
-    def test_AnExceptionOnTheWayLeavesNoFile(self):
+    def test_ExceptionLeavesNoFile(self):
         def frames():
             yield ramp(1)[0]
             raise RuntimeError("the camera is gone")
@@ -201,7 +201,7 @@ class Writing(unittest.TestCase):
             touchable.write(self.path(), [ramp(1)[0], ramp(1, (24, 33))[0]], camera=self.camera)
         self.assertEqual(os.listdir(self.folder), [])
 
-    def test_WhatIsThereIsReplacedOnlyWhereThatIsAsked(self):
+    def test_OverwritesOnlyOnRequest(self):
         touchable.write(self.path(), ramp(1), camera=self.camera)
         with self.assertRaises(FileExistsError) as refused:
             touchable.write(self.path(), ramp(2), camera=self.camera)
@@ -211,7 +211,7 @@ class Writing(unittest.TestCase):
         touchable.write(self.path(), ramp(2), camera=self.camera, overwrite=True)
         self.assertEqual(len(self.read()), 2)
 
-    def test_OnlyWhatMayBeReplacedIsAFileThatExists(self):
+    def test_OverwritesOnlyClips(self):
         open(self.path("x.avi"), "w").close()
         touchable.write(self.path(), ramp(1), camera=self.camera)
         os.mkdir(self.path("others"))
@@ -223,7 +223,7 @@ class Writing(unittest.TestCase):
                 self.assertNotIsInstance(refused.exception, FileExistsError, name)
             self.assertEqual(len(clip), 1)
 
-    def test_NoneIsNoFrameAndEndsNoClip(self):
+    def test_NoneIsNotAFrame(self):
         for wrong in [None], [ramp(1)[0], None, ramp(1)[0]], iter([ramp(1)[0], None]):
             with self.assertRaisesRegex(touchable.UsageError, "no depth"):
                 touchable.write(self.path(), wrong, camera=self.camera)
@@ -258,14 +258,14 @@ class Writing(unittest.TestCase):
                 touchable.write(self.path("fast.mkv"), even)
                 touchable.write(self.path("said.mkv"), uneven[:2], times_ns=times[:2])
 
-    def test_TheCameraComesBackToTheLastBit(self):
+    def test_CameraRoundTripsExactly(self):
         camera = touchable.Camera(32, 24, 31.7, 30.1, 15.25, 11.75, 0.00025, 7.5, 29.97, 432.1, 0.6, 0.5)
         touchable.write(self.path(), ramp(1), camera=camera)
         with touchable.open(self.path()) as clip:
             self.assertEqual(clip.camera, camera)
             self.assertEqual(touchable.Scene.from_text(clip.scene.text).text, clip.scene.text)
 
-    def test_DepthOfAHillIsTouchedAlikeBeforeAndAfter(self):
+    def test_WrittenHillFeelsTheSame(self):
         depth, camera = hill()
         path = camera.points(numpy.linspace(5, 58, 200), 24.0, 0.48)
         touchable.write(self.path(), [depth], camera=camera)
