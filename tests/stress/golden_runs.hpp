@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "tests/stress/stress_run.hpp"
@@ -30,6 +32,12 @@ struct GoldenRun {
 };
 
 std::span<const GoldenRun> golden_runs();
+/// A name as GoogleTest takes it.
+inline std::string name_of_test(std::string_view name) {
+    std::string taken(name);
+    std::replace(taken.begin(), taken.end(), '-', '_');
+    return taken;
+}
 const GoldenRun* find_golden_run(std::string_view name);
 
 }  // namespace touchable::stress

@@ -7,9 +7,9 @@
 namespace touchable::stress {
 namespace {
 
-class Golden : public testing::TestWithParam<GoldenRun> {};
+class GoldenForces : public testing::TestWithParam<GoldenRun> {};
 
-TEST_P(Golden, ForcesAreTheKnownOnesToTheBitWithEitherBuilder) {
+TEST_P(GoldenForces, MatchToTheBit) {
     for (const GoldenBuilder builder : {GoldenBuilder::cpu, GoldenBuilder::lazy}) {
         const auto run = GetParam().make(builder);
         ASSERT_NE(run, nullptr);
@@ -25,12 +25,8 @@ TEST_P(Golden, ForcesAreTheKnownOnesToTheBitWithEitherBuilder) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Golden, testing::ValuesIn(golden_runs().begin(), golden_runs().end()),
-                         [](const auto& run) {
-                             std::string name(run.param.name);
-                             std::replace(name.begin(), name.end(), '-', '_');
-                             return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Scenes, GoldenForces, testing::ValuesIn(golden_runs().begin(), golden_runs().end()),
+                         [](const auto& run) { return name_of_test(run.param.name); });
 
 }  // namespace
 }  // namespace touchable::stress

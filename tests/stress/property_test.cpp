@@ -1,4 +1,4 @@
-// Properties of any touch whatever: RapidCheck picks fields, cameras, codings, hands and changes of frames,
+// Properties of any touch: RapidCheck picks fields, cameras, codings, hands and changes of frames,
 // and makes what fails as small as it can. The seed is fixed, so that a build passes or not;
 // RC_PARAMS="seed=..." tries others, and a failure prints the RC_PARAMS that repeat it (docs/paper.md).
 
@@ -19,15 +19,17 @@
 
 namespace rc {
 
+using touchable::stress::PickedTick;
+using touchable::stress::PickedTouch;
+
 /// From low to below high, whatever the size of the case.
 inline Gen<int> anywhere(int low, int high) {
     return gen::resize(kNominalSize, gen::inRange(low, high));
 }
 
 template <>
-struct Arbitrary<touchable::stress::PickedTick> {
-    static Gen<touchable::stress::PickedTick> arbitrary() {
-        using touchable::stress::PickedTick;
+struct Arbitrary<PickedTick> {
+    static Gen<PickedTick> arbitrary() {
         return gen::build<PickedTick>(
             gen::set(&PickedTick::x, anywhere(-8, 56)), gen::set(&PickedTick::y, anywhere(-8, 56)),
             gen::set(&PickedTick::depth, anywhere(-2, 101)), gen::set(&PickedTick::moment, anywhere(0, 8)));
@@ -35,9 +37,9 @@ struct Arbitrary<touchable::stress::PickedTick> {
 };
 
 template <>
-struct Arbitrary<touchable::stress::PickedTouch> {
-    static Gen<touchable::stress::PickedTouch> arbitrary() {
-        using touchable::stress::PickedTouch;
+struct Arbitrary<PickedTouch> {
+    static Gen<PickedTouch> arbitrary() {
+        using touchable::DepthCodingKind, touchable::DepthSemantics;
         return gen::mapcat(gen::pair(anywhere(1, 7), anywhere(1, 7)), [](std::pair<int, int> size) {
             const auto pixels = static_cast<std::size_t>(size.first * size.second);
             // Metric codes below the near plane are invalid; so is 7.
@@ -49,11 +51,10 @@ struct Arbitrary<touchable::stress::PickedTouch> {
             return gen::build<PickedTouch>(
                 gen::set(&PickedTouch::width, gen::just(size.first)),
                 gen::set(&PickedTouch::height, gen::just(size.second)),
-                gen::set(&PickedTouch::kind,
-                         gen::element(touchable::DepthCodingKind::linear, touchable::DepthCodingKind::inverse,
-                                      touchable::DepthCodingKind::metric)),
+                gen::set(&PickedTouch::kind, gen::element(DepthCodingKind::linear, DepthCodingKind::inverse,
+                                                          DepthCodingKind::metric)),
                 gen::set(&PickedTouch::semantics,
-                         gen::element(touchable::DepthSemantics::planar, touchable::DepthSemantics::range)),
+                         gen::element(DepthSemantics::planar, DepthSemantics::range)),
                 gen::set(&PickedTouch::near_is_high), gen::set(&PickedTouch::hold),
                 gen::set(&PickedTouch::focal, anywhere(4, 64)),
                 gen::set(&PickedTouch::off_axis, anywhere(-3, 4)),
@@ -61,8 +62,8 @@ struct Arbitrary<touchable::stress::PickedTouch> {
                 gen::set(&PickedTouch::height_share, gen::element(0, 0, 10, 90)),
                 gen::set(&PickedTouch::first, codes), gen::set(&PickedTouch::second, codes),
                 gen::set(&PickedTouch::heights, codes),
-                gen::set(&PickedTouch::ticks, gen::container<std::vector<touchable::stress::PickedTick>>(
-                                                  gen::arbitrary<touchable::stress::PickedTick>())));
+                gen::set(&PickedTouch::ticks,
+                         gen::container<std::vector<PickedTick>>(gen::arbitrary<PickedTick>())));
         });
     }
 };
@@ -80,32 +81,28 @@ std::int64_t ticks_of(const PickedTouch& touch) {
     return static_cast<std::int64_t>(touch.ticks.size());
 }
 
-Watched watched(const PickedTouch& touch, int compare_every = 0) {
-    return watch(*run_of(touch), {ticks_of(touch), 1, compare_every});
+/// That no touch breaks an invariant.
+Coverage check_touches(int compare_every) {
+    Coverage coverage;
+    EXPECT_TRUE(rc::check([&](const PickedTouch& touch) {
+        const Watched result = watch(*run_of(touch), {ticks_of(touch), 1, compare_every});
+        coverage.add(result.coverage);
+        for (const std::string& violation : result.violations) RC_FAIL(violation);
+    }));
+    std::cout << coverage.in_words() << '\n';
+    return coverage;
 }
 
 TEST(Property, EveryInvariantHolds) {
     ASSERT_EQ(seeded, 0);
-    Coverage coverage;
-    EXPECT_TRUE(rc::check([&](const PickedTouch& touch) {
-        const Watched result = watched(touch);
-        coverage.add(result.coverage);
-        for (const std::string& violation : result.violations) RC_FAIL(violation);
-    }));
+    const Coverage coverage = check_touches(0);
     EXPECT_EQ(coverage.missing({0.1, true}), "") << "hardly a test";
-    std::cout << coverage.in_words() << '\n';
 }
 
-TEST(Property, EveryProxyIsAsNearAsTheReferences) {
-    Coverage coverage;
-    EXPECT_TRUE(rc::check([&](const PickedTouch& touch) {
-        const Watched result = watched(touch, 1);
-        coverage.add(result.coverage);
-        for (const std::string& violation : result.violations) RC_FAIL(violation);
-    }));
+TEST(Property, ProxiesAreNearAsReference) {
+    const Coverage coverage = check_touches(1);
     EXPECT_GT(coverage.compared, 1000);
     EXPECT_LE(coverage.other_basins * 100, coverage.compared) << "more than ties explain";
-    std::cout << coverage.in_words() << '\n';
 }
 
 /// Keeps what every tick gave.
@@ -118,34 +115,30 @@ public:
     std::vector<glm::dvec3> proxies, forces;
 };
 
-TEST(Property, OtherUnitsGiveTheSameTouchToTheBit) {
+Forces forces_of(const PickedTouch& touch, double unit = 1) {
+    Forces forces;
+    watch(*run_of(touch, unit), {ticks_of(touch), 0, 0}, &forces);
+    return forces;
+}
+
+TEST(Property, UnitsLeaveTouchUnchanged) {
     EXPECT_TRUE(rc::check([](const PickedTouch& touch) {
-        Forces once, twice;
-        watch(*run_of(touch), {ticks_of(touch), 0, 0}, &once);
-        watch(*run_of(touch, 4), {ticks_of(touch), 0, 0}, &twice);
-        for (std::size_t k = 0; k < once.forces.size(); ++k) {
-            RC_ASSERT(twice.proxies[k] == 4.0 * once.proxies[k]);
-            RC_ASSERT(twice.forces[k] == once.forces[k]);
+        const Forces plain = forces_of(touch), scaled = forces_of(touch, 4);
+        for (std::size_t k = 0; k < plain.forces.size(); ++k) {
+            RC_ASSERT(scaled.proxies[k] == 4.0 * plain.proxies[k]);
+            RC_ASSERT(scaled.forces[k] == plain.forces[k]);
         }
     }));
 }
 
-TEST(Property, WhatComesLaterChangesNothingBefore) {
+TEST(Property, LaterTicksChangeNothingBefore) {
     EXPECT_TRUE(rc::check([](PickedTouch touch) {
-        Forces whole, part;
-        watch(*run_of(touch), {ticks_of(touch), 0, 0}, &whole);
+        const Forces whole = forces_of(touch);
         touch.ticks.resize(touch.ticks.size() / 2);
-        watch(*run_of(touch), {ticks_of(touch), 0, 0}, &part);
+        const Forces part = forces_of(touch);
         for (std::size_t k = 0; k < part.forces.size(); ++k) RC_ASSERT(part.forces[k] == whole.forces[k]);
     }));
 }
-
-}  // namespace
-
-}  // namespace touchable::stress
-
-namespace touchable::stress {
-namespace {
 
 // The slow twin and the certificates against what is known without any solver, and against proxies that are
 // wrong.
@@ -154,6 +147,10 @@ using reference::Finger;
 using reference::Real;
 using reference::Surface;
 using reference::Vec;
+
+double hundred(int, int) {
+    return 100;
+}
 
 /// A picture of planar depths in whole units; focal length 16 pixels, axis through pixel (8, 8).
 class Ground {
@@ -185,16 +182,16 @@ void expect_near(const Vec& a, const Vec& b, Real most) {
         << ")";
 }
 
-TEST(Reference, OnAFlatWallTheProxyIsStraightInFrontOfTheGoal) {
-    const Ground wall([](int, int) { return 100.0; });
+TEST(ReferenceSolver, FlatWallProxyFacesGoal) {
+    const Ground wall(hundred);
     expect_near(solved(wall, {0, 0, -50}, {7, -3, -120}), {7, -3, -100}, 1e-15L);
     expect_near(solved(wall, {0, 0, -50}, {7, -3, -99}), {7, -3, -99}, 0);
 }
 
-TEST(Reference, OnATiltedPlaneTheProxyIsTheGoalsFoot) {
+TEST(ReferenceSolver, TiltedPlaneProxyIsFoot) {
     // 1 / depth linear over the picture is a plane: x = (i - 8) d / 16, d = 1 / (0.01 + 0.0001 (i - 8)), so
     // that 0.01 d + 0.0016 x = 1.
-    Ground plane([](int, int) { return 100.0; });
+    Ground plane(hundred);
     std::vector<double> depths;
     for (int y = 0; y < 17; ++y)
         for (int x = 0; x < 17; ++x) depths.push_back(1 / (0.01 + 0.0001 * (x - 8)));
@@ -206,7 +203,7 @@ TEST(Reference, OnATiltedPlaneTheProxyIsTheGoalsFoot) {
     expect_near(solved(plane, {0, 0, -40}, goal), foot, 1e-12L);
 }
 
-TEST(Reference, InAValleyTheProxyIsOnItsFloorAndOnARoofItGoesDownOneSide) {
+TEST(ReferenceSolver, FindsValleyFloorLeavesRoof) {
     const Ground valley([](int x, int) { return 100.0 - 8 * std::abs(x - 8); });
     expect_near(solved(valley, {0, 0, -20}, {0.5L, 1, -110}), {0, 1, -100}, 1e-15L);
     const Ground roof([](int x, int) { return 100.0 + 8 * std::abs(x - 8); });
@@ -214,7 +211,7 @@ TEST(Reference, InAValleyTheProxyIsOnItsFloorAndOnARoofItGoesDownOneSide) {
     EXPECT_LT(solved(roof, {-0.5L, 0, -50}, {-0.5L, 0, -110}).x, -1);
 }
 
-TEST(Reference, AThinSpikeIsNotFlownThrough) {
+TEST(ReferenceSolver, HitsThinSpike) {
     const Ground spike([](int x, int y) { return x == 8 && y == 8 ? 20.0 : 100.0; });
     // From one side of it to the other, in front of the ground.
     const Vec from{-10, 0, -60}, to{10, 0, -60};
@@ -224,8 +221,8 @@ TEST(Reference, AThinSpikeIsNotFlownThrough) {
     EXPECT_FALSE(reference::first_hit(spike.surface(), from, nullptr, {-10, 5, -60}));
 }
 
-TEST(Reference, FrictionStopsOnTheDynamicConeAndHoldsWithinTheStaticOne) {
-    Ground wall([](int, int) { return 100.0; });
+TEST(ReferenceSolver, FrictionKeepsBothCones) {
+    Ground wall(hundred);
     wall.scene.default_properties = {1000, 0.5, 0.3};
     const Surface surface = wall.surface();
     const Finger landed = reference::solve(surface, at({0, 0, -50}), {0, 0, -50}, {0, 0, -101}).finger;
@@ -234,9 +231,22 @@ TEST(Reference, FrictionStopsOnTheDynamicConeAndHoldsWithinTheStaticOne) {
                 1e-8L);
 }
 
-TEST(Reference, SubstepsEndAtTheSamePlaceWhereThereIsOnlyOne) {
+TEST(ReferenceSolver, SubstepsReachSameMinimum) {
     const Ground bowl([](int x, int y) { return 100.0 - (x - 8) * (x - 8) / 4 - (y - 8) * (y - 8) / 8; });
     expect_near(solved(bowl, {0, 0, -40}, {3, 2, -120}), solved(bowl, {0, 0, -40}, {3, 2, -120}, 64), 1e-12L);
+}
+
+Proxy on_face(int i, int j, double a, double b) {
+    Proxy proxy;
+    proxy.feature = Feature::face_lower;
+    proxy.i = i;
+    proxy.j = j;
+    proxy.a = a;
+    proxy.b = b;
+    return proxy;
+}
+Vec point_of(const Surface& surface, const Proxy& proxy) {
+    return reference::point_of(surface, reference::place_of(surface, proxy));
 }
 
 /// A proxy where the fast solver puts it on a drawn field, to be tampered with.
@@ -278,26 +288,26 @@ TEST_F(Certificates, PassWhereTheSolverRests) {
     EXPECT_GT(judged, 300);
 }
 
-TEST_F(Certificates, NoticeAProxyAThousandthOfAPixelAside) {
+TEST_F(Certificates, CatchProxyAside) {
     int tampered = 0;
     for_proxies([&](const Surface& surface, Proxy proxy, const glm::dvec3& goal) {
         if (proxy.feature != Feature::face_lower || proxy.a > 0.99 || proxy.b < 0.01) return;
         if (glm::dot(goal - proxy.point, goal - proxy.point) < 1e-6) return;
         proxy.a += 1e-3;
-        proxy.point = glm::dvec3(reference::point_of(surface, reference::place_of(surface, proxy)));
+        proxy.point = glm::dvec3(point_of(surface, proxy));
         EXPECT_GT(reference::way_left(surface, proxy, goal), 1e-7L);
         ++tampered;
     });
     EXPECT_GT(tampered, 20);
 }
 
-TEST_F(Certificates, NoticeAProxyBehindTheSurfaceByABillionth) {
+TEST_F(Certificates, CatchProxyBehind) {
     for_proxies([](const Surface& surface, const Proxy& proxy, const glm::dvec3&) {
         EXPECT_GT(reference::depth_behind(surface, proxy.point * (1 + 2e-9)), 1e-9L);
     });
 }
 
-TEST_F(Certificates, NoticeAProxyThatStaysWhereItShouldLeave) {
+TEST_F(Certificates, CatchProxyThatShouldLeave) {
     int asked = 0;
     for_proxies([&](const Surface& surface, const Proxy& proxy, const glm::dvec3& goal) {
         const glm::dvec3 in_front = proxy.point * 0.9;
@@ -308,15 +318,10 @@ TEST_F(Certificates, NoticeAProxyThatStaysWhereItShouldLeave) {
 }
 
 TEST_F(Certificates, FrictionHoldsOnlySoFar) {
-    Ground wall([](int, int) { return 100.0; });
+    Ground wall(hundred);
     wall.scene.default_properties = {1000, 0.5, 0.3};
-    Proxy proxy;
-    proxy.feature = Feature::face_lower;
-    proxy.i = proxy.j = 8;
-    proxy.a = 0.5;
-    proxy.b = 0.25;
-    const Vec p = reference::point_of(wall.surface(), reference::place_of(wall.surface(), proxy));
-    proxy.point = glm::dvec3(p);
+    Proxy proxy = on_face(8, 8, 0.5, 0.25);
+    proxy.point = glm::dvec3(point_of(wall.surface(), proxy));
     const glm::dvec3 held = proxy.point + glm::dvec3(0.49, 0, -1),
                      slips = proxy.point + glm::dvec3(0.6, 0, -1);
     EXPECT_EQ(reference::way_left(wall.surface(), proxy, held), 0);
@@ -325,16 +330,11 @@ TEST_F(Certificates, FrictionHoldsOnlySoFar) {
     EXPECT_NEAR(static_cast<double>(reference::way_left(wall.surface(), proxy, held)), 0.19, 1e-6);
 }
 
-TEST(ReferenceComparison, NoticesAForceThatIsOffAndAnotherBasin) {
-    const Ground wall([](int, int) { return 100.0; });
-    Proxy before, after;
+TEST(ReferenceComparison, CatchesWrongForceAndBasin) {
+    const Ground wall(hundred);
+    Proxy before, after = on_face(8, 7, 0.75, 0.5);
     before.point = {0, 0, -50};
-    after.feature = Feature::face_lower;
-    after.i = 8;
-    after.j = 7;
-    after.a = 0.75;
-    after.b = 0.5;
-    const glm::dvec3 there(reference::point_of(wall.surface(), reference::place_of(wall.surface(), after)));
+    const glm::dvec3 there(point_of(wall.surface(), after));
     Contact contact;
     contact.touching = true;
     contact.proxy = there;

@@ -53,7 +53,7 @@ struct SoakSettings {
     bool fresh = false;  ///< forget what the state file says
 };
 
-/// Goes on where the state file ends until all ticks are done or somebody interrupts, on all threads, and
+/// Goes on where the state file ends until all ticks are done or it is interrupted, on all threads, and
 /// writes the state every few seconds. An error of kind check where an invariant was violated or a suite met
 /// with nothing; one of kind usage where the state is of another solver or plan.
 Result<SoakState> soak(const SoakSettings& settings, std::ostream& progress);

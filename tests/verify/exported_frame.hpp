@@ -133,7 +133,7 @@ private:
     std::ifstream stream_;
     std::int64_t line_ = 0;
     std::array<std::size_t, column_count> position_{};  // of each wanted column in a line
-    std::optional<std::size_t> share_;                  // likewise
+    std::optional<std::size_t> share_;                  // of that column, if it is there
     std::size_t width_ = 0;                             // columns of a line
 };
 

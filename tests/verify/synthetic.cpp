@@ -12,10 +12,6 @@
 namespace touchable::verify {
 namespace {
 
-double narrow(real v) {
-    return static_cast<double>(v);
-}
-
 template <class Sample>
 void write_plane(const std::filesystem::path& file, const std::vector<Sample>& samples, const Meaning& m,
                  int channels) {

@@ -9,6 +9,10 @@
 
 namespace touchable::verify {
 
+inline double narrow(real v) {
+    return static_cast<double>(v);
+}
+
 /// splitmix64.
 class Random {
 public:

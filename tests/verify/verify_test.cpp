@@ -21,7 +21,7 @@ int violations(const Outcome& outcome, Check check) {
 
 /// Two moving fingers on two rough frames with everything a clip can have: heights, haptics, a hole, time
 /// between.
-class Clip : public testing::Test {
+class VerifyForces : public testing::Test {
 protected:
     void SetUp() override {
         fill_frames();
@@ -92,68 +92,61 @@ protected:
         row.force = moved.force;
     }
 
+    /// A ten-thousandth of a pixel off the minimum.
+    void slide(Row& row) const {
+        const Surface now = surface(row.blend);
+        const ImagePosition at{row.pixel.x + 1e-4L, row.pixel.y - 0.5e-4L};
+        move(row, now, (1 / now.q_at(at)) * now.ray(at.x, at.y));
+    }
+
     test::TemporaryFolder folder_;
     Random random_{21};
     ExportedFrame frames_[2] = {blank_frame(14, 11), blank_frame(14, 11)};
     std::vector<Row> rows_;
 };
 
-TEST_F(Clip, RightForcesPass) {
+TEST_F(VerifyForces, PassesRightForces) {
     const Outcome outcome = run(rows_);
     EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
     EXPECT_NE(outcome.out.find("contact share 0.8,"), std::string::npos) << outcome.out;
 }
 
-TEST_F(Clip, TooLittleContactFails) {
+TEST_F(VerifyForces, RequiresEnoughContact) {
     EXPECT_EQ(run(rows_, {"--min-contact", "0.8"}).code, 0);
     EXPECT_EQ(run(rows_, {"--min-contact", "0.81"}).code, 6);
 }
 
-TEST_F(Clip, ProxyAMillionthBehindIsCaught) {
+TEST_F(VerifyForces, CatchesMisplacedProxy) {
     expect_caught(Check::behind, [&](Row& r) { move(r, surface(r.blend), (1 + 1e-6L) * r.proxy); });
-}
-
-TEST_F(Clip, ProxyAMillionthBeforeIsCaught) {
     expect_caught(Check::off_surface, [&](Row& r) { move(r, surface(r.blend), (1 - 1e-6L) * r.proxy); });
+    expect_caught(Check::minimum, [&](Row& r) { slide(r); });
 }
 
-TEST_F(Clip, ProxySlidOffTheMinimumIsCaught) {
-    expect_caught(Check::minimum, [&](Row& r) {
-        const Surface now = surface(r.blend);
-        const ImagePosition at{r.pixel.x + 1e-4L, r.pixel.y - 0.5e-4L};
-        move(r, now, (1 / now.q_at(at)) * now.ray(at.x, at.y));
-    });
-}
-
-TEST_F(Clip, ACappedProxyNeedNotBeAtTheMinimumButMustBeOnTheSurface) {
+TEST_F(VerifyForces, CappedProxyMayMissMinimum) {
     std::vector<Row> rows = rows_;
-    const Surface now = surface(rows[14].blend);
-    const ImagePosition at{rows[14].pixel.x + 1e-4L, rows[14].pixel.y - 0.5e-4L};
-    move(rows[14], now, (1 / now.q_at(at)) * now.ray(at.x, at.y));
+    slide(rows[14]);
     rows[14].capped = 1;
     EXPECT_EQ(run(rows).code, 0);
     rows[14].proxy = (1 + 1e-6L) * rows[14].proxy;
     EXPECT_EQ(run(rows).code, 6);
 }
 
-TEST_F(Clip, ForceAThousandthTooLargeIsCaught) {
+TEST_F(VerifyForces, CatchesWrongFields) {
     expect_caught(Check::force, [](Row& r) { r.force = 1.001L * r.force; });
-}
-
-TEST_F(Clip, ForceAskewIsCaught) {
     expect_caught(Check::force, [](Row& r) { r.force.x += 1e-8L * length(r.force); });
-}
-
-TEST_F(Clip, WrongStiffnessOrFrictionIsCaught) {
     expect_caught(Check::properties, [](Row& r) {
         r.touch.stiffness *= 1.001L;
         r.force = 1.001L * r.force;
     });
     expect_caught(Check::properties, [](Row& r) { r.touch.mu_static += 1e-6L; });
     expect_caught(Check::properties, [](Row& r) { r.touch.mu_dynamic += 1e-6L; });
+    expect_caught(Check::pixel, [](Row& r) { r.pixel.x += 1e-4L; });
+    expect_caught(Check::finite, [](Row& r) { r.goal.y = std::nanl(""); });
+    expect_caught(Check::finite, [](Row& r) { r.force.z = HUGE_VALL; });
+    expect_caught(Check::free, [](Row& r) { r.contact = false; });
 }
 
-TEST_F(Clip, FrictionIsThatOfThePicture) {
+TEST_F(VerifyForces, ChecksPaintedFriction) {
     for (ExportedFrame& frame : frames_) frame.meaning.high = {10000, 0.8L, 0.6L};
     fill_rows();  // each at a minimum, wherever it was before
     const Outcome right = run(rows_, {"--no-slip"});
@@ -166,11 +159,7 @@ TEST_F(Clip, FrictionIsThatOfThePicture) {
     }
 }
 
-TEST_F(Clip, WrongPixelIsCaught) {
-    expect_caught(Check::pixel, [](Row& r) { r.pixel.x += 1e-4L; });
-}
-
-TEST_F(Clip, WrongMomentIsCaught) {
+TEST_F(VerifyForces, CatchesWrongMoment) {
     for (const double shift : {-1e-4, 1e-4}) {
         std::vector<Row> rows = rows_;
         rows[38].blend += shift;
@@ -180,13 +169,7 @@ TEST_F(Clip, WrongMomentIsCaught) {
     }
 }
 
-TEST_F(Clip, NumbersThatAreNotFiniteAreCaught) {
-    expect_caught(Check::finite, [](Row& r) { r.goal.y = std::nanl(""); });
-    expect_caught(Check::finite, [](Row& r) { r.force.z = HUGE_VALL; });
-}
-
-TEST_F(Clip, FreeFingersHaveNoForceAndAreNotBehind) {
-    expect_caught(Check::free, [](Row& r) { r.contact = false; });
+TEST_F(VerifyForces, CatchesFreeFingerBehind) {
     std::vector<Row> rows = rows_;
     Row& through = rows[14];
     through.contact = false;
@@ -197,7 +180,7 @@ TEST_F(Clip, FreeFingersHaveNoForceAndAreNotBehind) {
     EXPECT_EQ(violations(outcome, Check::behind), 1);
 }
 
-TEST_F(Clip, TheGuardMayOnlyTakeAway) {
+TEST_F(VerifyForces, GuardMayOnlyReduce) {
     std::vector<Row> rows = rows_;
     rows[14].guard = 1;
     rows[14].force = 0.5L * rows[14].force;
@@ -208,7 +191,7 @@ TEST_F(Clip, TheGuardMayOnlyTakeAway) {
     EXPECT_EQ(run(rows).code, 0);
 }
 
-TEST_F(Clip, AForceIsTheShareThatWasSent) {
+TEST_F(VerifyForces, AppliesSentShare) {
     std::vector<Row> rows = rows_;
     rows[14].share = 0.25;
     rows[14].force = 0.25L * rows[14].force;
@@ -217,7 +200,7 @@ TEST_F(Clip, AForceIsTheShareThatWasSent) {
     EXPECT_EQ(violations(run(rows), Check::force), 1);
 }
 
-TEST_F(Clip, MissingRowsAndAChangingScaleAreCaught) {
+TEST_F(VerifyForces, CatchesMissingRowsAndScale) {
     std::vector<Row> rows = rows_;
     rows.erase(rows.begin() + 14);
     EXPECT_EQ(violations(run(rows), Check::order), 1);
@@ -230,7 +213,7 @@ TEST_F(Clip, MissingRowsAndAChangingScaleAreCaught) {
     EXPECT_EQ(violations(run(rows), Check::order), 1);
 }
 
-TEST_F(Clip, BadInputIsRefusedInOneLine) {
+TEST_F(VerifyForces, RejectsBadInput) {
     auto refused = [&](const Outcome& outcome, const std::string& word) {
         EXPECT_EQ(outcome.code, 3);
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
@@ -254,7 +237,7 @@ TEST_F(Clip, BadInputIsRefusedInOneLine) {
     refused(run(rows_), "height");
 }
 
-TEST_F(Clip, BrokenForcesFilesAreRefused) {
+TEST_F(VerifyForces, RejectsBrokenForcesFiles) {
     const std::string file = (folder_.path() / "broken.csv").string();
     auto run_text = [&](const std::string& text) {
         std::ofstream(file) << text;
@@ -274,7 +257,7 @@ TEST_F(Clip, BrokenForcesFilesAreRefused) {
     EXPECT_NE(run_text(header + "\nten" + row.substr(1)).find("tick is \"ten\""), std::string::npos);
 }
 
-TEST(Usage, IsToldAndExitsWithTwo) {
+TEST(VerifyForcesUsage, ErrorExitsWithTwo) {
     std::ostringstream out, err;
     EXPECT_EQ(verify_forces({}, out, err), 2);
     EXPECT_EQ(verify_forces({"--forces", "a", "--frames", "b", "--min-contact", "2"}, out, err), 2);
