@@ -73,17 +73,13 @@ bool parse_block_addition(std::string_view bytes) {
 }
 
 const Registered container_target{{.name = "container", .parse = parse_container, .most_bytes = 8192}};
-const Registered clip_target{{.name = "clip",
-                              .parse = parse_clip,
-                              .changes = 120,
-                              .most_bytes = 12288,
-                              .most_mebibytes = 2048,
-                              .most_live_mebibytes = 2048}};
+const Registered clip_target{
+    {.name = "clip", .parse = parse_clip, .changes = 120, .most_bytes = 12288, .decodes_video = true}};
 const Registered clip_tags_target{{.name = "clip_tags", .parse = parse_clip_tags, .most_bytes = 64}};
 const Registered block_addition_target{
     {.name = "block_addition", .parse = parse_block_addition, .most_bytes = 256}};
 
-// What a person gives the program: any file.
+// Any file that a user opens.
 
 /// Opened as it is, and with a camera that is known. Without an ending: its first bytes tell.
 bool parse_any_file(std::string_view bytes) {
@@ -106,23 +102,15 @@ bool parse_video(std::string_view bytes) {
     return is_clip(open_clip(file_of(bytes, "video.mp4")));
 }
 
-const Registered any_file_target{{.name = "any_file",
-                                  .parse = parse_any_file,
-                                  .changes = 100,
-                                  .most_mebibytes = 2048,
-                                  .most_live_mebibytes = 2048}};
+const Registered any_file_target{
+    {.name = "any_file", .parse = parse_any_file, .changes = 100, .decodes_video = true}};
 const Registered zip_folder_target{{.name = "zip_folder",
                                     .parse = parse_zip,
                                     .cuts_are_refused = true,
                                     .changes = 100,
-                                    .most_mebibytes = 2048,
-                                    .most_live_mebibytes = 2048}};
-const Registered video_target{{.name = "video",
-                               .parse = parse_video,
-                               .changes = 60,
-                               .most_bytes = 8192,
-                               .most_mebibytes = 2048,
-                               .most_live_mebibytes = 2048}};
+                                    .decodes_video = true}};
+const Registered video_target{
+    {.name = "video", .parse = parse_video, .changes = 60, .most_bytes = 8192, .decodes_video = true}};
 
 // Maps of touch in the files of other programs, and clips as glTF scenes.
 
@@ -170,8 +158,7 @@ const Registered gltf_clip_target{{.name = "gltf_clip",
                                    .parse = parse_gltf_clip,
                                    .cuts_are_refused = true,
                                    .needless_bytes = 1,
-                                   .most_mebibytes = 2048,
-                                   .most_live_mebibytes = 2048}};
+                                   .decodes_video = true}};
 
 // The sound that a clip's file has beside its pictures, by FFmpeg's demuxers and decoders.
 

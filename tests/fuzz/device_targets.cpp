@@ -1,4 +1,4 @@
-// What devices, their services and their logs tell, but for HID.
+// Messages of devices and their services, and logs, except HID.
 
 #include <glm/geometric.hpp>
 
@@ -62,9 +62,9 @@ const Registered device_log_target{{.name = "device_log", .parse = parse_device_
 const Registered network_packet_target{
     {.name = "network_packet", .parse = parse_network_packet, .cuts_are_refused = true, .most_bytes = 512}};
 
-// What a Novint Falcon sends: its reports, and what it says while its firmware is loaded.
+// Bytes of a Novint Falcon: its reports, and its answers while its firmware is loaded.
 
-/// What a report leads to, up to the motors.
+/// The consequences of a report, up to the motors.
 void require_bearable(const FalconReport& report) {
     require(report.buttons < 16, "a grip has more than four buttons");
     FalconAngles angles{};
@@ -92,8 +92,8 @@ bool parse_falcon_reports(std::string_view bytes) {
     return reports > 0;
 }
 
-/// A converter whose packets are an input's, each with its length before it. Nobody waits: the clock goes on
-/// where it has none.
+/// A converter whose packets are an input's, each with its length before it. Waits take no time: the clock
+/// goes on where it has none.
 class ToldPort final : public UsbPort {
 public:
     ToldPort(std::string_view told, std::int64_t& now_ns) : told_(told), now_ns_(now_ns) {}
@@ -101,7 +101,7 @@ public:
     Result<void> write(std::span<const std::byte>) override { return {}; }
     Result<std::size_t> read(std::span<std::byte> room, std::chrono::microseconds patience) override {
         now_ns_ += 1000;
-        // What is thrown away unread would be lost to the conversation.
+        // Bytes that are discarded unread would be lost to the conversation.
         if (patience.count() <= 0 || told_.rest().empty()) {
             now_ns_ += std::chrono::nanoseconds(patience).count();
             return std::size_t{0};

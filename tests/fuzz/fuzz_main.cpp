@@ -28,7 +28,7 @@ bool parse(std::string_view bytes) {
     }
 }
 
-/// libFuzzer writes what ends it into a file; without it nobody else does.
+/// libFuzzer writes the input that ends it into a file; without libFuzzer this does.
 void keep_in_hand() {
     const std::string file = std::string("cut-of-") + chosen->name;
     std::ofstream(file, std::ios::binary).write(in_hand.data(), static_cast<std::streamsize>(in_hand.size()));

@@ -52,15 +52,14 @@ void check_plane(const PlaneView& plane, const Scene& scene, int channels) {
 }  // namespace
 
 Registered::Registered(const Target& target) {
-    known_targets().push_back(target);
+    Target& known = known_targets().emplace_back(target);
+    if (known.decodes_video) known.most_mebibytes = known.most_live_mebibytes = 2048;
 }
 
 const std::vector<Target>& all_targets() {
     static const std::vector<Target> sorted = [] {
         std::vector<Target> targets = known_targets();
-        std::sort(targets.begin(), targets.end(), [](const Target& a, const Target& b) {
-            return std::string_view(a.name) < std::string_view(b.name);
-        });
+        std::ranges::sort(targets, {}, [](const Target& target) { return std::string_view(target.name); });
         return targets;
     }();
     return sorted;

@@ -14,7 +14,7 @@
 
 namespace touchable::fuzz {
 
-/// A parser of bytes that anybody may have written. Besides a crash, an exception that leaves it is a fault.
+/// A parser of bytes of unknown origin. Besides a crash, an exception that leaves it is a fault.
 struct Target {
     const char* name;  ///< and of the folder of its seeds
     /// Gives whether the bytes were taken. Throws Fault where what came of them is not what the parser
@@ -29,17 +29,18 @@ struct Target {
     }
     int changes = 300;              ///< how often its seeds are changed in the ordinary tests
     std::size_t most_bytes = 4096;  ///< of an input that libFuzzer makes
-    /// That may be asked for at once. More for what decodes videos: a codec's header may say a picture of
-    /// 16384x16384 pixels (PacketDecoder), of up to 8 bytes each, for which FFmpeg asks before it finds no
-    /// such picture; and an AVI's stream header has private data ("strd") of up to 1 GiB, for which it asks
-    /// before it finds the file's end. It touches neither.
-    int most_mebibytes = 512;
-    /// That may be there at a time, all together, touched or not: of a picture as large as a file of
-    /// most_bytes can make one, and all that is made of it. More for what decodes videos, of which see above.
+    /// Raises both bounds below to 2 GiB. A codec's header may say a picture of 16384x16384 pixels
+    /// (PacketDecoder), of up to 8 bytes each, for which FFmpeg asks before it finds no such picture; and an
+    /// AVI's stream header has private data ("strd") of up to 1 GiB, for which it asks before it finds the
+    /// file's end. It touches neither.
+    bool decodes_video = false;
+    int most_mebibytes = 512;  ///< largest single request of memory
+    /// Most memory at a time, all together, touched or not: enough for a picture as large as a file of
+    /// most_bytes can make one, and all that is made of it.
     int most_live_mebibytes = 64;
 };
 
-/// What target.parse gives. Throws Fault also where it had more memory at a time than it may.
+/// The result of target.parse. Throws Fault also where it had more memory at a time than it may.
 bool parse_in_memory(const Target& target, std::string_view bytes);
 
 /// Makes a target known: a constant of this type is all that a file of one needs.
@@ -51,10 +52,10 @@ const std::vector<Target>& all_targets();
 struct Seed {
     std::string name, bytes;
 };
-/// Of its folder, by name. Throws Fault where there are none.
+/// The seeds of its folder, by name. Throws Fault where there are none.
 std::vector<Seed> seeds_of(const Target& target);
 
-/// What a parser should not have done.
+/// A fault of a parser.
 struct Fault {
     std::string what;
 };

@@ -19,7 +19,7 @@ namespace {
 
 std::atomic<std::int64_t> live{0}, most_live{0}, allowed{INT64_MAX};
 
-/// Whether so much more may be taken.
+/// Whether so many more bytes may be taken.
 bool has_room(std::size_t size) {
     if (live.load(std::memory_order_relaxed) + static_cast<std::int64_t>(size) <=
         allowed.load(std::memory_order_relaxed))

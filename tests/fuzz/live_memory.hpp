@@ -8,7 +8,7 @@ namespace touchable::fuzz {
 /// of files that are mapped do not count.
 ///
 /// Begins anew: what is there already is none of it. More than `most` at a time are refused where this
-/// program's own malloc counts (glibc's), which is no memory for whoever asked; sanitizers' only count.
+/// program's own malloc counts (glibc's), which is no memory for the caller; sanitizers' only count.
 void count_live_memory(std::size_t most);
 /// The most that were there at a time since then.
 std::size_t most_live_memory();

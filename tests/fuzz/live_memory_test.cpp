@@ -1,4 +1,4 @@
-// That the memory of an input is counted.
+// The count of an input's memory.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -17,7 +17,7 @@ bool take_kibibytes(std::string_view bytes) {
     return !taken.empty();
 }
 
-TEST(MemoryOfAnInput, IsAllThatIsThereAtATimeHoweverSmallItsPieces) {
+TEST(InputMemory, CountsLiveAllocations) {
     const Target target{.name = "kibibytes", .parse = take_kibibytes, .most_live_mebibytes = 4};
     for (int again = 0; again < 8; ++again)
         EXPECT_TRUE(parse_in_memory(target, "abc")) << "what was given back does not count";
@@ -32,7 +32,7 @@ bool take_planes(std::string_view bytes) {
     return taken.back() != nullptr;
 }
 
-TEST(MemoryOfAnInput, HasItsPlanes) {
+TEST(InputMemory, CountsPlanes) {
     const Target target{.name = "planes", .parse = take_planes, .most_live_mebibytes = 4};
     for (int again = 0; again < 8; ++again) EXPECT_TRUE(parse_in_memory(target, "abc"));
     EXPECT_THROW((void)parse_in_memory(target, "abcde"), Fault);

@@ -3,7 +3,6 @@
 #include <libheif/heif.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -162,7 +161,7 @@ bool parse_depth_values(std::string_view bytes) {
 const Registered depth_values_target{
     {.name = "depth_values", .parse = parse_depth_values, .changes = 100, .most_bytes = 512}};
 
-// What is said of files that are not opened.
+// Messages about files that are not opened.
 
 /// Under a name that says nothing, and under names of which only some say what the file is.
 bool parse_foreign_file(std::string_view bytes) {
@@ -179,7 +178,7 @@ bool parse_foreign_file(std::string_view bytes) {
 
 const Registered foreign_file_target{{.name = "foreign_file", .parse = parse_foreign_file}};
 
-// What h5ls says of an HDF5 file, whose names and filters are the file's own.
+// The listing of h5ls of an HDF5 file, whose names and filters are the file's own.
 
 bool parse_hdf5_listing(std::string_view bytes) {
     const auto sets = hdf5_data_sets(bytes);
@@ -238,7 +237,7 @@ const Registered heif_boxes_target{{.name = "heif_boxes", .parse = parse_heif_bo
 const Registered heif_depth_target{{.name = "heif_depth", .parse = parse_heif_depth}};
 const Registered heic_target{{.name = "heic", .parse = parse_heic, .cuts_are_refused = true, .changes = 60}};
 
-// What lies beside pictures: descriptions of cameras, lists, and names.
+// Files beside pictures: descriptions of cameras, lists, and names.
 
 void require_lens(const Intrinsics& lens) {
     require(std::isfinite(lens.fx) && std::isfinite(lens.fy), "a focal length is not finite");
@@ -342,12 +341,11 @@ const Registered depthkit_video_target{{.name = "depthkit_video",
                                         .parse = parse_depthkit_video,
                                         .cuts_are_refused = true,
                                         .changes = 60,
-                                        .most_mebibytes = 2048,
-                                        .most_live_mebibytes = 2048}};
+                                        .decodes_video = true}};
 const Registered list_target{{.name = "picture_list", .parse = parse_list, .most_bytes = 1024}};
 const Registered pattern_target{{.name = "picture_pattern", .parse = parse_pattern, .most_bytes = 128}};
 
-// What stands in a JPEG beside its picture: segments, EXIF, XMP, a depth map.
+// Parts of a JPEG beside its picture: segments, EXIF, XMP, a depth map.
 
 bool parse_segments(std::string_view bytes) {
     const auto segments = app1_segments(bytes);
@@ -445,7 +443,7 @@ bool parse_cloud(std::string_view bytes) {
 
 const Registered organised_cloud_target{{.name = "organised_cloud", .parse = parse_cloud}};
 
-/// What was read, written and read again is the same.
+/// A scene survives a round trip through text.
 bool parse_scene_file(std::string_view bytes) {
     const auto scene = parse_scene(bytes, "scene.json");
     if (!is_taken(scene)) {

@@ -2,7 +2,6 @@
 
 #include <glm/matrix.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -91,11 +90,11 @@ const Registered recorded_hand_target{
     {.name = "recorded_hand", .parse = parse_recorded_hand, .most_bytes = 1024, .most_live_mebibytes = 96}};
 const Registered csv_table_target{{.name = "csv_table", .parse = parse_csv_table, .most_bytes = 1024}};
 
-// What whoever sets up an exhibit writes: its words, its labels, its study.
+// The files of an exhibit: its words, its labels, its study.
 
 constexpr std::size_t longest_line = 200;
 
-/// What a window writes: lines of UTF-8 that are not empty.
+/// Text for a window: lines of UTF-8 that are not empty.
 void require_lines(std::string_view text, std::size_t most_lines, bool breaks) {
     require(!text.empty() && text.size() <= most_lines * (longest_line + 1), "a text of no right length");
     for (const char c : text)
@@ -147,7 +146,7 @@ void require_words(const StudyWords& words) {
     }
 }
 
-/// Whoever takes part, the same screens in an order of conditions; each with words, and told from the others.
+/// Each participant gets the same screens in an order of conditions; each has words and a name of its own.
 void require_screens(const Study& study, std::size_t number) {
     const std::vector<StudyScreen> screens = screens_of(study, number);
     require(!screens.empty(), "a study without a screen");
@@ -170,7 +169,7 @@ bool parse_study_file(std::string_view bytes) {
     if (!is_taken(study)) return false;
     require_words(study->title);
     require_words(study->words);
-    require(study->idle_s >= 1, "whoever begins has left at once");
+    require(study->idle_s >= 1, "a participant is idle at once");
     require(study->all_words("de").find("0123456789") == 0, "letters without digits");
     for (std::size_t number = 1; number <= 2 * most_study_conditions; ++number)
         require_screens(*study, number);
@@ -187,7 +186,7 @@ const Registered study_target{{.name = "study",
                                .needless_bytes = 1,
                                .most_bytes = 8192}};
 
-// What is said of segments, and what a brush did to them: files that anybody may have written.
+// Names of segments, and the history of a brush: files of unknown origin.
 
 bool parse_names(std::string_view bytes) {
     const auto names = parse_segment_names(bytes, "names");
@@ -302,7 +301,7 @@ bool parse_recording_and_mended(std::string_view bytes) {
 bool parse_playback_script(std::string_view bytes) {
     const auto commands = parse_playback(bytes, "script");
     if (!is_taken(commands)) return false;
-    require(bool(validate(*commands)), "commands that were read will not do");
+    require(bool(validate(*commands)), "commands that were read are invalid");
     (void)in_words(*commands);
     return true;
 }
@@ -358,7 +357,7 @@ bool parse_window_script(std::string_view bytes) {
     return true;
 }
 
-/// What is kept is found again.
+/// Settings survive a round trip through their file.
 bool parse_settings(std::string_view bytes) {
     const auto file = file_of(bytes, "play.json");
     const SettingsFile kept(file);

@@ -8,7 +8,7 @@
 
 namespace touchable::fuzz {
 
-/// What GoogleTest shows of a target in messages.
+/// For messages of GoogleTest.
 void PrintTo(const Target& target, std::ostream* out) {
     *out << target.name;
 }
@@ -36,7 +36,7 @@ bool is_cut_here(std::size_t length, std::size_t whole) {
     return length < near_an_end || length + near_an_end > whole || length % (1 + whole / between) == 0;
 }
 
-TEST_P(Parsers, StandSeedsAndWhereverTheyAreCut) {
+TEST_P(Parsers, SurviveSeedsCutAnywhere) {
     int taken = 0;
     for (const Seed& seed : seeds_of(GetParam())) {
         const bool is_taken_whole = stands(seed.bytes, seed.name);
@@ -52,7 +52,7 @@ TEST_P(Parsers, StandSeedsAndWhereverTheyAreCut) {
     EXPECT_GT(taken, 0) << "no seed is what the parser reads";
 }
 
-TEST_P(Parsers, StandChanges) {
+TEST_P(Parsers, SurviveChanges) {
     const auto seeds = seeds_of(GetParam());
     std::minstd_rand random(7);
     const auto below = [&](std::size_t limit) { return static_cast<std::size_t>(random()) % limit; };

@@ -1,4 +1,4 @@
-// A stream that somebody sends: any bytes, through a pipe, to be opened and read to their end.
+// A received stream: any bytes, through a pipe, to be opened and read to their end.
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -52,14 +52,10 @@ bool parse_stream(std::string_view bytes) {
     return taken;
 }
 
-const Registered stream_target{{.name = "stream",
-                                .parse = parse_stream,
-                                .changes = 60,
-                                .most_bytes = 8192,
-                                .most_mebibytes = 2048,
-                                .most_live_mebibytes = 2048}};
+const Registered stream_target{
+    {.name = "stream", .parse = parse_stream, .changes = 60, .most_bytes = 8192, .decodes_video = true}};
 
-// Streams that anybody sends: playlists of HLS, what H.264 says beside its pictures, segments of fragmented
+// Streams of unknown senders: playlists of HLS, what H.264 says beside its pictures, segments of fragmented
 // MP4.
 
 /// The playlist of a web server or of a folder, as a master and as what it leads to.
@@ -152,7 +148,7 @@ mpeg4::Bytes bytes_in(std::string_view bytes) {
     return {bytes.begin(), bytes.end()};
 }
 
-/// What a scene says as a clip is refused, or can be said again, and is then the same.
+/// A scene read as a clip is refused, or can be written again and is then the same.
 void require_same_nodes(const mpeg4::SceneTree& scene) {
     const auto nodes = mpeg4::clip_nodes_of(scene);
     if (!is_taken(nodes)) return;
@@ -254,16 +250,14 @@ const Registered mp4_clip_target{{.name = "mp4_clip",
                                   .cuts_are_refused = true,
                                   .changes = 120,
                                   .most_bytes = 12288,
-                                  .most_mebibytes = 2048,
-                                  .most_live_mebibytes = 2048}};
+                                  .decodes_video = true}};
 
 /// Cut anywhere they have the frames of the whole ones.
 const Registered mp4_fragments_target{{.name = "mp4_fragments",
                                        .parse = parse_mp4_clip,
                                        .changes = 120,
                                        .most_bytes = 12288,
-                                       .most_mebibytes = 2048,
-                                       .most_live_mebibytes = 2048}};
+                                       .decodes_video = true}};
 
 }  // namespace
 }  // namespace touchable::fuzz
