@@ -42,7 +42,7 @@ protected:
     LoopCase loop;
 };
 
-/// Of a mass with viscous loss before a sampled and held spring: the stiffness at which the determinant of
+/// For a mass with viscous loss before a sampled and held spring: the stiffness at which the determinant of
 /// its step becomes 1 (Jury's criterion; the others do not bind here).
 double jury_boundary(double mass, double damping) {
     const double tau = mass / damping, a = std::exp(-period / tau);
@@ -50,7 +50,7 @@ double jury_boundary(double mass, double damping) {
     return (1 - a) / (speed_gain * tau * (1 - a) - place_gain * a);
 }
 
-TEST_F(Stability, OfAFlatWallEndsWhereJuryAndColgateSay) {
+TEST_F(Stability, FlatWallMatchesTheory) {
     for (const double damping : {1.0, 5.0, 20.0})
         for (const double mass : {0.2, 0.5}) {
             loop.handle.damping = damping;
@@ -61,7 +61,7 @@ TEST_F(Stability, OfAFlatWallEndsWhereJuryAndColgateSay) {
         }
 }
 
-TEST_F(Stability, ShrinksWithDelayAsGilSays) {
+TEST_F(Stability, ShrinksWithDelay) {
     loop.handle.damping = 5;
     for (const int delay : {0, 1, 2, 4}) {
         loop.delay_ticks = delay;
@@ -69,7 +69,7 @@ TEST_F(Stability, ShrinksWithDelayAsGilSays) {
     }
 }
 
-TEST_F(Stability, NeedsFrictionWhereReadingsAreQuantised) {
+TEST_F(Stability, QuantisedReadingsNeedFriction) {
     loop.handle.damping = 5;
     loop.handle.quantum = 60e-6;
     const double without = boundary();
@@ -80,7 +80,7 @@ TEST_F(Stability, NeedsFrictionWhereReadingsAreQuantised) {
     }
 }
 
-TEST_F(Stability, IsFoundOnASurfaceThatMoves) {
+TEST_F(Stability, IsFoundOnMovingSurface) {
     loop.touch.scene = "moving";
     loop.touch.width = 80;
     loop.touch.height = 60;
@@ -133,7 +133,7 @@ std::vector<double> white_noise(std::size_t count) {
     return series;
 }
 
-TEST(ForceSpectrum, HasASineInItsBandWithItsPower) {
+TEST(ForceSpectrum, SinePowerLiesInBand) {
     const std::vector<double> series = sine_wave(3, 50, 12, segment);
     EXPECT_NEAR(band_power(series, rate, 49, 51), 4.5, 1e-9);
     EXPECT_NEAR(band_power(series, rate, 20, 500), 4.5, 1e-9);
@@ -141,7 +141,7 @@ TEST(ForceSpectrum, HasASineInItsBandWithItsPower) {
     EXPECT_NEAR(band_power(series, rate, 51, 500), 0, 1e-12);
 }
 
-TEST(ForceSpectrum, HasASineBetweenTwoWavesToo) {
+TEST(ForceSpectrum, FindsSineBetweenBins) {
     const std::vector<double> series = sine_wave(3, 50.037, 0, segment);
     EXPECT_NEAR(band_power(series, rate, 49, 51), 4.5, 1e-3);
     EXPECT_LT(band_power(series, rate, 60, 500), 1e-6);
@@ -152,14 +152,14 @@ TEST(ForceSpectrum, IsFlatOfWhiteNoise) {
     ASSERT_EQ(spectrum.power.size(), segment / 2 + 1);
     EXPECT_DOUBLE_EQ(spectrum.hz_step, 0.1);
     const double density = 1.0 / 3 / (rate / 2);
-    // Of n independent waves the mean strays by 1/sqrt(n); a window of Hann's leaves two in three, ten times.
+    // The mean of n independent waves strays by 1/sqrt(n); a window of Hann's leaves two in three, ten times.
     for (double from = 15.625; from < 500; from *= 2) {
         const double waves = 10 * from / spectrum.hz_step * 2 / 3;
         EXPECT_NEAR(spectrum.between(from, 2 * from) / (density * from), 1, 4 / std::sqrt(waves)) << from;
     }
 }
 
-TEST(ForceSpectrum, BandsSideBySideHoldAllOfIt) {
+TEST(ForceSpectrum, BandsSumToWhole) {
     const Spectrum spectrum = welch_spectrum(white_noise(999), rate, 1);
     double sum = 0;
     for (const double power : spectrum.power) sum += power;
@@ -169,7 +169,7 @@ TEST(ForceSpectrum, BandsSideBySideHoldAllOfIt) {
     EXPECT_NEAR(parts, sum, 1e-12);
 }
 
-TEST(ForceSpectrum, IsThatOfASlowTransformWhateverTheLength) {
+TEST(ForceSpectrum, MatchesSlowTransform) {
     using std::numbers::pi_v;
     for (const std::size_t count : {2U, 7U, 30U, 48U, 121U}) {
         const std::vector<double> series = white_noise(count);
@@ -225,7 +225,7 @@ std::string text_of(const std::filesystem::path& file) {
     return text.str();
 }
 
-TEST(GpuSuite, MeasuresATinyCaseAndPlotsIt) {
+TEST(GpuSuite, MeasuresAndPlotsTinyCase) {
     if (!GpuDevice::open()) GTEST_SKIP() << "no Vulkan";
     Figures frames, fingers;
     const auto by_frame = measure("ways-320x240-m3", frames),
@@ -254,7 +254,7 @@ TEST(GpuSuite, MeasuresATinyCaseAndPlotsIt) {
     EXPECT_EQ(html.find("Jitter"), std::string::npos) << "it was not measured";
 }
 
-TEST(GpuSuite, PlotRefusesReportOfAnotherSuite) {
+TEST(GpuSuite, PlotRejectsForeignReport) {
     if (std::system("/usr/bin/python3 -c 'import matplotlib' 2>/dev/null") != 0) GTEST_SKIP();
     const test::TemporaryFolder folder;
     ASSERT_TRUE(write_report(folder / "loop.json", "loop", {{"bumps", {{"time", 1, "us"}}}}));
@@ -265,7 +265,7 @@ TEST(GpuSuite, PlotRefusesReportOfAnotherSuite) {
     EXPECT_FALSE(std::filesystem::exists(folder / "page.html"));
 }
 
-TEST(FrameRing, ChangesEveryPixelInPlaneMemory) {
+TEST(FrameRing, ChangesEveryPixel) {
     const auto ring = ring_of_bumps(320, 240);
     ASSERT_TRUE(ring) << ring.error().message;
     for (int n = 0; n < ring->count(); ++n) {
@@ -279,7 +279,7 @@ TEST(FrameRing, ChangesEveryPixelInPlaneMemory) {
 }
 
 /// The surface moves at most 63 mm/s, and its stiffness is 0.6 N/mm.
-TEST(MovingForce, IsOffByTheAgeOfTheFrame) {
+TEST(MovingForce, ErrorFollowsFrameAge) {
     const auto moving = MovingForce::make(320, 240);
     ASSERT_TRUE(moving) << moving.error().message;
     const TimedFilter& none = timed_filters()[0];

@@ -87,7 +87,7 @@ DepthMap leaning_map(double a) {
     return map;
 }
 
-TEST(SeenFrom, APlaneAheadIsThatPlaneNearer) {
+TEST(SeenFrom, PlaneAheadComesNearer) {
     const auto seen = seen_from(leaning_map(1.0 / 1000), 200);
     ASSERT_TRUE(seen) << seen.error().message;
     // a Z + ... = 1 with Z = Z' + 200: all of 1 / depth grows by 1 / (1 - 200 a).
@@ -96,7 +96,7 @@ TEST(SeenFrom, APlaneAheadIsThatPlaneNearer) {
             EXPECT_NEAR(seen->at(x, y), 0.8 / leaning(x, y, 1.0 / 1000), 1e-9) << x << ' ' << y;
 }
 
-TEST(SeenFrom, TheNearerSurfaceHidesTheOther) {
+TEST(SeenFrom, NearerSurfaceHidesOther) {
     DepthMap map = leaning_map(1.0 / 1000);
     for (int y = 0; y < 48; ++y)
         for (int x = 20; x < 40; ++x) map.depths[map.index(x, y)] = 300;
@@ -108,11 +108,11 @@ TEST(SeenFrom, TheNearerSurfaceHidesTheOther) {
     EXPECT_GT(seen->at(12, 24), 600);
 }
 
-TEST(SeenFrom, SaysWhereNothingIsSeen) {
+TEST(SeenFrom, ReportsEmptyView) {
     EXPECT_FALSE(seen_from(leaning_map(1.0 / 1000), -200));
 }
 
-TEST(DepthPlaneOf, AnExactPlaneIsFoundWithItsNormal) {
+TEST(DepthPlane, FindsExactPlane) {
     const DepthMap map = leaning_map(1.0 / 1000);
     const auto plane = plane_around(map, 30, 20, 5);
     ASSERT_TRUE(plane.has_value());
@@ -125,7 +125,7 @@ TEST(DepthPlaneOf, AnExactPlaneIsFoundWithItsNormal) {
     EXPECT_FALSE(plane_around(map, 3, 20, 5).has_value()) << "it leaves the picture";
 }
 
-TEST(DepthPlaneOf, ItsStandardErrorIsWhatNoiseMakes) {
+TEST(DepthPlane, StandardErrorMatchesNoise) {
     SensorModel model = sr300();
     DepthMap truth{200, 200, {500, 500, 99.5, 99.5}, std::vector<double>(40000, 700.0)};
     const Scene scene = scene_of(model, 200, 200, truth.camera);
@@ -144,7 +144,7 @@ TEST(DepthPlaneOf, ItsStandardErrorIsWhatNoiseMakes) {
     EXPECT_NEAR(std::sqrt(errors / stated), 1, 0.2);
 }
 
-TEST(SensorModels, HaveThePublishedLevelsAndNoise) {
+TEST(SensorModels, MatchPublishedNoise) {
     for (double z = 1; z <= 4; z += 0.2)
         EXPECT_NEAR(kinect_v1().level(1000 * z) / (2.73 * z * z + 0.74 * z - 0.58), 1, 0.03) << z;
     EXPECT_NEAR(kinect_v1().sigma(2000), 6.064, 1e-9);
@@ -158,7 +158,7 @@ TEST(SensorModels, HaveThePublishedLevelsAndNoise) {
                 << model.name << ' ' << z;
 }
 
-TEST(SensorModels, WhatIsStoredDeviatesAsMuchAsTheySay) {
+TEST(SensorModels, StoredDepthDeviatesAsStated) {
     for (const SensorModel& model : {kinect_v1(), d435(480), sr300()}) {
         constexpr double depth = 1500;
         const DepthMap truth{160, 120, {480, 480, 79.5, 59.5}, std::vector<double>(19200, depth)};
@@ -174,7 +174,7 @@ TEST(SensorModels, WhatIsStoredDeviatesAsMuchAsTheySay) {
     }
 }
 
-TEST(SensorModels, NoiseIsNewInEachFrameAndTheSameInEachRun) {
+TEST(SensorModels, NoiseVariesByFrameReproducibly) {
     const SensorModel model = kinect_v1();
     const DepthMap truth = leaning_map(1.0 / 1000);
     const Scene scene = scene_of(model, 64, 48, truth.camera);
@@ -185,7 +185,7 @@ TEST(SensorModels, NoiseIsNewInEachFrameAndTheSameInEachRun) {
     EXPECT_NE(depths(1), depths(2));
 }
 
-TEST(Edges, WithoutFiltersTheSceneIsAsItWasMade) {
+TEST(Edges, UnfilteredSceneIsUnchanged) {
     Figures figures;
     ASSERT_TRUE(measure_edges(kinect_v1(), filter_choices().front(), figures));
     const auto value = [&](const char* metric) {
@@ -221,7 +221,7 @@ double mean_product(const std::vector<double>& a, const std::vector<double>& b) 
     return sum / static_cast<double>(a.size());
 }
 
-TEST(PaperChest, HasTheNoiseThatWasAskedForAndThatOfRounding) {
+TEST(PaperChest, HasRequestedNoise) {
     for (const double levels : {1.0, 2.0}) {
         const std::vector<double> noise = noise_of(levels, 3);
         EXPECT_NEAR(mean_product(noise, noise), levels * levels + 1.0 / 12, 0.1 * levels * levels);
@@ -229,7 +229,7 @@ TEST(PaperChest, HasTheNoiseThatWasAskedForAndThatOfRounding) {
     for (const double off : noise_of(0, 3)) EXPECT_LE(std::fabs(off), 0.5 + 1e-9);
 }
 
-TEST(PaperChest, HasNoiseOfItsOwnInEachPixelAndFrame) {
+TEST(PaperChest, NoiseIsIndependent) {
     const std::vector<double> noise = noise_of(1, 0);
     EXPECT_NEAR(mean_product(noise, noise_of(1, 1)), 0, 0.06);
     std::vector<double> neighbours(noise.begin() + 1, noise.end());
@@ -237,7 +237,7 @@ TEST(PaperChest, HasNoiseOfItsOwnInEachPixelAndFrame) {
     EXPECT_NEAR(mean_product(noise, neighbours), 0, 0.06);
 }
 
-TEST(PaperChest, IsTheEllipsoidItSaysUnderAPlaceOfTheHand) {
+TEST(PaperChest, SurfaceIsEllipsoid) {
     const auto clip = make_chest_clip(1, 1);
     const double metres_per_unit = clip->scene.device_metres_per_unit.value();
     const glm::dvec3 front = clip->surface_at({0, 0});
@@ -251,7 +251,7 @@ TEST(PaperChest, IsTheEllipsoidItSaysUnderAPlaceOfTheHand) {
     }
 }
 
-TEST(PlayedClip, IsTheSameSurfaceLazilyAndWholeRoundTheLoop) {
+TEST(PlayedClip, LazyEqualsWholeAcrossLoop) {
     constexpr std::int64_t ms = 1'000'000;
     const auto clip = make_chest_clip(1, 7);
     auto whole = PlayedClip::make(clip, {3});
@@ -281,7 +281,7 @@ TEST(PlayedClip, IsTheSameSurfaceLazilyAndWholeRoundTheLoop) {
     EXPECT_GT(differ, 20);
 }
 
-TEST(ScriptedPaths, OfFastHandsReachThreeTenthsOfAMetreASecondAndStayOnTheGlobe) {
+TEST(ScriptedPaths, FastHandsStayOnGlobe) {
     for (const ScriptedPath& path : fast_hands) {
         double fastest = 0, farthest = 0;
         for (int k = 0; k < 10'000; ++k) {

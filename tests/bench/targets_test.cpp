@@ -30,7 +30,7 @@ std::vector<CaseFigures> measured(double here, double there) {
     return {{"here", {{"other", 1000, ""}, {"us", here, "us"}}}, {"there", {{"us", there, "us"}}}};
 }
 
-TEST(Targets, AreJudgedByTheirWorstCase) {
+TEST(Targets, AreJudgedByWorstCase) {
     const Verdict verdict = judge(below(3), measured(1, 2.5));
     EXPECT_TRUE(verdict.met);
     EXPECT_EQ(verdict.value, 2.5);
@@ -38,13 +38,13 @@ TEST(Targets, AreJudgedByTheirWorstCase) {
     EXPECT_FALSE(judge(below(3), measured(3.5, 1)).met);
 }
 
-TEST(Targets, BelowIsStrictAndAtMostIsNot) {
+TEST(Targets, BelowIsStrict) {
     EXPECT_FALSE(judge(below(3), measured(3, 1)).met);
     EXPECT_TRUE(judge(at_most(3), measured(3, 1)).met);
     EXPECT_FALSE(judge(at_most(0), measured(0, 1e-12)).met);
 }
 
-TEST(Targets, OfAtLeastTheWorstIsTheLeast) {
+TEST(Targets, AtLeastTakesLeastCase) {
     const Verdict verdict = judge(at_least(2), measured(5, 2));
     EXPECT_TRUE(verdict.met);
     EXPECT_EQ(verdict.value, 2);
@@ -53,7 +53,7 @@ TEST(Targets, OfAtLeastTheWorstIsTheLeast) {
     EXPECT_FALSE(judge(at_least(2), {}).met);
 }
 
-TEST(Targets, AreNotAskedWhereTheyDoNotApply) {
+TEST(Targets, SkipWhereNotApplicable) {
     Target t = below(3);
     t.only_where = "on_gpu";
     std::vector<CaseFigures> figures = measured(5, 1);
@@ -64,11 +64,11 @@ TEST(Targets, AreNotAskedWhereTheyDoNotApply) {
     figures[1].figures.back().value = 0;
     EXPECT_FALSE(judge(t, figures).asked);
     EXPECT_NE(table_of({t}, figures).find("not asked here\n"), std::string::npos);
-    EXPECT_TRUE(judge(t, {}).asked);  // nobody knows
+    EXPECT_TRUE(judge(t, {}).asked);  // whether it applies is unknown
     EXPECT_FALSE(judge(t, {}).met);
 }
 
-TEST(Targets, MayShowWhatHasNoLimit) {
+TEST(Targets, MayHaveNoLimit) {
     const Target t = target({0, Limit::Sense::none, "us"});
     EXPECT_TRUE(judge(t, measured(4, 5)).met);
     EXPECT_FALSE(judge(t, {}).met);
@@ -77,14 +77,14 @@ TEST(Targets, MayShowWhatHasNoLimit) {
     EXPECT_EQ(table.find("met\n"), std::string::npos) << table;
 }
 
-TEST(Targets, ThatStandOnNoMeasuredCaseCanBeLeftOut) {
+TEST(Targets, UnmeasuredCanBeOmitted) {
     const std::vector<Target> both{below(3), {"elsewhere", {"nowhere"}, "us", below(3).limit}};
     const std::vector<Target> left = measured_targets(both, {{"there", {}}});
     ASSERT_EQ(left.size(), 1U);
     EXPECT_EQ(left[0].what, "a time");
 }
 
-TEST(Targets, WhatIsNotMeasuredOrNotANumberIsMissed) {
+TEST(Targets, UnmeasuredOrNanIsMissed) {
     EXPECT_FALSE(judge(below(3), {}).met);
     EXPECT_FALSE(judge(below(3), {{"elsewhere", {{"us", 1, "us"}}}}).met);
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -92,7 +92,7 @@ TEST(Targets, WhatIsNotMeasuredOrNotANumberIsMissed) {
     EXPECT_FALSE(judge(below(3), measured(1, nan)).met);
 }
 
-TEST(Targets, MayBeRelativeToACase) {
+TEST(Targets, MayBeRelative) {
     Target t = at_most(1);
     t.cases = {"there"};
     t.relative_to = "here";
@@ -103,7 +103,7 @@ TEST(Targets, MayBeRelativeToACase) {
     EXPECT_FALSE(judge(t, measured(4, 3)).met);
 }
 
-TEST(Targets, TableSaysOfEachWhetherItIsMet) {
+TEST(Targets, TableShowsVerdicts) {
     const std::string table = table_of({below(3), below(2)}, measured(2.5, 1));
     EXPECT_NE(table.find("< 3 us"), std::string::npos) << table;
     EXPECT_NE(table.find("2.5 us"), std::string::npos) << table;
@@ -126,7 +126,7 @@ void expect_cases_of(const std::vector<Target>& targets, std::vector<BenchCase> 
     }
 }
 
-TEST(Targets, NameCasesThatTheirSuiteHas) {
+TEST(Targets, NameExistingCases) {
     expect_cases_of(touch_targets(), touch_cases);
     expect_cases_of(surface_targets(), surface_cases);
 }
@@ -147,7 +147,7 @@ CaseFigures widened(CaseFigures c) {
     return c;
 }
 
-TEST(Report, OfManyMetricsHasARowForEachAndAColumnPerCase) {
+TEST(Report, ManyMetricsGetRows) {
     const std::string table =
         tables_of({widened({"one", {{"common_ms", 1, "ms"}, {"last", 3, ""}}}),
                    widened({"another", {{"common_ms", 2.5, "ms"}, {"between", 7, ""}, {"last", 4, ""}}})});
@@ -158,7 +158,7 @@ TEST(Report, OfManyMetricsHasARowForEachAndAColumnPerCase) {
               "last              3        4\n");
 }
 
-TEST(Report, OfManyMetricsHasATableForEachTenCases) {
+TEST(Report, SplitsTablesAfterTenCases) {
     std::vector<CaseFigures> cases;
     for (int n = 0; n < 12; ++n) cases.push_back(widened({"case" + std::to_string(n), {}}));
     cases.push_back({"narrow", {{"count", 5, ""}}});
@@ -168,7 +168,7 @@ TEST(Report, OfManyMetricsHasATableForEachTenCases) {
     EXPECT_NE(tables.find("\nnarrow      5\n"), std::string::npos) << tables;
 }
 
-TEST(Report, OfFewMetricsHasARowPerCase) {
+TEST(Report, FewMetricsGetColumns) {
     std::vector<CaseFigures> cases;
     for (int n = 0; n < 20; ++n)
         cases.push_back({"case" + std::to_string(n), {{"time", static_cast<double>(n), "us"}}});
@@ -179,7 +179,7 @@ TEST(Report, OfFewMetricsHasARowPerCase) {
     EXPECT_NE(tables.find("\n\n       count\nother      5\n"), std::string::npos) << tables;
 }
 
-TEST(Report, HasNamesInPlaceOfValues) {
+TEST(Report, ShowsNamesAsValues) {
     const CaseFigures c{"machine", {{"cores", 2, ""}, named("gpu", "llvmpipe")}};
     EXPECT_EQ(tables_of({c}), "         cores       gpu\nmachine      2  llvmpipe\n");
     const test::TemporaryFolder folder;
@@ -189,7 +189,7 @@ TEST(Report, HasNamesInPlaceOfValues) {
     EXPECT_NE(text.str().find(R"("metric":"gpu","value":"llvmpipe")"), std::string::npos) << text.str();
 }
 
-TEST(Report, TablesLeaveOutWhatIsForPlots) {
+TEST(Report, TablesOmitPlotSeries) {
     CaseFigures c{"case", {{"shown", 5, ""}}};
     for (int n = 0; n < 100; ++n) c.figures.push_back({"curve_" + std::to_string(n), 1, "", false});
     EXPECT_EQ(tables_of({c}), "      shown\ncase      5\n");

@@ -1,4 +1,4 @@
-// What docs/architecture.md says of modules, held against every folder, #include and linked target: a
+// The rules of docs/architecture.md on modules, checked against every folder, #include and linked target: a
 // module's CMakeLists.txt says which others it uses, and which of its headers these may include.
 
 #include <gtest/gtest.h>
@@ -75,7 +75,7 @@ std::map<std::string, Module> read_modules() {
                         into->insert(*word);
                 }
             }
-            // What a module links only where the machine has it.
+            // Libraries that a module links only where the machine has them.
             for (const auto& words : calls_of("target_link_libraries", cmake))
                 if (words.at(0).starts_with("touchable_"))
                     if (const auto module = modules.find(words[0].substr(std::string("touchable_").size()));
@@ -112,7 +112,7 @@ std::vector<fs::path> files_of(const Module& module) {
     return files;
 }
 
-/// What stands between two marks in the lines that begin with the first one.
+/// The text between two marks in the lines that begin with the first one.
 Names included_by(const fs::path& file, const std::string& begin, char end) {
     Names names;
     std::ifstream in(file);
@@ -159,7 +159,7 @@ std::string library_of_header(const std::string& header) {
     return "";
 }
 
-/// Of the language, of the compiler, of the system, of X11 (which two optional libraries bring), or xxhash,
+/// A header of the language, the compiler, the system, X11 (which two optional libraries bring), or xxhash,
 /// which base alone has.
 bool is_of_the_machine(const std::string& header) {
     static const Names files{"dlfcn.h", "fcntl.h",  "grp.h",       "link.h",    "malloc.h",
@@ -176,7 +176,7 @@ bool is_code(const fs::path& file) {
     return file.extension() == ".cpp" || file.extension() == ".hpp" || file.extension() == ".h";
 }
 
-TEST(Modules, HaveEachFileOfTheProduct) {
+TEST(Modules, CoverEachProductFile) {
     Names folders;
     for (const auto& [name, module] : modules()) folders.insert(module.folder);
     for (const std::string& part : kProduct)
@@ -188,13 +188,13 @@ TEST(Modules, HaveEachFileOfTheProduct) {
     EXPECT_GT(folders.size(), 15u);
 }
 
-TEST(Modules, HaveTheHeadersThatTheyShow) {
+TEST(Modules, HaveTheirListedHeaders) {
     for (const auto& [name, module] : modules())
         for (const std::string& header : module.headers)
             EXPECT_TRUE(fs::exists(source(module.folder) / header)) << name << " has no " << header;
 }
 
-TEST(Modules, IncludeOnlyWhatOthersShow) {
+TEST(Modules, IncludeOnlyPublicHeaders) {
     std::map<std::string, std::string> of_folder;
     for (const auto& [name, module] : modules())
         if (!module.folder.starts_with("capi")) of_folder[module.folder] = name;
@@ -228,7 +228,7 @@ TEST(Modules, IncludeOnlyWhatOthersShow) {
                 << "no other module includes " << module.folder << '/' << header;
 }
 
-TEST(Modules, IncludeOnlyLibrariesThatTheyLink) {
+TEST(Modules, IncludeOnlyLinkedLibraries) {
     for (const auto& [name, module] : modules()) {
         Names linked;
         for (const std::string& reached : reach_of(name))
@@ -246,7 +246,7 @@ TEST(Modules, IncludeOnlyLibrariesThatTheyLink) {
             }
     }
 }
-/// What stands between double quotes in a file, comments left out.
+/// The literals between double quotes in a file, without comments.
 std::vector<std::string> literals_of(const std::string& code) {
     std::vector<std::string> literals;
     for (std::size_t at = 0; at < code.size(); ++at) {
@@ -282,7 +282,7 @@ TEST(Modules, LiteralsAreFoundInCode) {
 
 // A library has no command line: an error or a guess there hints at a `Setting`, and
 // player/commands/setting_words.cpp knows its option.
-TEST(Modules, OnlyTheCommandLineNamesOptions) {
+TEST(Modules, OnlyCommandLineNamesOptions) {
     // Options of udevadm, and the command whose output goes to it; of programs that export other recordings;
     // of h5dump.
     const std::set<std::string> allowed{"--udev-rules",       "--reload",   "--mode 4",
@@ -324,7 +324,7 @@ std::set<std::string> library_words(std::string line) {
 
 // The C library's may round otherwise on another machine (docs/architecture.md, decision 3);
 // engine/base/same_bits.hpp has some that do not.
-TEST(Modules, WhatReachesACodeOrAForceCallsNothingThatALibraryRounds) {
+TEST(Modules, AvoidLibraryRounding) {
     const std::set<std::string> rounded{
         "sin",  "cos",    "tan",    "asin",  "acos",   "atan",      "atan2", "sinh",
         "cosh", "tanh",   "asinh",  "acosh", "atanh",  "exp",       "exp2",  "expm1",
@@ -371,7 +371,7 @@ std::vector<std::string> lines_of(const fs::path& page) {
     return lines;
 }
 
-/// What a link to a heading is called, as GitHub does it: small letters, strokes for spaces, no signs.
+/// The anchor of a heading, as GitHub makes it: small letters, strokes for spaces, no signs.
 std::string anchor_of(const std::string& heading) {
     std::string anchor;
     for (const char letter : heading) {
@@ -394,7 +394,7 @@ std::set<std::string> anchors_of(const fs::path& page) {
     return anchors;
 }
 
-TEST(Links, LeadToPagesAndHeadingsThatAreThere) {
+TEST(Links, LeadToExistingHeadings) {
     static const std::regex link(R"(\]\(([^)\s]+)\))");
     int checked = 0;
     for (const fs::path& page : pages())
@@ -418,7 +418,7 @@ TEST(Links, LeadToPagesAndHeadingsThatAreThere) {
 
 // Recordings are looked for by one function, so that one word in the environment takes all of them away.
 
-TEST(RealData, IsFoundByRealDataAlone) {
+TEST(RealData, IsFoundByOneFunction) {
     int files = 0;
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(TOUCHABLE_SOURCE_DIR) / "tests")) {
         const fs::path& file = entry.path();
