@@ -115,7 +115,7 @@ public:
     touch_contact contact{};  ///< of the last tick
 };
 
-/// What a program passes that does everything wrong, sometimes.
+/// Arguments of a program that sometimes does everything wrong.
 class SpoiledValues {
 public:
     using Statuses = std::array<int, 256>;

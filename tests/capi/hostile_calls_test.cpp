@@ -249,7 +249,7 @@ TEST(HostileCalls, EachGivesStatus) {
                          4000);
 }
 
-// What the C API refuses, and how it says so.
+// Calls that the C API refuses, and their messages.
 
 TEST(Statuses, HaveNames) {
     EXPECT_EQ(touch_version(), static_cast<std::uint32_t>(TOUCH_VERSION));
@@ -523,7 +523,7 @@ TEST(StructSizes, OlderFramesGetNoCount) {
     std::vector<float> metres = test::Hill().metres();
     metres[3] = 7;  // beyond the far plane
     std::int64_t lost = -1;
-    // Of a part of the pointer, too, nothing is written.
+    // Also where only a part of the pointer is known, nothing is written.
     std::int64_t number = 0;
     for (const std::size_t size : {offsetof(touch_frame, lost_pixels), sizeof(touch_frame) - 1}) {
         touch_frame frame = test::Hill().frame(number++);

@@ -372,7 +372,7 @@ TEST(ForcesAt, ErrorsNameTheProblem) {
     EXPECT_EQ(call({1}, 0), TOUCH_STALE);
 }
 
-// What a hand is given when its program does what programs do: goals that go missing, frames that come
+// Forces of a hand whose program has ordinary trouble: goals that go missing, frames that come
 // meanwhile, settings at their ends.
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -530,7 +530,7 @@ TEST(Threads, BusySurfaceStaysUsable) {
     EXPECT_EQ(stale, 0);
 }
 
-/// What `work` returns in a forked child, 0 to 200; 256 and more where the child hangs.
+/// The result of `work` in a forked child, 0 to 200; 256 and more where the child hangs.
 int in_child(const std::function<int()>& work) {
     const pid_t child = fork();
     if (child == 0) {
@@ -542,7 +542,7 @@ int in_child(const std::function<int()>& work) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 256 + status;
 }
 
-/// Of each kind one, with threads where it may have some.
+/// One object of each kind, with threads where it may have some.
 struct HeldObjects {
     TouchedHill hill;
     touch_surface threaded{};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "tests/reference/solver.hpp"
 #include "tests/reference/surface.hpp"
@@ -49,7 +48,7 @@ void add_crossings(std::vector<Real>& crossings, LineOf line_of, const ImagePoin
     }
 }
 
-/// What holds a finger where it is.
+/// The friction that holds a finger.
 Real resting_mu(const Finger& finger, const Properties& p) {
     return finger.sliding ? p.dynamic_friction : p.static_friction;
 }
@@ -191,7 +190,7 @@ private:
         if (whole == 0) return false;
         const Properties here = properties_at(surface_, *finger_.place);
         const Real holds = resting_mu(finger_, here) * way.load;
-        // What was stopped on the cone in double may lie beyond it by a rounding.
+        // A proxy that was stopped on the cone in double may lie beyond it by a rounding.
         if (holds > 0 && whole <= holds * (1 + Real(1e-9))) return false;
         const Real share = stopping_share(surface_, *finger_.place, way);
         next.place.emplace();

@@ -32,7 +32,7 @@ Finger finger_of(const Surface& surface, const Proxy& proxy);
 Solution solve(const Surface& surface, Finger finger, const Vec& last_goal, const Vec& goal,
                int substeps = 1);
 
-/// What can be said of a proxy without solving anything: that it is not behind the surface, and that no way
+/// Certificates of a proxy that need no solving: that it is not behind the surface, and that no way
 /// leads nearer to the goal than friction lets it go.
 
 /// By how much of |P - G| a proxy on the surface misses the closest point to the goal on the triangles it

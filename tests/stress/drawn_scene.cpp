@@ -28,7 +28,7 @@ void draw_heights(SplitMix64& random, Scene& scene) {
     scene.height_coding.units = linear && chance(random, 0.5) ? HeightUnits::levels : HeightUnits::world;
     scene.height_coding.code_max = chance(random, 0.5) ? 255 : 1023;
     const double nearest = nearest_depth(scene);
-    // Of the nearest depth half is left, and a millionth of the deepest.
+    // Half of the nearest depth is left, and a millionth of the deepest.
     const double possible = std::min(0.5 * nearest, (1 - 1e-9) * nearest - 1e-6 * scene.depth.far);
     const double longest =
         std::max(0.0, std::min(possible, 0.3 * (scene.depth.far - nearest))) * random.unit();
@@ -203,6 +203,10 @@ DrawnPlanes draw_waves(const Scene& scene, SplitMix64& random) {
     });
     add_planes(scene, random, planes);
     return planes;
+}
+
+DrawnPlanes draw_any(const Scene& scene, SplitMix64& random) {
+    return chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
 }
 
 Result<void> FrameMaker::build(const DrawnPlanes& planes, int width, int height, SurfaceFrame& out) {

@@ -55,6 +55,8 @@ void add_planes(const Scene& scene, SplitMix64& random, DrawnPlanes& planes);
 DrawnPlanes draw_noise(const Scene& scene, SplitMix64& random);
 /// A few broad waves within the middle of the depth range, and all that `add_planes` adds.
 DrawnPlanes draw_waves(const Scene& scene, SplitMix64& random);
+/// The one or the other.
+DrawnPlanes draw_any(const Scene& scene, SplitMix64& random);
 
 /// Builds frames as the program does.
 class FrameMaker {

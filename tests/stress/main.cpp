@@ -31,7 +31,7 @@ void list() {
     std::cout << '\n';
 }
 
-/// What --states or --compare want to know of a run.
+/// Watches a run; writes or compares its states where --states or --compare ask for it.
 Result<Watched> watch_states(StressRun& run, const WatchSettings& settings, const Words& words) {
     if (!words.states.empty()) {
         std::ofstream out(words.states);

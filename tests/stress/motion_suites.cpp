@@ -164,7 +164,7 @@ template <class Run>
 std::unique_ptr<StressRun> over_drawn(std::uint64_t seed) {
     SplitMix64 random(seed);
     const Scene scene = draw_scene(random);
-    const DrawnPlanes planes = chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
+    const DrawnPlanes planes = draw_any(scene, random);
     return std::make_unique<Run>(scene, planes, random.next());
 }
 
@@ -194,15 +194,13 @@ std::unique_ptr<StressRun> make_camera_plane(std::uint64_t seed) {
     SplitMix64 random(seed);
     Scene scene = draw_scene(random);
     draw_wide_planes(random, scene);
-    const DrawnPlanes planes = chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
+    const DrawnPlanes planes = draw_any(scene, random);
     return std::make_unique<CameraPlane>(scene, planes, random.next());
 }
 std::unique_ptr<StressRun> make_five_fingers(std::uint64_t seed) {
     return over_drawn<FiveFingers>(seed);
 }
 
-}  // namespace touchable::stress
-namespace touchable::stress {
 namespace {
 
 // Suites that are out for time: surfaces that rise past the finger, cuts, frames that do not come as they
@@ -263,27 +261,47 @@ std::unique_ptr<StressRun> make_cut_every_frame(std::uint64_t seed) {
     SplitMix64 random(seed);
     const Scene scene = draw_scene(random, 32);
     std::vector<DrawnPlanes> pictures;
-    for (int k = 0; k < 12; ++k)
-        pictures.push_back(chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random));
+    for (int k = 0; k < 12; ++k) pictures.push_back(draw_any(scene, random));
     const int ticks = 1 + below(random, 33);
     return std::make_unique<LoopRun>(scene, pictures, ticks, random.next(), Walk::Reach{0.5, 0.01, 0.01});
 }
 
 namespace {
 
-/// Frames through a SurfaceTimeline, as live: they come late, in bursts or not at all, some of another size.
-class LateFrames final : public StressRun {
+/// Frames through a SurfaceTimeline.
+class LiveRun : public StressRun {
+protected:
+    LiveRun(const Scene& scene, const SplitMix64& random)
+        : StressRun(scene), maker_(scene_), random_(random) {}
+    /// Draws a picture where there is room for one.
+    template <class Draw>
+    void publish(std::int64_t tick, Draw draw) {
+        SurfaceFrame* slot = timeline_.acquire();
+        if (!slot || tick * tick_ns <= timeline_.newest_time()) return;
+        maker_.build(draw(), *slot);
+        (void)timeline_.publish(published_++, tick * tick_ns);
+    }
+
+    FrameMaker maker_;
+    SurfaceTimeline timeline_{4};
+    SplitMix64 random_;
+
+private:
+    std::int64_t published_ = 0;
+};
+
+/// As live: frames come late, in bursts or not at all, some of another size.
+class LateFrames final : public LiveRun {
 public:
-    LateFrames(const Scene& scene, SplitMix64 random)
-        : StressRun(scene), maker_(scene_), timeline_(4), random_(random), walk_(scene_, random.next()) {
+    LateFrames(const Scene& scene, SplitMix64 random) : LiveRun(scene, random), walk_(scene_, random.next()) {
         for (int k = 0; k < 8; ++k) pictures_.push_back(draw_waves(scene_, random_));
-        publish(0);
+        publish_any(0);
     }
 
     void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
         // The frame of a moment is ready up to 20 ms after it; one in six never comes.
         if (tick % 33 == 0 && !chance(random_, 1.0 / 6)) due_ = tick + below(random_, 20);
-        if (tick == due_) publish(tick / 33 * 33 + 33);
+        if (tick == due_) publish_any(tick / 33 * 33 + 33);
         if (chance(random_, 0.01)) offer_another_size();
         timeline_.pair_at(tick * tick_ns, pair);
         goals[0] = walk_.next();
@@ -291,38 +309,31 @@ public:
     int refusals() const override { return refusals_; }
 
 private:
-    void publish(std::int64_t tick) {
-        SurfaceFrame* slot = timeline_.acquire();
-        if (!slot || tick * tick_ns <= timeline_.newest_time()) return;
-        maker_.build(pictures_[static_cast<std::size_t>(below(random_, static_cast<int>(pictures_.size())))],
-                     *slot);
-        (void)timeline_.publish(published_++, tick * tick_ns);
+    void publish_any(std::int64_t tick) {
+        publish(tick, [&] { return pictures_[static_cast<std::size_t>(below(random_, 8))]; });
     }
     void offer_another_size() {
         SurfaceFrame* slot = timeline_.acquire();
         if (slot && !maker_.build(pictures_[0], scene_.width + 1, scene_.height - 1, *slot)) ++refusals_;
     }
 
-    FrameMaker maker_;
-    SurfaceTimeline timeline_;
-    SplitMix64 random_;
     Walk walk_;
     std::vector<DrawnPlanes> pictures_;
-    std::int64_t due_ = -1, published_ = 0;
+    std::int64_t due_ = -1;
     int refusals_ = 0;
 };
 
 /// A producer that stops; the surface then stands still, and under a goal that rests so do the forces.
-class StoppedProducer final : public StressRun {
+class StoppedProducer final : public LiveRun {
 public:
     StoppedProducer(const Scene& scene, SplitMix64 random)
-        : StressRun(scene), maker_(scene_), timeline_(4), random_(random), hand_(scene_, random.next()) {
+        : LiveRun(scene, random), hand_(scene_, random.next()) {
         stops_ = 100 + below(random_, 200);
-        publish(0);
+        publish_waves(0);
     }
 
     void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
-        if (tick < stops_ && tick % 33 == 0) publish(tick + 33);
+        if (tick < stops_ && tick % 33 == 0) publish_waves(tick + 33);
         timeline_.pair_at(tick * tick_ns, pair);
         stands_ = pair.next.frame == pair.prev.frame;
         // It feels its way, and rests every now and then.
@@ -353,35 +364,31 @@ private:
             if (std::fabs(a[axis] - b[axis]) > 1e-9 * (1 + std::fabs(a[axis]))) return true;
         return false;
     }
-    void publish(std::int64_t tick) {
-        SurfaceFrame* slot = timeline_.acquire();
-        if (!slot || tick * tick_ns <= timeline_.newest_time()) return;
-        maker_.build(draw_waves(scene_, random_), *slot);
-        (void)timeline_.publish(published_++, tick * tick_ns);
+    void publish_waves(std::int64_t tick) {
+        publish(tick, [&] { return draw_waves(scene_, random_); });
     }
 
-    FrameMaker maker_;
-    SurfaceTimeline timeline_;
-    SplitMix64 random_;
     Skim hand_;
-    std::int64_t stops_ = 0, published_ = 0;
+    std::int64_t stops_ = 0;
     glm::dvec3 goal_{0};
     bool stands_ = false, stood_ = false;
     GuardedForce last_;
 };
 
+template <class Run>
+std::unique_ptr<StressRun> live(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    const Scene scene = draw_scene(random, 32);
+    return std::make_unique<Run>(scene, random);
+}
+
 }  // namespace
 
 std::unique_ptr<StressRun> make_late_frames(std::uint64_t seed) {
-    SplitMix64 random(seed);
-    const Scene scene = draw_scene(random, 32);
-    return std::make_unique<LateFrames>(scene, random);
+    return live<LateFrames>(seed);
 }
-
 std::unique_ptr<StressRun> make_stopped_producer(std::uint64_t seed) {
-    SplitMix64 random(seed);
-    const Scene scene = draw_scene(random, 32);
-    return std::make_unique<StoppedProducer>(scene, random);
+    return live<StoppedProducer>(seed);
 }
 
 }  // namespace touchable::stress

@@ -81,7 +81,7 @@ std::int64_t ticks_of(const PickedTouch& touch) {
     return static_cast<std::int64_t>(touch.ticks.size());
 }
 
-/// That no touch breaks an invariant.
+/// Expects that no touch breaks an invariant.
 Coverage check_touches(int compare_every) {
     Coverage coverage;
     EXPECT_TRUE(rc::check([&](const PickedTouch& touch) {

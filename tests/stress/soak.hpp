@@ -17,8 +17,8 @@ struct SoakPlan {
     std::int64_t unit_ticks = 20000;
     int certify_every = 8, compare_every = 512;
     int replay_every = 32;  ///< units: done twice, for the same bits (S6)
-    /// Of the solver: what a short run of every suite gives. Ticks of another solver prove nothing of this
-    /// one.
+    /// Fingerprint of the solver: the forces of a short run of every suite. Ticks of another solver prove
+    /// nothing of this one.
     std::string solver;
     bool operator==(const SoakPlan&) const = default;
 };

@@ -78,7 +78,7 @@ public:
     /// Frames and goals of the next tick; ticks come as 0, 1, 2, ... The frames stay until the next call.
     virtual void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) = 0;
 
-    /// What this run promises of a tick beyond the invariants of all; empty where it is kept.
+    /// The promise of this run beyond the invariants of all runs that a tick breaks; empty where it is kept.
     virtual std::string broken_promise(std::int64_t /*tick*/, std::span<const Contact> /*contacts*/,
                                        std::span<const GuardedForce> /*forces*/) {
         return {};

@@ -109,7 +109,7 @@ TEST(Stress, CatchesPixelMetricEnergy) {
                     [](const std::string& violation) { return violation.find("S7") != std::string::npos; }));
 }
 
-// What a suite may or may not meet with, all of them together must.
+// A single suite need not meet with everything; all of them together must.
 TEST(Stress, SuitesTogetherCoverEverything) {
     Coverage all;
     for (const Suite& suite : suites())

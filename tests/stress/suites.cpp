@@ -15,6 +15,8 @@
 namespace touchable::stress {
 namespace {
 
+constexpr double inf = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr Needs some_contact{};
 constexpr Needs little_contact{0.02};
 
@@ -80,8 +82,6 @@ const Suite* find_suite(std::string_view name) {
     return found == all_suites.end() ? nullptr : &*found;
 }
 
-}  // namespace touchable::stress
-namespace touchable::stress {
 namespace {
 
 // Suites that are out for energy: loops that a passive surface pays nothing for, and hands that are almost at
@@ -227,13 +227,18 @@ private:
     std::array<glm::dvec3, period> pattern_{}, last_{};
 };
 
-}  // namespace
-
-std::unique_ptr<StressRun> make_press_slide_retract(std::uint64_t seed) {
+template <class Run>
+std::unique_ptr<StressRun> over_waves(std::uint64_t seed) {
     SplitMix64 random(seed);
     const Scene scene = draw_scene(random);
     const DrawnPlanes planes = draw_waves(scene, random);
-    return std::make_unique<PressSlideRetract>(scene, planes, random);
+    return std::make_unique<Run>(scene, planes, random);
+}
+
+}  // namespace
+
+std::unique_ptr<StressRun> make_press_slide_retract(std::uint64_t seed) {
+    return over_waves<PressSlideRetract>(seed);
 }
 
 std::unique_ptr<StressRun> make_stiffness_boundary(std::uint64_t seed) {
@@ -253,14 +258,9 @@ std::unique_ptr<StressRun> make_stiffness_boundary(std::uint64_t seed) {
 }
 
 std::unique_ptr<StressRun> make_encoder_dither(std::uint64_t seed) {
-    SplitMix64 random(seed);
-    const Scene scene = draw_scene(random);
-    const DrawnPlanes planes = draw_waves(scene, random);
-    return std::make_unique<EncoderDither>(scene, planes, random);
+    return over_waves<EncoderDither>(seed);
 }
 
-}  // namespace touchable::stress
-namespace touchable::stress {
 namespace {
 
 // Suites that are out for the surface: pictures without mercy, touched by walks and by hands that feel their
@@ -354,8 +354,7 @@ std::unique_ptr<StressRun> make_far_million(std::uint64_t seed) {
     scene.height_coding.max_height = 0;
     const auto kind = chance(random, 0.5) ? DepthCodingKind::linear : DepthCodingKind::inverse;
     set_planes(scene, kind, 1, 1e6, 16);
-    const bool noise = chance(random, 0.5);
-    const DrawnPlanes planes = noise ? draw_noise(scene, random) : draw_waves(scene, random);
+    const DrawnPlanes planes = draw_any(scene, random);
     return still(scene, planes, walking(random.next(), {1, 0.001}));
 }
 
@@ -363,7 +362,7 @@ std::unique_ptr<StressRun> make_wide_planes(std::uint64_t seed) {
     SplitMix64 random(seed);
     Scene scene = draw_scene(random);
     draw_wide_planes(random, scene);
-    const DrawnPlanes planes = chance(random, 0.5) ? draw_noise(scene, random) : draw_waves(scene, random);
+    const DrawnPlanes planes = draw_any(scene, random);
     const std::uint64_t walk = random.next();
     return still(scene, planes, walking(walk, {1, chance(random, 0.5) ? 0.02 : 1e-6}));
 }
@@ -420,8 +419,6 @@ std::unique_ptr<StressRun> make_plateau(std::uint64_t seed) {
     return std::make_unique<PlateauRun>(scene, random);
 }
 
-}  // namespace touchable::stress
-namespace touchable::stress {
 namespace {
 
 // Suites that are out for the input: heights up to the camera, planes that cannot be, numbers that are none.
@@ -439,7 +436,7 @@ private:
     int refusals_;
 };
 
-/// What becomes of a scene with other planes.
+/// Whether the scene is refused with these planes.
 bool is_refused(Scene scene, double near, double far) {
     scene.depth.near = near;
     scene.depth.far = far;
@@ -474,8 +471,6 @@ std::unique_ptr<StressRun> make_impossible_planes(std::uint64_t seed) {
     Scene scene = draw_scene(random);
     scene.height_coding.max_height = 0;
     set_planes(scene, chance(random, 0.5) ? DepthCodingKind::linear : DepthCodingKind::inverse, 40, 180, 16);
-    const double nan = std::numeric_limits<double>::quiet_NaN(),
-                 inf = std::numeric_limits<double>::infinity();
     const std::array<std::array<double, 2>, 9> impossible{{{100, 100},
                                                            {180, 40},
                                                            {-40, 180},
@@ -489,7 +484,7 @@ std::unique_ptr<StressRun> make_impossible_planes(std::uint64_t seed) {
     for (const auto& [near, far] : impossible) refusals += is_refused(scene, near, far);
     if (refusals < static_cast<int>(impossible.size()))
         refusals = 0;  // one got through: nothing to be proud of
-    // What can just be: planes that all but touch.
+    // The extreme that is allowed: planes that all but touch.
     const double gap = chance(random, 0.5) ? 1e-9 : 1e-3;
     set_planes(scene, scene.depth.kind, 100, 100 * (1 + gap), 16);
     const DrawnPlanes planes = draw_noise(scene, random);
@@ -504,8 +499,6 @@ public:
     NotFinite(const Scene& scene, std::uint64_t seed)
         : StillRun(scene), random_(seed), walk_(scene_, seed + 1) {
         guard_.ramp_in_ticks = guard_.ramp_out_ticks = 20;
-        const double nan = std::numeric_limits<double>::quiet_NaN(),
-                     inf = std::numeric_limits<double>::infinity();
         std::vector<double> depths;
         for (int k = 0; k < scene_.width * scene_.height; ++k) {
             const std::array odd{nan, inf, -inf};
@@ -536,9 +529,7 @@ private:
         glm::dvec3 at = walk_.next();
         if (tick % 100 == 0) broken_ = chance(random_, 0.3) ? 1 + below(random_, 60) : 0;
         if (broken_-- <= 0) return at;
-        const std::array<double, 5> odd{
-            std::numeric_limits<double>::quiet_NaN(), 1e300, 1.0000001 * largest_goal(scene_),
-            std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+        const std::array<double, 5> odd{nan, 1e300, 1.0000001 * largest_goal(scene_), inf, -inf};
         at[below(random_, 3)] = odd[static_cast<std::size_t>(below(random_, 5))];
         return at;
     }

@@ -8,7 +8,7 @@
 
 namespace touchable::stress {
 
-/// What a suite must meet with to be a test at all; share of all finger-ticks, or whether there has to be
+/// Coverage that a suite needs to be a test at all; share of all finger-ticks, or whether there has to be
 /// any.
 struct Needs {
     double contact = 0.1;

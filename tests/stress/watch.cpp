@@ -192,11 +192,11 @@ private:
         expect_at_most(contact.counts.events, run_.touch().event_limit, done, k, "S5: the number of events");
     }
 
-    /// What is created in a tick; a stiffness that differs from place to place may create some and take it
+    /// Energy created in a tick; a stiffness that differs from place to place may create some and take it
     /// back.
     void check_energy(const TouchTick& done, std::size_t k) {
         const EnergyFigures now = done.forces[k].energy, last = std::exchange(energy_[k], now);
-        // Of sums of joules, and of the proxy's coordinates times its force.
+        // Roundings of sums of joules, and of the proxy's coordinates times its force.
         const Contact& contact = done.contacts[k];
         const double rounding =
             1e-12 * (1e-6 + std::fabs(now.work) + std::fabs(now.surface) + now.stored) + 4e-15 * now.bound +

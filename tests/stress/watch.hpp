@@ -10,7 +10,7 @@
 
 namespace touchable::stress {
 
-/// What a run met with and what was measured; sums of several runs are sums and maxima.
+/// Events of a run and its measurements; sums of several runs are sums and maxima.
 struct Coverage {
     std::int64_t ticks = 0, finger_ticks = 0;
     std::int64_t contact = 0;                                       ///< finger-ticks
@@ -31,7 +31,7 @@ struct Coverage {
 
     void add(const Coverage& other);
     double contact_share() const;
-    /// What is missing for a test of anything; empty where nothing is.
+    /// The coverage that is missing; empty where none is.
     std::string missing(const Needs& needs) const;
     std::string in_words() const;  ///< one line
 };
@@ -42,7 +42,7 @@ struct WatchSettings {
     int compare_every = 16;  ///< ticks, with the reference solver; 0: never
 };
 
-/// What came of a run. A violation names tick, finger and invariant.
+/// Result of a run. A violation names tick, finger and invariant.
 struct Watched {
     Coverage coverage;
     std::vector<std::string> violations;  ///< the first few

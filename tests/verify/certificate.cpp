@@ -12,7 +12,7 @@ struct Slide {
     Vec3 from, to_closest;
     real pressure = 0;
 
-    /// What the rest of the way is longer than friction holds, after a share (0 to 1) of it.
+    /// How much longer the rest of the way is than friction holds, after a share (0 to 1) of it.
     real lacking(const Surface& surface, real share) const {
         const Touch touch = surface.touch_at(surface.project(from + share * to_closest));
         return (1 - share) * length(to_closest) - touch.mu_dynamic * pressure;

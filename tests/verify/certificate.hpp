@@ -9,7 +9,7 @@
 
 namespace touchable::verify {
 
-/// What a finger did in a tick.
+/// Motion of a finger in a tick.
 enum class Motion {
     unknown,
     none,  ///< it stayed where it was in the picture: from then on it sticks
@@ -67,7 +67,7 @@ struct Judgement {
     bool holds() const { return verdict == Verdict::minimum || verdict == Verdict::stuck; }
 };
 
-/// What is forgiven in a position: 1e-9 of the distance between proxy and goal, and the rounding of
+/// Tolerance of a position: 1e-9 of the distance between proxy and goal, and the rounding of
 /// coordinates.
 real position_slack(const Vec3& proxy, const Vec3& goal);
 

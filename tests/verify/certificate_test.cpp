@@ -25,7 +25,7 @@ ExportedFrame rough_frame(std::uint64_t seed, std::uint64_t amplitude, bool rang
     return frame;
 }
 
-/// Of the surface, as a file can have it.
+/// A point of the surface, rounded as in a file.
 Vec3 point_at(const Surface& surface, ImagePosition at) {
     return rounded((1 / surface.q_at(at)) * surface.ray(at.x, at.y));
 }

@@ -50,7 +50,7 @@ struct Touch {
     bool operator==(const Touch&) const = default;
 };
 
-/// What scene.json says, read without the engine: the meaning of the numbers in the pictures.
+/// The contents of scene.json, read without the engine: the meaning of the numbers in the pictures.
 struct Meaning {
     enum class Kind { linear, inverse, log, metric };
     int width = 0, height = 0;

@@ -24,7 +24,7 @@ real between(real a, real b, real t) {
     return a + t * (b - a);
 }
 
-/// What a pixel of a frame says of stiffness and friction.
+/// Stiffness and friction of a pixel of a frame.
 Touch meant(const ExportedFrame& frame, std::size_t index) {
     const Meaning& m = frame.meaning;
     if (frame.haptic.empty()) return m.by_default;
@@ -144,7 +144,7 @@ real Surface::lacks_depth(int i, int j) const {
     return is_lost ? 2 * blend_ : 0;
 }
 
-/// Of a vertex: the most that it or one of the eight around it lacks.
+/// The most that a vertex or one of the eight around it lacks.
 real Surface::hole_around(int i, int j) const {
     real most = 0;
     for (int n = 0; n < 9; ++n) most = std::fmax(most, lacks_depth(i + n % 3 - 1, j + n / 3 - 1));

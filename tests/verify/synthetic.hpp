@@ -58,7 +58,7 @@ Vec3 rounded(const Vec3& v);
 Row contact_row(const Surface& surface, const Vec3& proxy, const Vec3& goal);
 void write_forces(const std::filesystem::path& file, const std::vector<Row>& rows);
 
-/// What verify_forces said.
+/// Exit code and output of verify_forces.
 struct Outcome {
     int code = 0;
     std::string out, err;

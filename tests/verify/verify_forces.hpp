@@ -14,7 +14,7 @@
 
 namespace touchable::verify {
 
-/// What can be wrong with a row.
+/// Faults of a row.
 enum class Check {
     order,        ///< every tick has every finger, in turn; S never changes
     finite,       ///< all numbers are finite
@@ -35,7 +35,7 @@ struct Settings {
     int shown = 3;           ///< offenders listed of each kind
 };
 
-/// What the rows covered: a check that met nothing proves nothing.
+/// Coverage of the rows: a check that met nothing proves nothing.
 struct Coverage {
     std::int64_t rows = 0, contacts = 0, guarded = 0, capped = 0;
     std::array<std::int64_t, 3> frictionless{}, friction{};  ///< contacts on a face, an edge, a vertex
