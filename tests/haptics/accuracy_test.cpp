@@ -45,7 +45,7 @@ AngleHistogram globe_error(const SceneOptions& options, TouchRig::Depth depth, T
             ++not_touching;
             continue;
         }
-        const glm::dvec3 f = contact.force / length(contact.force);
+        const dvec3 f = contact.force / length(contact.force);
         const double angle = 2 * std::asin(std::min(1.0, length(f - goal.normal) / 2)) * degrees;
         histogram.add(goal.polar_angle * degrees, angle);
     }
@@ -131,7 +131,7 @@ TEST_P(BumpsStroke, StaysOnSurface) {
     const int ticks = 10000;
     int touching = 0, off = 0;
     double worst = 0;
-    glm::dvec3 truth(0.0);
+    dvec3 truth(0.0);
     bool tracking = false;
     for (int tick = 0; tick < ticks; ++tick) {
         const auto goal = stroke.next();

@@ -18,18 +18,13 @@
 namespace touchable::test {
 namespace {
 
-using glm::dvec3;
-
 constexpr double soft = 100, stiff = 10000;  // N/m
 constexpr double depth = 0.8;                // mm
 const double step_energy = 0.5 * (stiff - soft) * depth * depth * 1e-6;
 constexpr double rounding = 1e-13;
 
 GuardSettings strong(bool paid) {
-    GuardSettings settings = without_ramp();
-    settings.max_force = 100;
-    settings.rise.paid = paid;
-    return settings;
+    return {.max_force = 100, .ramp_in_ticks = 0, .rise = {.paid = paid}};
 }
 
 /// A flat wall at 100, soft on the left of the axis and stiff on the right, without friction.
@@ -47,9 +42,9 @@ protected:
                 for (const int value : {x <= frame.width / 2 ? 0 : 255, int(friction), int(friction)})
                     frame.haptic.push_back(static_cast<std::uint8_t>(value));
     }
-    static std::vector<dvec3> press_slide_release(double from, double to, double step) {
-        return path_along({{from, 0, -99}, {from, 0, -100 - depth}, {to, 0, -100 - depth}, {to, 0, -99}},
-                          step);
+    static Path press_slide_release(double from, double to, double step) {
+        const double z = -100 - depth;
+        return path_along({{from, 0, -99}, {from, 0, z}, {to, 0, z}, {to, 0, -99}}, step);
     }
     PathResult run(double from, double to, double step, bool paid) {
         return run_path(press_slide_release(from, to, step), strong(paid), wall);
@@ -94,7 +89,7 @@ TEST_F(TwoStiffnesses, FallPaysForNextRise) {
 }
 
 TEST_F(TwoStiffnesses, NewContactTakesMapStiffness) {
-    std::vector<dvec3> path = press_slide_release(-2, 2, 0.01);
+    Path path = press_slide_release(-2, 2, 0.01);
     append(path, path_along({{2, 0, -99}, {2, 0, -100 - depth}}, 0.01));
     const PathResult result = run_path(path, strong(true), wall);
     EXPECT_NEAR(result.forces.back().force.z, stiff * depth * 1e-3, 1e-6);
@@ -102,7 +97,7 @@ TEST_F(TwoStiffnesses, NewContactTakesMapStiffness) {
 }
 
 TEST_F(TwoStiffnesses, LossStaysWithItsContact) {
-    std::vector<dvec3> path = press_slide_release(2, -2, 0.01);  // a fall that loses 3.2 mJ
+    Path path = press_slide_release(2, -2, 0.01);  // a fall that loses 3.2 mJ
     append(path, path_along({{-2, 0, -99}, {-2, 0, -100 - depth}, {2, 0, -100 - depth}}, 0.01));
     const PathResult result = run_path(path, strong(true), wall);
     EXPECT_NEAR(result.forces.back().force.z, soft * depth * 1e-3, 0.01);
@@ -129,7 +124,7 @@ TEST_F(TwoStiffnesses, RandomPathsStayWithinBound) {
     SplitMix64 random(11);
     for (int run = 0; run < 40; ++run) {
         paint(wall.prev, run % 2 == 0 ? 0 : 30);
-        std::vector<dvec3> corners;
+        Path corners;
         for (int k = 0; k < 12; ++k)
             corners.push_back({random.within(-2, 2), random.within(-2, 2), random.within(-101.5, -99.8)});
         GuardSettings settings = strong(true);
@@ -196,9 +191,7 @@ Contact resting_in_hole() {
 // docs/solver.md: 0.04 N a tick over 2 mm is 20 N/m; and no rise is faster than a slew that is asked for.
 TEST(ContactStiffness, SlowerRiseCountsLeavingHole) {
     for (const double slew : {5.0, 15.0, 30.0, 1000.0}) {
-        GuardSettings settings = without_ramp();
-        settings.rise.per_tick = slew;
-        ForceGuard guard(settings, 0.001);
+        ForceGuard guard({.ramp_in_ticks = 0, .rise = {.per_tick = slew}}, 0.001);
         guard.guard(resting_in_hole());
         double last = 0.2;
         for (int tick = 0; tick < 20; ++tick) {
@@ -214,9 +207,8 @@ TEST(ContactStiffness, RiseLimitEndsOnArrival) {
     guard.guard(resting_in_hole());
     for (int tick = 0; tick < 24; ++tick) EXPECT_EQ(guard.guard(resting_on(600)).reasons, guard_rise);
     EXPECT_NEAR(guard.guard(resting_on(600)).force.z, 1.2, 1e-9);
-    Contact stiffer = resting_on(2000);
-    EXPECT_EQ(guard.guard(stiffer).force.z, 4);
-    EXPECT_EQ(guard.guard(stiffer).reasons, guard_none);
+    EXPECT_EQ(guard.guard(resting_on(2000)).force.z, 4);
+    EXPECT_EQ(guard.guard(resting_on(2000)).reasons, guard_none);
 }
 
 TEST(ContactStiffness, GroundWithoutStiffnessIsContact) {
@@ -229,9 +221,7 @@ TEST(ContactStiffness, GroundWithoutStiffnessIsContact) {
         EXPECT_EQ(out.force, glm::dvec3(0.0)) << "nothing was lost that could pay for it";
         EXPECT_EQ(out.reasons, guard_rise);
     }
-    GuardSettings settings = without_ramp();
-    settings.damping = 5;
-    ForceGuard damped(settings, 0.001);
+    ForceGuard damped({.ramp_in_ticks = 0, .rise = {}, .damping = 5}, 0.001);
     damped.guard(resting_on(0));
     EXPECT_EQ(damped.guard(arriving).force, glm::dvec3(0, 0, 2)) << "a hand at rest is not damped";
 }
@@ -255,7 +245,7 @@ TEST(DeviceSpring, StiffnessInvertsEnergy) {
 // Stiffness and friction that change in time under a finger at rest: what the hand feels of it, tick by tick,
 // through the whole tick.
 
-/// What came of a rest of some ticks.
+/// Figures of a rest of some ticks.
 struct Rest {
     double first = 0, last = 0;  ///< N
     double steepest_rise = 0;    ///< of |F|, N in a tick
@@ -266,9 +256,9 @@ struct Rest {
 /// One finger that rests at a goal under the surface, from tick 1 on.
 template <class FrameOf>
 Rest rest_at(const dvec3& goal, int ticks, const Scene& scene, FrameOf frame_of) {
-    TouchSettings settings;
-    settings.metres_per_scene_unit = scene.device_metres_per_unit.value_or(0.001);
-    const TouchSolver solver = TouchSolver::create(scene, settings).value();
+    const TouchSolver solver =
+        TouchSolver::create(scene, {.metres_per_scene_unit = scene.device_metres_per_unit.value_or(0.001)})
+            .value();
     TouchStep step(solver, without_ramp(), 1);
     Rest rest;
     dvec3 proxy(0.0);
@@ -377,9 +367,7 @@ TEST_P(ChangingProperties, VanishingFrictionIsNoJump) {
 TEST_P(ChangingProperties, CancelsCutsInEveryMetric) {
     for (const TouchMetric metric : {TouchMetric::world, TouchMetric::pixel, TouchMetric::scaled}) {
         const ChangingWall wall(GetParam(), {0, 0, 0}, {255, 0, 0});
-        TouchSettings settings;
-        settings.metric = metric;
-        const TouchSolver solver = TouchSolver::create(wall.field.scene, settings).value();
+        const TouchSolver solver = TouchSolver::create(wall.field.scene, {.metric = metric}).value();
         FingerState finger;
         const auto tick_on = [&](const SurfaceFrame& frame, std::int64_t number, double z = -100.8) {
             const FramePair pair = still(frame, number, number * 33'000'000);
@@ -424,7 +412,7 @@ TEST_P(ChangingProperties, MovingCoastMakesNoClick) {
             changing += std::abs(rest.last - rest.first) > 0.2;
             cancelled += rest.cancelled > 0;
         }
-    // What is less than a jump, beside the fade of one before.
+    // A change below the threshold of a jump, beside the fade of an earlier jump.
     EXPECT_LE(most, GetParam() == FrameInterpolation::hold ? 0.1 + steepest_fade(1.0) : 0.1);
     EXPECT_GT(changing, 5);
     std::cout << "largest rise " << most << " N, " << changing << " fingers on ground that changes, "
@@ -523,7 +511,7 @@ class HoleWall : public testing::Test {
 protected:
     /// 10 mm below the ground's level, 30 mm behind the wall, then along the wall: from its half at rows
     /// above 32 to the other, or back; then at rest.
-    static std::vector<dvec3> along(double from_y, double to_y) {
+    static Path along(double from_y, double to_y) {
         auto path = path_along({{2, from_y, -50}, {2, from_y, -110}, {-30, from_y, -110}}, 0.1);
         append(path, path_along({path.back(), {-30, to_y, -110}}, 0.02));
         path.insert(path.end(), 800, path.back());
@@ -561,19 +549,18 @@ TEST_F(HoleWall, LimitsRiseLeavingHole) {
         auto path = along(3.3, -3.6);
         for (dvec3& goal : path) goal.x = std::max(goal.x, -depth);
         const PathResult result = run_path(path, without_ramp(), field);
-        const std::size_t at_the_wall = 1000;
-        EXPECT_NEAR(stretch(result.contacts[at_the_wall]), depth / 1000, 5e-4);
-        EXPECT_NEAR(newtons(result.forces[at_the_wall]), hole_k * stretch(result.contacts[at_the_wall]),
-                    1e-9);
+        const std::size_t at_wall = 1000;
+        EXPECT_NEAR(stretch(result.contacts[at_wall]), depth / 1000, 5e-4);
+        EXPECT_NEAR(newtons(result.forces[at_wall]), hole_k * stretch(result.contacts[at_wall]), 1e-9);
         double fastest = 0;
-        for (std::size_t k = at_the_wall; k < path.size(); ++k)
+        for (std::size_t k = at_wall; k < path.size(); ++k)
             fastest = std::max(fastest, length(result.forces[k].force - result.forces[k - 10].force));
         EXPECT_LE(fastest, 0.5) << depth;
         EXPECT_GT(fastest, 0.3) << depth;
         EXPECT_GT(result.ticks_with(guard_rise), 50);
         // In the end it is the wall that it always was.
-        EXPECT_NEAR(newtons(result.forces.back()), std::min(10.0, scene_k * stretch(result.contacts.back())),
-                    1e-9);
+        const double whole = scene_k * stretch(result.contacts.back());
+        EXPECT_NEAR(newtons(result.forces.back()), std::min(10.0, whole), 1e-9);
         EXPECT_EQ(result.forces.back().reasons & guard_rise, 0U);
     }
 }
@@ -645,7 +632,7 @@ TEST_F(HoleWall, BecomesCliffWithoutKick) {
     field.shape(field.next, [](int x, int) { return x < 32 ? 100.0 : 400.0; });
     FingerGuard guard(without_ramp(), 0.001);
     FingerState finger;
-    std::vector<dvec3> forces;
+    Path forces;
     const auto touch = [&](const dvec3& goal, double blend) {
         forces.push_back(guard.guard(field.touch(finger, goal, blend)).force);
     };
@@ -712,7 +699,7 @@ TEST(HoleStiffness, HoleNeedsAnInvalidVertex) {
     EXPECT_FALSE(in_hole(Feature::edge_v, 9, 9));
     EXPECT_TRUE(in_hole(Feature::edge_d, 9, 9));
     EXPECT_FALSE(in_hole(Feature::edge_d, 9, 10));
-    // Of the eight triangles of the cells around it six have that vertex.
+    // Six of the eight triangles of the cells around it have that vertex.
     EXPECT_TRUE(in_hole(Feature::face_lower, 9, 9));
     EXPECT_TRUE(in_hole(Feature::face_upper, 9, 9));
     EXPECT_TRUE(in_hole(Feature::face_lower, 10, 10));

@@ -11,12 +11,8 @@
 namespace touchable::test {
 namespace {
 
-using glm::dvec3;
-
-GuardSettings damped(double b) {
-    GuardSettings settings = without_ramp();
-    settings.damping = b;
-    return settings;
+GuardSettings damped(double b, double max_force = 10) {
+    return {.max_force = max_force, .ramp_in_ticks = 0, .rise = {}, .damping = b};
 }
 
 class DampedWall : public testing::Test {
@@ -32,7 +28,7 @@ TEST_F(DampedWall, PressingAddsDampingTimesSpeed) {
     EXPECT_EQ(result.forces.back().reasons, guard_damping);
 }
 
-// Of 1000 N/m a soft device gives 100: the damper may only take that back.
+// A soft device gives 100 of the 1000 N/m: the damper may only take that back.
 TEST_F(DampedWall, DoesNotHoldFingerBack) {
     for (const auto& [max_stiffness, share] :
          {std::pair{GuardSettings{}.max_stiffness, 0.5}, {100.0, 0.05}}) {
@@ -71,7 +67,7 @@ TEST_F(DampedWall, DampingOnlyDissipates) {
     wall.shape(wall.prev, [](int x, int y) { return 100 + 1.5 * sine(0.4 * x) + sine(0.5 * y + 1); });
     for (const double friction : {0.0, 0.3}) {
         wall.scene.default_properties = {1000, friction, friction};
-        std::vector<dvec3> path;
+        Path path;
         for (int k = 0; k < 6000; ++k)
             path.push_back({3 * sine(0.004 * k), 2 * sine(0.0031 * k + 1), -100.5 + 2.5 * sine(0.0173 * k)});
         const PathResult with = run_path(path, damped(10), wall), without = run_path(path, damped(0), wall);
@@ -88,9 +84,8 @@ TEST_F(DampedWall, DampingOnlyDissipates) {
 }
 
 TEST_F(DampedWall, DeviceForceLimitsDamper) {
-    GuardSettings settings = damped(100);
-    settings.max_force = 1.5;
-    const PathResult result = run_path(path_along({{0, 0, -99}, {0, 0, -102}}, 0.1), settings, wall);
+    const auto path = path_along({{0, 0, -99}, {0, 0, -102}}, 0.1);
+    const PathResult result = run_path(path, damped(100, 1.5), wall);
     for (const GuardedForce& out : result.forces) ASSERT_LE(length(out.force), 1.5);
     EXPECT_GT(result.ticks_with(guard_force), 5);
 }
@@ -123,10 +118,7 @@ protected:
         return contact;
     }
     static GuardSettings braked(double max_force = 1000) {
-        GuardSettings settings = without_ramp();
-        settings.passivity = 20;
-        settings.max_force = max_force;
-        return settings;
+        return {.max_force = max_force, .ramp_in_ticks = 0, .rise = {}, .passivity = 20};
     }
     /// On soft ground for some ticks.
     static ForceGuard drag(const GuardSettings& settings, int ticks) {
@@ -160,10 +152,7 @@ TEST_F(DraggedContact, DropsPushingDamper) {
 
 TEST_F(DraggedContact, DamperBridgesOutage) {
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
-    GuardSettings settings = damped(10);
-    settings.max_force = 1000;
-    settings.ramp_in_ticks = 100;
-    ForceGuard guard(settings, 0.001);
+    ForceGuard guard({.max_force = 1000, .rise = {}, .damping = 10}, 0.001);
     FingerState finger;
     const auto press = [&](int tick) {
         const Contact contact = wall.touch(finger, {0, 0, -99 - 0.2 * tick});  // 0.2 m/s
@@ -232,9 +221,7 @@ TEST_F(DraggedContact, DamperScalesWithPresence) {
 }
 
 TEST_F(DraggedContact, BrakeRampsWithSpring) {
-    GuardSettings settings = braked();
-    settings.ramp_in_ticks = GuardSettings{}.ramp_in_ticks;
-    ForceGuard guard = drag(settings, 50);
+    ForceGuard guard = drag({.max_force = 1000, .rise = {}, .passivity = 20}, 50);
     for (int tick = 50; tick < 60; ++tick) {
         const GuardedForce out = guard.guard(tick == 50 ? arriving(50) : at(tick, 10, 10000));
         const double ramp = 0.01 * tick;
@@ -245,9 +232,7 @@ TEST_F(DraggedContact, BrakeRampsWithSpring) {
 }
 
 TEST_F(DraggedContact, BuriedForceGetsNothingAdded) {
-    GuardSettings settings = damped(10);
-    settings.passivity = 20;
-    FingerGuard guard(settings, 0.001);
+    FingerGuard guard({.ramp_in_ticks = 0, .rise = {}, .damping = 10, .passivity = 20}, 0.001);
     // Into the ground at 0.05 m/s, 0.5 N of damper; then a cut raises the ground by 60 mm, and the hand goes
     // on, and back.
     double last = 0;
@@ -291,9 +276,7 @@ TEST_F(DraggedContact, DamperWaitsForFadingForce) {
 class Passivity : public GlobeFlank {
 protected:
     PathResult loop(double azimuth, bool limbward, double most) {
-        GuardSettings settings = without_ramp();
-        settings.passivity = most;
-        return GlobeFlank::loop(azimuth, 0.02, limbward, settings);
+        return GlobeFlank::loop(azimuth, 0.02, limbward, {.ramp_in_ticks = 0, .rise = {}, .passivity = most});
     }
 };
 
@@ -378,9 +361,7 @@ TEST_F(Globe, PixelMetricCreatesMillijoules) {
 }
 
 TEST_F(Globe, LimitedForcesStayWithinBound) {
-    GuardSettings settings = without_ramp();
-    settings.max_force = 0.7;
-    settings.max_stiffness = 600;
+    GuardSettings settings{.max_force = 0.7, .max_stiffness = 600, .ramp_in_ticks = 0, .rise = {}};
     const PathResult result = loop(1.2, 0.02, true, settings);
     EXPECT_GT(result.ticks_with(guard_force), 100);
     EXPECT_GT(result.ticks_with(guard_stiffness), 200);
@@ -390,7 +371,7 @@ TEST_F(Globe, LimitedForcesStayWithinBound) {
 
 TEST_F(Globe, RampInLoadsSpring) {
     // The hand goes in while there is no force, and is pushed out by all of it.
-    std::vector<dvec3> going = path(0.2, 0.02, true);
+    Path going = path(0.2, 0.02, true);
     going.erase(going.begin(), going.begin() + 145);  // begins all but 2 mm deep
     const PathResult result = run_path(going, GuardSettings{}, rig);
     EXPECT_EQ(result.ticks_with(guard_ramp), 100);
@@ -526,9 +507,7 @@ TEST(Energy, RampLoadsSpringAtRest) {
 // its limit and in the ramp.
 TEST(Energy, CancelledJumpCountsForSurface) {
     const auto surface_of_a_step = [](double depth, double newtons, int ramp_ticks) {
-        GuardSettings settings;
-        settings.ramp_in_ticks = ramp_ticks;
-        ForceGuard guard(settings, 0.001);
+        ForceGuard guard({.ramp_in_ticks = ramp_ticks, .rise = {}}, 0.001);
         guard.guard(resting_at(depth));
         const EnergyFigures before =
             guard.guard_blended(resting_at(depth), {glm::dvec3(0, 0, newtons)}).energy;

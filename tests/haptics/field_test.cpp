@@ -1,4 +1,4 @@
-// What the solver reads: vertices, the ring and beyond, heights, blends, properties, bounds.
+// The solver's inputs: vertices, the ring and beyond, heights, blends, properties, bounds.
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
@@ -154,7 +154,7 @@ TEST(WorldSpace, ImageStepTracksStraightMove) {
     SmallField small(5, 4, 100.0);
     const HeightField field = small.field();
     const WorldSpace world(field);
-    const glm::dvec3 p{3, -2, -100}, d{20, 15, -30};
+    const dvec3 p{3, -2, -100}, d{20, 15, -30};
     const ChartPoint from = world.chart(p).value(), to = world.chart(p + d).value();
     const ImageStep step = world.image_step(p, d);
     EXPECT_NEAR(from.x + step.dx * step.length_at(1), to.x, 1e-9);
@@ -174,13 +174,13 @@ TEST(Cast, PutsProxyOnPath) {
     int inside = 0, beside = 0;
     for (int k = 0; k < 20000; ++k) {
         const auto point = [&](double depth) {
-            return glm::dvec3(random.below(400) - 200.0, random.below(300) - 150.0, -depth);
+            return dvec3(random.below(400) - 200.0, random.below(300) - 150.0, -depth);
         };
-        const glm::dvec3 from = point(1 + random.below(90)), to = point(420 + random.below(100));
+        const dvec3 from = point(1 + random.below(90)), to = point(420 + random.below(100));
         int cells = 0;
         const auto place = cast(world, from, nullptr, to, cells, 100'000).hit;
         ASSERT_TRUE(place);
-        const glm::dvec3 met = surface_point(world, *place), way = to - from, along = met - from;
+        const dvec3 met = surface_point(world, *place), way = to - from, along = met - from;
         const double share = glm::dot(along, way) / glm::dot(way, way);
         EXPECT_LT(glm::distance(met, from + share * way), 1e-9) << "way " << k;
         EXPECT_TRUE(share > 0 && share < 1) << "way " << k;
@@ -239,7 +239,7 @@ TEST(ClearPath, IsNeverClaimedThroughSurface) {
             const double depth = 30.0 + random.below(90);
             return unproject(rough.scene.camera, random.below(60) - 10.0, random.below(55) - 10.0, depth);
         };
-        const glm::dvec3 from = point(), to = point();
+        const dvec3 from = point(), to = point();
         int cells = 0;
         const auto hit = [&] { return cast(world, from, nullptr, to, cells, 100'000).hit; };
         if (is_clear(world, from, to)) {

@@ -1,4 +1,4 @@
-// What stands between a solver and a hand.
+// The guard between a solver and a hand.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 TEST(ForceGuard, LeavesSmallForceAlone) {
     ForceGuard guard(without_ramp(), 0.001);
     const GuardedForce out = guard.guard(pressing({0, 0, 3.25}));
-    EXPECT_EQ(out.force, glm::dvec3(0, 0, 3.25));
+    EXPECT_EQ(out.force, dvec3(0, 0, 3.25));
     EXPECT_EQ(out.reasons, guard_none);
 }
 
@@ -33,15 +33,16 @@ TEST(ForceGuard, LimitSurvivesRounding) {
     SplitMix64 random(5);
     int limited = 0;
     for (int k = 0; k < 100'000; ++k) {
-        GuardSettings settings = without_ramp();
-        settings.max_force = random.within(0.1, 20);
-        settings.max_stiffness = random.within(500, 1500);
+        GuardSettings settings{.max_force = random.within(0.1, 20),
+                               .max_stiffness = random.within(500, 1500),
+                               .ramp_in_ticks = 0,
+                               .rise = {}};
         ForceGuard guard(settings, 0.001);
-        Contact contact = pressing(glm::dvec3(0.0), random.within(500, 1500));
+        Contact contact = pressing(dvec3(0.0), random.within(500, 1500));
         const double most = k % 2 == 0 ? 40 : settings.max_force;  // far above the limit, and about it
         for (int axis = 0; axis < 3; ++axis) contact.force[axis] = random.within(-most, most);
         const GuardedForce out = guard.guard(contact);
-        const glm::dvec3& f = out.force;
+        const dvec3& f = out.force;
         ASSERT_LE(std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z), settings.max_force);
         if ((out.reasons & guard_force) == 0) continue;
         ++limited;
@@ -79,9 +80,7 @@ TEST(ForceGuard, RampsInFromZero) {
 TEST(ForceGuard, RampsOutAtInvalidGoal) {
     SmallField wall(33, 33, 100.0);
     FingerState finger;
-    GuardSettings settings = without_ramp();
-    settings.ramp_in_ticks = settings.ramp_out_ticks = 10;
-    ForceGuard guard(settings, 0.001);
+    ForceGuard guard({.ramp_in_ticks = 10, .ramp_out_ticks = 10, .rise = {}}, 0.001);
     wall.touch(finger, {0, 0, -99});
     for (int k = 0; k < 20; ++k) guard.guard(wall.touch(finger, {0, 0, -102}));
     const double before = guard.guard(wall.touch(finger, {0, 0, -102})).force.z;
@@ -97,7 +96,7 @@ TEST(ForceGuard, RampsOutAtInvalidGoal) {
         EXPECT_NEAR(out.force.z, last - before / 10, 1e-9);
         last = out.force.z;
     }
-    EXPECT_EQ(guard.guard(wall.touch(finger, {nan, 0, -102})).force, glm::dvec3(0.0));
+    EXPECT_EQ(guard.guard(wall.touch(finger, {nan, 0, -102})).force, dvec3(0.0));
     EXPECT_EQ(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, 0);
     EXPECT_LT(guard.guard(wall.touch(finger, {0, 0, -102})).force.z, before / 5);
 }
@@ -121,10 +120,7 @@ TEST(ForceGuard, FaultsNeverExceedRampStep) {
     SplitMix64 random(8);
     for (const int in : {1, 7, 100})
         for (const int out : {1, 10, 100}) {
-            GuardSettings settings;
-            settings.ramp_in_ticks = in;
-            settings.ramp_out_ticks = out;
-            ForceGuard guard(settings, 0.001);
+            ForceGuard guard({.ramp_in_ticks = in, .ramp_out_ticks = out, .rise = {}}, 0.001);
             double last = 0, least = 5, most = 0;
             for (int k = 0; k < 5000; ++k) {
                 const unsigned one_in = std::array{20U, 2U, 5U, 1U}[static_cast<std::size_t>(k / 500 % 4)];
@@ -142,19 +138,16 @@ TEST(ForceGuard, FaultsNeverExceedRampStep) {
 }
 
 TEST(ForceGuard, ZeroTickRampIsImmediate) {
-    GuardSettings settings = without_ramp();
-    settings.ramp_out_ticks = 0;
-    ForceGuard guard(settings, 0.001);
+    ForceGuard guard({.ramp_in_ticks = 0, .ramp_out_ticks = 0, .rise = {}}, 0.001);
     EXPECT_EQ(guard.guard(five_newtons()).force.z, 5);
-    EXPECT_EQ(guard.guard(without_goal()).force, glm::dvec3(0.0));
+    EXPECT_EQ(guard.guard(without_goal()).force, dvec3(0.0));
     EXPECT_TRUE(guard.has_let_go());
     EXPECT_FALSE(guard.has_begun_anew());
     EXPECT_EQ(guard.guard(five_newtons()).force.z, 5);
 }
 
 TEST(ForceGuard, BadSampleKeepsPaidContact) {
-    GuardSettings settings = without_ramp();
-    settings.rise.paid = true;
+    const GuardSettings settings{.ramp_in_ticks = 0, .rise = {.paid = true}};
     ForceGuard guard(settings, 0.001);
     const auto resting = [](double stiffness) {  // 2 mm deep
         Contact contact = pressing({0, 0, 0.002 * stiffness}, stiffness);
@@ -180,26 +173,21 @@ TEST(ForceGuard, LimitsHoldWithEverythingOn) {
     for (SurfaceFrame* frame : {&ground.prev, &ground.next})
         for (int k = 0; k < 3 * 65 * 65; ++k)
             frame->haptic.push_back(static_cast<std::uint8_t>(random.next() >> 56));
-    GuardSettings settings;
-    settings.max_force = 3;
-    settings.max_stiffness = 4000;
-    settings.rise.per_tick = 200;
-    settings.damping = 10;
-    settings.passivity = 50;
-    TouchSettings touch;
-    touch.stribeck_speed = 0.1;
+    GuardSettings settings{
+        .max_force = 3, .max_stiffness = 4000, .rise = {.per_tick = 200}, .damping = 10, .passivity = 50};
+    TouchSettings touch{.stribeck_speed = 0.1};
     ForceGuard guard(settings, 0.001);
     FingerState finger;
     std::uint32_t all_reasons = 0;
-    glm::dvec3 goal{0, 0, -99};
+    dvec3 goal{0, 0, -99};
     for (int k = 0; k < 20'000; ++k) {
         const bool jumps = random.next() % 200 == 0, fails = random.next() % 300 == 0;
         for (int axis = 0; axis < 2; ++axis)
             goal[axis] = jumps ? random.within(-6, 6) : goal[axis] + random.within(-0.1, 0.1);
         goal.z = -100 + 3 * sine(0.01 * k);
-        const glm::dvec3 given = fails ? glm::dvec3(NAN, 0, 0) : goal;
+        const dvec3 given = fails ? dvec3(NAN, 0, 0) : goal;
         const GuardedForce out = guard.guard(ground.touch(finger, given, random.unit(), touch));
-        const glm::dvec3& f = out.force;
+        const dvec3& f = out.force;
         ASSERT_LE(std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z), settings.max_force) << k;
         ASSERT_TRUE(std::isfinite(out.energy.balance())) << k;
         all_reasons |= out.reasons;
@@ -212,7 +200,7 @@ TEST(TouchSolver, InvalidFirstGoalExertsNothing) {
     FingerState finger;
     const Contact contact = wall.touch(finger, {NAN, 0, 0});
     EXPECT_TRUE(contact.goal_held);
-    EXPECT_EQ(contact.force, glm::dvec3(0.0));
+    EXPECT_EQ(contact.force, dvec3(0.0));
     EXPECT_FALSE(finger.started);
 }
 

@@ -60,8 +60,6 @@ TEST(Friction, FrictionlessSceneNeedsNoFriction) {
 // where faces meet.
 
 using glm::dot;
-using glm::dvec3;
-
 // Places near -1000 are known to 2e-13, forces are made of differences of a few of them over 2 units.
 constexpr double plane_rounding = 5e-11;
 
@@ -108,7 +106,7 @@ TEST_P(PlaneFriction, SlipsExactlyAboveFrictionAngle) {
         const Contact landed = plane.rig.tick({0, 0, -1002});
         ASSERT_TRUE(landed.touching);
         const double slid = length(landed.proxy - dvec3(0, 0, -1000));
-        // What mu does not hold of the 2 sin a along the plane.
+        // The part of the 2 sin a along the plane that mu does not hold.
         const double expected = share > 1 ? 0 : 2 * cosine(tilt) * (steepness - mu);
         EXPECT_NEAR(slid, expected, plane_rounding) << "mu " << share << " of tan a";
     }
@@ -257,8 +255,7 @@ protected:
     }
     /// Where the proxy is (mm), tick by tick, for a goal at x(0), x(1), ...
     std::vector<double> follow(const std::vector<double>& goals, double stribeck_speed) {
-        TouchSettings settings;
-        settings.stribeck_speed = stribeck_speed;
+        TouchSettings settings{.stribeck_speed = stribeck_speed};
         FingerState finger;
         wall.touch(finger, {goals[0], 0.1, -99}, 0, settings);
         std::vector<double> places;
@@ -340,8 +337,7 @@ TEST_F(Stribeck, SticksAgainOnceSlow) {
 
 TEST_F(Stribeck, SurfaceMotionIsNoSlip) {
     wall.fill(wall.next, 90.0);
-    TouchSettings settings;
-    settings.stribeck_speed = 0.05;
+    TouchSettings settings{.stribeck_speed = 0.05};
     FingerState finger;
     wall.touch(finger, {2, 0.1, -99}, 0, settings);
     for (int k = 0; k < 50; ++k) {
@@ -355,9 +351,7 @@ TEST_F(Stribeck, SurfaceMotionIsNoSlip) {
 
 TEST_F(Stribeck, RejectsInvalidSpeed) {
     for (const double speed : {-1.0, std::nan(""), HUGE_VAL}) {
-        TouchSettings settings;
-        settings.stribeck_speed = speed;
-        const auto made = TouchSolver::create(wall.scene, settings);
+        const auto made = TouchSolver::create(wall.scene, {.stribeck_speed = speed});
         ASSERT_FALSE(made);
         EXPECT_NE(made.error().message.find("Stribeck"), std::string::npos);
     }
@@ -511,8 +505,6 @@ TEST(UnevenFriction, SlidesEndByLocalFriction) {
             for (std::size_t k = 0; k < field.prev.haptic.size(); ++k)
                 field.prev.haptic[k] = static_cast<std::uint8_t>(field.prev.haptic[k] / 8 + 40 + k / 75 * 3);
         field.fill(field.next, 100);
-        TouchSettings settings;
-        settings.stribeck_speed = 0;
         FingerState finger;
         dvec3 goal{0, 0, -90};
         field.touch(finger, goal);

@@ -26,21 +26,21 @@ namespace {
 /// Goals that press into a wall; remembers what was written.
 class PressingPort final : public HapticPort {
 public:
-    bool read_goals(std::int64_t tick, const HeightField&, std::span<glm::dvec3> goals) override {
+    bool read_goals(std::int64_t tick, const HeightField&, std::span<dvec3> goals) override {
         ticks.push_back(tick);
         if (static_cast<int>(ticks.size()) == stalls_at) std::this_thread::sleep_for(stall);
         if (static_cast<int>(ticks.size()) == throws_at) throw std::runtime_error("unplugged");
         cpus.push_back(sched_getcpu());
-        for (glm::dvec3& goal : goals)
+        for (dvec3& goal : goals)
             goal = {0, 0, -100 - 0.02 * static_cast<double>(std::min<std::int64_t>(tick, 100))};
         return static_cast<int>(ticks.size()) != fails_at;
     }
     void come_back(std::int64_t alone_ms) override {
         alone.emplace_back(static_cast<std::int64_t>(ticks.size()), alone_ms);
     }
-    bool write_forces(std::span<const glm::dvec3> newtons) override {
+    bool write_forces(std::span<const dvec3> newtons) override {
         last.assign(newtons.begin(), newtons.end());
-        for (const glm::dvec3& force : newtons) largest = std::max(largest, force.z);
+        for (const dvec3& force : newtons) largest = std::max(largest, force.z);
         ++writes;
         if (writes == write_stalls_at) std::this_thread::sleep_for(stall);
         if (writes == write_throws_at) throw 7;
@@ -52,7 +52,7 @@ public:
     std::vector<std::int64_t> ticks;
     std::vector<std::pair<std::int64_t, std::int64_t>> alone;  // after how many ticks, for how many ms
     std::vector<int> cpus;                                     // that each tick began on
-    std::vector<glm::dvec3> last;
+    std::vector<dvec3> last;
     double largest = 0;
     int writes = 0;
 };
@@ -79,7 +79,7 @@ public:
     void run_for(std::int64_t ns) const {
         while (loop.time_ns() < ns) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    bool is_unpowered() const { return port.last == std::vector<glm::dvec3>(2, glm::dvec3(0.0)); }
+    bool is_unpowered() const { return port.last == std::vector<dvec3>(2, dvec3(0.0)); }
     template <class Take>
     void for_each_logged(Take take) {
         while (log.pop(take)) {
@@ -265,7 +265,7 @@ TEST(HapticLoop, ComesBackAfterSuspension) {
         const bool after_gap = ticks++ == 148;
         for (const GuardedForce& force : tick.forces) {
             EXPECT_EQ((force.reasons & guard_gap) != 0, after_gap) << ticks;
-            EXPECT_TRUE(!after_gap || force.force == glm::dvec3(0.0));
+            EXPECT_TRUE(!after_gap || force.force == dvec3(0.0));
         }
     });
     EXPECT_GT(rig.port.largest, 0.5) << "there was a force to take away";
@@ -292,7 +292,7 @@ TEST(TickLog, DeliversWholeTicksInOrder) {
     TickLog log(16, 3);
     std::atomic<std::int64_t> refused{0};
     std::thread writer([&] {
-        std::vector<glm::dvec3> goals(3);
+        std::vector<dvec3> goals(3);
         std::vector<Contact> contacts(3);
         std::vector<GuardedForce> forces(3);
         for (std::int64_t k = 0; k < count;) {
@@ -325,12 +325,12 @@ TEST(TickLog, DeliversWholeTicksInOrder) {
     EXPECT_GT(refused, 0) << "the writer never met a full ring";
 }
 
-// What a real-time thread asks of its machine. Each test asks in a process of its own, for what is granted
+// Requests of a real-time thread to its machine. Each test runs in a process of its own, for what is granted
 // stays.
 
 constexpr int right = 0, wrong = 1, not_here = 2;
 
-/// What a child that does `work` says.
+/// The exit code of a child that does `work`.
 template <class Work>
 int in_a_child(Work work) {
     const pid_t child = fork();

@@ -1,4 +1,4 @@
-// Whatever bits go in: what comes out is a number a device can bear, and nothing of it stays.
+// Input of any bits gives a force that a device can bear, and leaves no trace in later ticks.
 
 #include <gtest/gtest.h>
 
@@ -22,19 +22,13 @@
 namespace touchable::test {
 namespace {
 
-using glm::dvec3;
 using Limits = std::numeric_limits<double>;
+constexpr double nan = Limits::quiet_NaN();
 
-/// Of any bits at all, or one that is feared.
+/// A number of any bits, or one of the dangerous ones.
 double any_double(SplitMix64& random) {
-    const std::array<double, 8> feared{Limits::quiet_NaN(),
-                                       Limits::infinity(),
-                                       -Limits::infinity(),
-                                       Limits::max(),
-                                       Limits::denorm_min(),
-                                       -0.0,
-                                       1e12,
-                                       -1.0};
+    constexpr double inf = Limits::infinity(), tiny = Limits::denorm_min();
+    const std::array<double, 8> feared{nan, inf, -inf, Limits::max(), tiny, -0.0, 1e12, -1.0};
     const std::uint64_t bits = random.next();
     return random.next() % 3 == 0 ? feared[bits % feared.size()] : std::bit_cast<double>(bits);
 }
@@ -44,7 +38,8 @@ dvec3 any_vector(SplitMix64& random) {
     return {x, y, z};
 }
 
-/// Of a finger that is in the air for 10 ticks, lands, and presses deeper and less deep from then on.
+/// The contact of a finger that is in the air for 10 ticks, lands, and presses deeper and less deep from then
+/// on.
 Contact good_contact(int tick) {
     const double depth = tick < 10 ? -1 : 1 + 0.5 * sine(0.05 * (tick - 10));
     Contact contact;
@@ -83,17 +78,16 @@ Contact any_contact(SplitMix64& random, int tick) {
 }
 
 GuardSettings everything(SplitMix64& random) {
-    GuardSettings settings;
-    settings.max_force = 3;
-    settings.max_stiffness = 5000;
-    settings.rise = {random.next() % 2 == 0, random.next() % 2 == 0 ? 500 : Limits::infinity()};
-    settings.damping = 10;
-    settings.passivity = 50;
-    settings.waits_to_be_free = random.next() % 2 == 0;
-    return settings;
+    const auto coin = [&] { return random.next() % 2 == 0; };
+    return {.max_force = 3,
+            .max_stiffness = 5000,
+            .rise = {coin(), coin() ? 500 : Limits::infinity()},
+            .damping = 10,
+            .passivity = 50,
+            .waits_to_be_free = coin()};
 }
 
-/// Of squares a rounding may be lost; a device looks at components too.
+/// Squares may lose a rounding; a device looks at components too.
 bool can_be_borne(const GuardedForce& out, double most) {
     const dvec3& f = out.force;
     return std::hypot(f.x, f.y, f.z) <= most * (1 + 1e-15) && std::sqrt(glm::dot(f, f)) <= most &&
@@ -135,7 +129,7 @@ TEST(HostileInput, ChecksEveryContactField) {
         return guard.guard(contact).reasons;
     };
     EXPECT_EQ(out_of([](Contact&) {}), guard_none);
-    for (const double bad : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(), 1e200}) {
+    for (const double bad : {nan, Limits::infinity(), -Limits::infinity(), 1e200}) {
         EXPECT_EQ(out_of([&](Contact& c) { c.force.x = bad; }), guard_fault) << bad;
         EXPECT_EQ(out_of([&](Contact& c) { c.goal.y = bad; }), guard_fault) << bad;
         EXPECT_EQ(out_of([&](Contact& c) { c.proxy.z = bad; }), guard_fault) << bad;
@@ -147,7 +141,7 @@ TEST(HostileInput, ChecksEveryContactField) {
     }
     EXPECT_EQ(out_of([](Contact& c) { c.properties.stiffness = -1; }), guard_fault);
     EXPECT_EQ(out_of([](Contact& c) { c.carried_stiffness = -1; }), guard_fault);
-    // What is not there is not looked at.
+    // A jump's force is ignored without a jump.
     EXPECT_EQ(out_of([](Contact& c) { c.jumped_force.x = NAN; }), guard_none);
 
     ForceGuard guard(without_ramp(), 0.001);
@@ -159,8 +153,7 @@ TEST(HostileInput, ChecksEveryContactField) {
 
 // Time goes on by a tick at least, and no contact says otherwise.
 TEST(HostileInput, ZeroTicksCountAsOne) {
-    GuardSettings settings = without_ramp();
-    settings.damping = 10;
+    GuardSettings settings{.ramp_in_ticks = 0, .rise = {}, .damping = 10};
     for (const int ticks : {0, -1, std::numeric_limits<int>::min()}) {
         FingerGuard hostile(settings, 0.001), good(settings, 0.001);
         for (int tick = 0; tick < 60; ++tick) {
@@ -175,11 +168,8 @@ TEST(HostileInput, ZeroTicksCountAsOne) {
 TEST(HostileInput, AnyGoalGivesSafeForce) {
     SplitMix64 random(12);
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
-    TouchSettings touch;
-    touch.metres_per_scene_unit = 0.001;
-    touch.stribeck_speed = 0.1;
     wall.scene.default_properties = {1000, 0.4, 0.2};
-    const TouchSolver solver = TouchSolver::create(wall.scene, touch).value();
+    const TouchSolver solver = TouchSolver::create(wall.scene, {.stribeck_speed = 0.1}).value();
     for (int run = 0; run < 300; ++run) {
         const GuardSettings settings = everything(random);
         TouchStep hostile(solver, settings, 1), fresh(solver, settings, 1);
@@ -204,9 +194,7 @@ TEST(HostileInput, AnyGoalGivesSafeForce) {
 }
 
 TEST(HostileInput, OverflowGivesZeroAndRestarts) {
-    GuardSettings settings;
-    settings.max_force = 3;
-    settings.damping = 1e308;
+    GuardSettings settings{.max_force = 3, .rise = {}, .damping = 1e308};
     FingerGuard guard(settings, 0.001), fresh(settings, 0.001);
     for (int tick = 0; tick < 150; ++tick) guard.guard(good_contact(tick));
     // A goal 1 km deeper at once: the damper is beyond all numbers.
@@ -268,7 +256,7 @@ TEST(HostileInput, BadFrameRampsForceOut) {
 
 TEST(GuardSettings, InvalidGiveNoForce) {
     EXPECT_TRUE(validate(GuardSettings{}));
-    const double nan = Limits::quiet_NaN(), inf = Limits::infinity();
+    const double inf = Limits::infinity();
     std::vector<std::pair<GuardSettings, const char*>> refused;
     const auto refuse = [&](const char* word, auto spoil) {
         GuardSettings settings;
@@ -312,8 +300,6 @@ TEST(GuardSettings, InvalidGiveNoForce) {
 // Scenes and states at the edge of what is let in: touched without a number that is none, and never from
 // behind.
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 /// One frame of drawn codes, and a finger. Its planes may be such as no scene file may state: a program that
 /// links the solver need not validate them.
 class CodedScene {
@@ -323,11 +309,11 @@ public:
         settings.metres_per_scene_unit = 0.16 / scene.depth.far;
     }
     HeightField field() const { return {scene, still(frame_)}; }
-    const Contact& touch(const glm::dvec3& goal) {
+    const Contact& touch(const dvec3& goal) {
         return contact = tick_one(TouchSolver::create(scene, settings).value(), field(), finger, goal);
     }
     bool is_sound() const {
-        const glm::dvec3 sum = contact.proxy + contact.force + contact.carried + contact.jumped_force;
+        const dvec3 sum = contact.proxy + contact.force + contact.carried + contact.jumped_force;
         return std::isfinite(sum.x + sum.y + sum.z + finger.proxy.a + finger.proxy.b) &&
                std::isfinite(length(finger.proxy.point));
     }
@@ -374,8 +360,7 @@ TEST(ExtremeScene, NearestValidCodeBoundsField) {
     for (int k = 0; k < 4000; ++k) {
         // Before all there is, and behind the camera; sideways anywhere.
         const auto in_front = [&] {
-            return glm::dvec3(random.below(400) - 200.0, random.below(400) - 200.0,
-                              random.below(2) ? 0.25 : -0.4);
+            return dvec3(random.below(400) - 200.0, random.below(400) - 200.0, random.below(2) ? 0.25 : -0.4);
         };
         touched.finger = {};
         for (int tick = 0; tick < 3; ++tick) {
@@ -390,12 +375,12 @@ TEST(ExtremeScene, NearestValidCodeBoundsField) {
 // The way was cut where its depth rounds to 0: half a billion units are counted in steps of 6e-8.
 TEST(ExtremeScene, CrossingCameraPlaneFindsSurface) {
     const Scene scene = between(1e-9, 1e9);
-    for (const glm::dvec3& aside : {glm::dvec3(0), glm::dvec3(0, 5e8, 0), glm::dvec3(5e8, 0, 0)}) {
+    for (const dvec3& aside : {dvec3(0), dvec3(0, 5e8, 0), dvec3(5e8, 0, 0)}) {
         CodedScene touched(scene, noise(scene));
         int touching = 0;
         for (int k = 0; k < 200; ++k) {
             const double depth = k % 4 == 0 ? -5e8 : (k % 4 == 1 ? 5e8 : 2e9);
-            touched.touch(glm::dvec3(0, 0, -depth) + aside * (k % 8 < 4 ? 1.0 : -1.0));
+            touched.touch(dvec3(0, 0, -depth) + aside * (k % 8 < 4 ? 1.0 : -1.0));
             ASSERT_TRUE(touched.is_sound()) << k;
             touching += touched.contact.touching;
         }
@@ -500,7 +485,7 @@ TEST(ExtremeScene, CappedPathContinuesNextTick) {
             const auto any = [&](double depth) {
                 return unproject(scene.camera, random.below(24), random.below(20), depth);
             };
-            const glm::dvec3 from = any(35), to = any(60.0 + random.below(200));
+            const dvec3 from = any(35), to = any(60.0 + random.below(200));
             CodedScene whole(scene, planes), pieces(scene, planes);
             whole.settings.metric = pieces.settings.metric = metric;
             pieces.settings.cell_limit = 3;
@@ -557,7 +542,7 @@ TEST(ExtremeScene, NoPlaceExceedsFarthestCorner) {
     }
 }
 
-// What a run reports of a proxy behind the surface, and what tests ask.
+// The test for a proxy behind the surface that runs and tests use.
 TEST(IsBehindSurface, ComparesRelativeDepth) {
     for (const DepthSemantics semantics : {DepthSemantics::planar, DepthSemantics::range}) {
         SmallField wall(16, 12, 100.0, semantics);
@@ -594,18 +579,13 @@ std::size_t allocations_in_ticks(MakeBuilder make_builder) {
     std::vector<SurfaceFrame> frames(2);
     const auto builder = make_builder(scene);
     for (int n : {0, 1}) EXPECT_TRUE(builder->build(content->frame(n), frames[static_cast<std::size_t>(n)]));
-    TouchSettings settings;
-    settings.metres_per_scene_unit = *scene.device_metres_per_unit;
-    settings.stribeck_speed = 0.05;
+    TouchSettings settings{.metres_per_scene_unit = *scene.device_metres_per_unit, .stribeck_speed = 0.05};
     const auto solver = TouchSolver::create(scene, settings);
     const GlobeStroke stroke(options.preset, options.width, options.height);
-    std::vector<glm::dvec3> goals(10);
+    std::vector<dvec3> goals(10);
     std::vector<FingerState> fingers(10);
     std::vector<Contact> contacts(10);
-    GuardSettings everything;
-    everything.rise.paid = true;
-    everything.damping = 1;
-    everything.passivity = 10;
+    GuardSettings everything{.rise = {.paid = true}, .damping = 1, .passivity = 10};
     std::vector<ForceGuard> guards(10, ForceGuard(everything, settings.metres_per_scene_unit));
 
     int touching = 0;

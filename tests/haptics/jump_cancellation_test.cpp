@@ -1,10 +1,9 @@
-// What stands between a surface that jumps and a hand.
+// The cancellation between a surface that jumps and a hand.
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -16,12 +15,8 @@
 namespace touchable::test {
 namespace {
 
-using glm::dvec3;
-
 GuardSettings device() {
-    GuardSettings settings;
-    settings.max_force = 8;
-    return settings;
+    return {.max_force = 8, .rise = {}};
 }
 
 /// The goal rests: what it meets now is what the last tick's goal meets on this surface.
@@ -171,14 +166,11 @@ TEST(JumpCancellation, EndsWithContact) {
 
 // A device gives 500 N/m of either: the hand feels 1 N before and after.
 TEST(JumpCancellation, IgnoresStiffnessBeyondDevice) {
-    GuardSettings soft = device();
-    soft.max_stiffness = 500;
-    JumpCancellation calm(soft);
+    JumpCancellation calm({.max_force = 8, .max_stiffness = 500, .rise = {}});
     calm.calm(pressing({0, 0, 2}));
     EXPECT_EQ(calm.calm(near_hole(2, 2000, 0, true)).force, dvec3(0, 0, 4));
     // One that the device gives whole is a jump, of what the hand feels.
-    EXPECT_EQ(calm.calm(near_hole(4, 100, 0, true)).force, dvec3(0, 0, 0.4))
-        << "longer than the force itself";
+    EXPECT_EQ(calm.calm(near_hole(4, 100, 0, true)).force, dvec3(0, 0, 0.4)) << "longer than the force";
     EXPECT_NEAR(calm.calm(near_hole(2, 4000, 0, true)).force.z, 8 * 0.4, 1e-12)
         << "1 N as the device gives it, less a jump of 0.6";
 }
@@ -186,9 +178,7 @@ TEST(JumpCancellation, IgnoresStiffnessBeyondDevice) {
 // The share that the device gives of a jump is that of the stiffness under the jump, not of where the finger
 // has moved to since.
 TEST(JumpCancellation, MeasuresJumpWhereItHappened) {
-    GuardSettings soft = device();
-    soft.max_stiffness = 500;
-    JumpCancellation calm(soft);
+    JumpCancellation calm({.max_force = 8, .max_stiffness = 500, .rise = {}});
     calm.calm(pressing({0, 0, 2}));  // of 1000 N/m: the hand feels 1 N
     Contact moved = jumping({0, 0, 1});
     moved.jumped_force = {0, 0, 4};  // of 2000 N/m: 1 N as well
@@ -229,9 +219,7 @@ TEST(JumpCancellation, CutBackContinuesFromFade) {
 
 /// A finger that is inside a new surface.
 JumpCancellation waiting() {
-    GuardSettings settings = device();
-    settings.waits_to_be_free = true;
-    return JumpCancellation(settings);
+    return JumpCancellation({.max_force = 8, .rise = {}, .waits_to_be_free = true});
 }
 
 TEST(JumpCancellation, WaitingFingerGetsNoJump) {
@@ -262,8 +250,7 @@ TEST(JumpCancellation, MissingGoalKeepsFingerWaiting) {
 
 TEST(JumpCancellation, ResetRestoresInitialState) {
     for (const bool waits : {false, true}) {
-        GuardSettings settings = device();
-        settings.waits_to_be_free = waits;
+        const GuardSettings settings{.max_force = 8, .rise = {}, .waits_to_be_free = waits};
         Random random(41);
         for (int run = 0; run < 50; ++run) {
             JumpCancellation used(settings), made(settings);
@@ -307,9 +294,7 @@ TEST(JumpCancellation, BuryingCutFadesToNothing) {
 TEST(JumpCancellation, HoleJumpScalesWithStiffness) {
     for (const auto& [max_force, max_stiffness] :
          {std::pair{8.0, 1e4}, {1e6, 1e4}, {1e6, 300.0}}) {  // with jumps that bury, without; a soft device
-        GuardSettings settings = device();
-        settings.max_force = max_force;
-        settings.max_stiffness = max_stiffness;
+        const GuardSettings settings{.max_force = max_force, .max_stiffness = max_stiffness, .rise = {}};
         JumpCancellation even(settings), uneven(settings);
         Random random(23);
         double depth = 4;
@@ -385,9 +370,7 @@ TEST(JumpCancellation, PassesNanToGuard) {
 
 // A speed is a way over the time that has passed, whether its ticks ran or were skipped.
 
-const double pi = std::acos(-1.0);
-
-/// What a low pass of first order at 80 Hz lets through of a step after so many milliseconds.
+/// The response of a first-order low pass at 80 Hz to a step after so many milliseconds.
 double step_response(int milliseconds) {
     return 1 - std::exp(-2 * pi * 80 * 0.001 * milliseconds);
 }
@@ -412,12 +395,8 @@ TEST(TickVelocity, SkippedTicksAreEvenMotion) {
 
 TEST(SkippedTicks, DamperFeelsHandSpeed) {
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
-    TouchSettings touch;
-    touch.metres_per_scene_unit = 0.001;
-    const TouchSolver solver = TouchSolver::create(wall.scene, touch).value();
-    GuardSettings settings = without_ramp();
-    settings.damping = 10;
-    settings.max_force = 1000;
+    const TouchSolver solver = TouchSolver::create(wall.scene, {}).value();
+    const GuardSettings settings{.max_force = 1000, .ramp_in_ticks = 0, .rise = {}, .damping = 10};
     for (const int every : {1, 2, 10, 50}) {
         TouchStep step(solver, settings, 1);
         double damper = 0;

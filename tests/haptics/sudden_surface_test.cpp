@@ -14,10 +14,8 @@
 namespace touchable::test {
 namespace {
 
-using glm::dvec3;
-
 constexpr double newtons_per_unit = 0.6;  // 600 N/m, a unit is a millimetre
-/// What the surface may add to a force in a tick where frames are interpolated: what is not sudden, and the
+/// The most that a surface may add to a force in a tick where frames are interpolated: slow motion, and the
 /// steepest of a fade over the device's 10 N, with a fifth for fades that overlap.
 constexpr double largest_rise = 0.1 * newtons_per_unit + 1.2 * 10 * 1.5 / JumpCancellation::fade_ticks;
 
@@ -84,8 +82,8 @@ TEST(SuddenSurface, NeverKicksFreeFinger) {
                     stage.field.shape(stage.field.prev, [&](int x, int y) {
                         return std::max(60.0, depth) + grain[static_cast<std::size_t>(33 * y + x)];
                     });
-                    ASSERT_NO_FATAL_FAILURE(
-                        stage.tick(tick, still(stage.field.prev, tick, tick * 1'000'000), goal));
+                    const FramePair pair = still(stage.field.prev, tick, tick * 1'000'000);
+                    ASSERT_NO_FATAL_FAILURE(stage.tick(tick, pair, goal));
                     most = std::max(most, stage.rise);
                     depth -= levels * level;
                 }
@@ -150,7 +148,7 @@ TEST_P(CutEveryFrame, NeverKicksOrLosesSurface) {
         const double step = std::min(1.0, 0.1 / (1e-9 + glm::length(way)));
         goal += way * step;  // at most 0.1 m/s
         ASSERT_NO_FATAL_FAILURE(stage.tick(tick, pair, goal)) << "tick " << tick;
-        // Of a held frame, 3.3 mm are not sudden.
+        // 3.3 mm of a held frame are not sudden.
         most = std::max(most, stage.rise - newtons_per_unit * glm::length(way * step));
         felt += glm::length(stage.force) > 0.1;
         blended += (stage.reasons & guard_jump) != 0;
@@ -217,8 +215,8 @@ TEST(SuddenSurface, StoppedProducerStandsStill) {
 TEST(SuddenSurface, LateFramesMakeNoKick) {
     for (const auto interpolation : {FrameInterpolation::hold, FrameInterpolation::linear})
         for (const bool dropped : {false, true}) {
-            SCOPED_TRACE((interpolation == FrameInterpolation::hold ? "held " : "linear ") +
-                         std::string(dropped ? "dropped" : "late"));
+            const bool is_held = interpolation == FrameInterpolation::hold;
+            SCOPED_TRACE((is_held ? "held " : "linear ") + std::string(dropped ? "dropped" : "late"));
             Stage stage(interpolation);
             Producer producer(stage);
             // 45 mm/s
@@ -243,8 +241,7 @@ TEST(SuddenSurface, LateFramesMakeNoKick) {
                 if (tick > 1) most = std::max(most, stage.rise);
             }
             EXPECT_GT(stage.touching, 700);
-            EXPECT_LE(most,
-                      interpolation == FrameInterpolation::hold ? newtons_per_unit * 3.34 : largest_rise);
+            EXPECT_LE(most, is_held ? newtons_per_unit * 3.34 : largest_rise);
         }
 }
 
@@ -312,7 +309,7 @@ TEST(SuddenSurface, NewEpochStiffnessIsJump) {
     EXPECT_NEAR(wall.force(), 1.89, 1e-3);
 }
 
-// What counts is how fast it moves under the hand, and not how fast it did before the camera.
+// The surface's speed under the hand counts, not its speed before the camera.
 TEST(SuddenSurface, PlaybackSpeedCounts) {
     const auto jumps = [](double metres_per_s, double rate) {
         PressedWall wall;

@@ -23,6 +23,9 @@
 
 namespace touchable::test {
 
+using glm::dvec3;
+using Path = std::vector<dvec3>;
+
 inline SceneOptions sized(int width, int height) {
     SceneOptions options;
     options.width = width;
@@ -50,14 +53,14 @@ FramePair pair_around(std::int64_t time_ns, const FrameRate& rate, FrameOf frame
 
 /// A tick of one finger.
 inline Contact tick_one(const TouchSolver& solver, const HeightField& field, FingerState& finger,
-                        const glm::dvec3& goal, int ticks = 1) {
+                        const dvec3& goal, int ticks = 1) {
     Contact contact;
     solver.tick(field, {&goal, 1}, {&finger, 1}, {&contact, 1}, ticks);
     return contact;
 }
 
 /// A contact made by hand.
-inline Contact pressing(const glm::dvec3& force, double stiffness = 1000) {
+inline Contact pressing(const dvec3& force, double stiffness = 1000) {
     Contact contact;
     contact.touching = true;
     contact.force = force;
@@ -91,8 +94,8 @@ public:
     }
 
     /// One tick of one finger (or the same goal for all).
-    const Contact& tick(const glm::dvec3& goal) {
-        std::vector<glm::dvec3> goals(fingers_.size(), goal);
+    const Contact& tick(const dvec3& goal) {
+        Path goals(fingers_.size(), goal);
         const auto solver = TouchSolver::create(scene_, settings);
         solver.value().tick(field(), goals, fingers_, contacts_);
         return contacts_[0];
@@ -115,30 +118,28 @@ private:
     std::vector<Contact> contacts_;
 };
 
-inline double length(const glm::dvec3& v) {
+inline double length(const dvec3& v) {
     return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
 /// Straight lines from corner to corner, in equal steps no longer than `step` on each.
-inline std::vector<glm::dvec3> path_along(const std::vector<glm::dvec3>& corners, double step) {
-    std::vector<glm::dvec3> path{corners.at(0)};
+inline Path path_along(const Path& corners, double step) {
+    Path path{corners.at(0)};
     for (std::size_t k = 1; k < corners.size(); ++k) {
-        const glm::dvec3 way = corners[k] - corners[k - 1];
+        const dvec3 way = corners[k] - corners[k - 1];
         const int steps = static_cast<int>(std::ceil(std::sqrt(glm::dot(way, way)) / step));
         for (int n = 1; n <= steps; ++n) path.push_back(corners[k - 1] + way * (double(n) / steps));
     }
     return path;
 }
 
-inline void append(std::vector<glm::dvec3>& path, const std::vector<glm::dvec3>& more) {
+inline void append(Path& path, const Path& more) {
     path.insert(path.end(), more.begin(), more.end());
 }
 
 /// No ramp, so that all that happens is the solver's.
 inline GuardSettings without_ramp() {
-    GuardSettings settings;
-    settings.ramp_in_ticks = 0;
-    return settings;
+    return {.ramp_in_ticks = 0, .rise = {}};
 }
 
 /// A pair of small frames with depths set by hand; NaN is an invalid pixel.
@@ -181,9 +182,8 @@ public:
     HeightField field(double blend = 0) const { return {scene, pair(blend)}; }
 
     /// One tick of one finger.
-    Contact touch(FingerState& finger, const glm::dvec3& goal, double blend = 0, TouchSettings settings = {},
-                  int ticks = 1) const {
-        settings.metres_per_scene_unit = 0.001;
+    Contact touch(FingerState& finger, const dvec3& goal, double blend = 0,
+                  const TouchSettings& settings = {}, int ticks = 1) const {
         return tick_one(TouchSolver::create(scene, settings).value(), field(blend), finger, goal, ticks);
     }
 
@@ -200,7 +200,7 @@ private:
     std::vector<double> prev_depths_, next_depths_;
 };
 
-/// What became of a finger on a path.
+/// Contacts, forces and energy of a finger on a path.
 struct PathResult {
     EnergyFigures energy;
     std::vector<Contact> contacts;
@@ -220,43 +220,40 @@ struct PathResult {
 
 /// A new finger along a path; `touch(finger, goal)` is a tick of the solver, `scale` its S.
 template <class Touch>
-PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSettings& settings, double scale,
-                    Touch touch) {
+PathResult run_path(const Path& path, const GuardSettings& settings, double scale, Touch touch) {
     PathResult result;
     ForceGuard guard(settings, scale);
     FingerState finger;
-    for (const glm::dvec3& goal : path) {
+    for (const dvec3& goal : path) {
         result.contacts.push_back(touch(finger, goal));
         result.forces.push_back(guard.guard(result.contacts.back()));
     }
     result.energy = result.forces.back().energy;
     return result;
 }
-inline PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSettings& settings,
-                           const SmallField& field, const TouchSettings& touch = {}) {
-    return run_path(path, settings, 0.001, [&](FingerState& finger, const glm::dvec3& goal) {
+inline PathResult run_path(const Path& path, const GuardSettings& settings, const SmallField& field,
+                           const TouchSettings& touch = {}) {
+    return run_path(path, settings, 0.001, [&](FingerState& finger, const dvec3& goal) {
         return field.touch(finger, goal, 0, touch);
     });
 }
-inline PathResult run_path(const std::vector<glm::dvec3>& path, const GuardSettings& settings,
-                           TouchRig& rig) {
+inline PathResult run_path(const Path& path, const GuardSettings& settings, TouchRig& rig) {
     rig.lift_fingers();
     return run_path(path, settings, rig.settings.metres_per_scene_unit,
-                    [&](FingerState&, const glm::dvec3& goal) { return rig.tick(goal); });
+                    [&](FingerState&, const dvec3& goal) { return rig.tick(goal); });
 }
 
 /// One finger over a small field, by whole ticks.
 struct StepRig {
     explicit StepRig(double depth = 100, DepthSemantics semantics = DepthSemantics::planar)
         : field(33, 33, depth, semantics) {
-        settings.metres_per_scene_unit = 0.001;
         guard.ramp_in_ticks = 0;
     }
     void begin() {
         solver.emplace(TouchSolver::create(field.scene, settings).value());
         step.emplace(*solver, guard, 1);
     }
-    TouchTick run(std::int64_t tick, const FramePair& pair, const glm::dvec3& goal) {
+    TouchTick run(std::int64_t tick, const FramePair& pair, const dvec3& goal) {
         step->goals()[0] = goal;
         return step->run(tick, tick * 1'000'000, field.scene, pair);
     }
@@ -277,12 +274,12 @@ protected:
     }
     /// From 1 mm outside straight in to 2 mm, 5 mm along, out and back through free space, in steps of
     /// `step_mm`, millimetres of the device; `limbward`: along away from the axis, or towards it.
-    std::vector<glm::dvec3> path(double azimuth, double step_mm, bool limbward) const {
+    Path path(double azimuth, double step_mm, bool limbward) const {
         const GlobeSphere sphere = globe_sphere(CameraPreset::b, 360, 240);
         const double scale = 0.001 / rig.settings.metres_per_scene_unit, half = std::sqrt(0.5);
-        const glm::dvec3 aside{cosine(azimuth), sine(azimuth), 0}, axis{0, 0, 1};
-        const glm::dvec3 out = half * (aside + axis), along = half * (aside - axis);
-        const glm::dvec3 touching = sphere.centre + sphere.radius * out;
+        const dvec3 aside{cosine(azimuth), sine(azimuth), 0}, axis{0, 0, 1};
+        const dvec3 out = half * (aside + axis), along = half * (aside - axis);
+        const dvec3 touching = sphere.centre + sphere.radius * out;
         auto at = [&](double mm_along, double mm_outside) {
             return touching + scale * (mm_along * along + mm_outside * out);
         };
@@ -290,8 +287,8 @@ protected:
         return path_along({at(near, 1), at(near, -2), at(far, -2), at(far, 1), at(near, 1)}, step_mm * scale);
     }
     PathResult loop(double azimuth, double step_mm, bool limbward,
-                    const GuardSettings& settings = without_ramp()) {
-        return run_path(path(azimuth, step_mm, limbward), settings, rig);
+                    const GuardSettings& guard = without_ramp()) {
+        return run_path(path(azimuth, step_mm, limbward), guard, rig);
     }
 
     TouchRig rig;
