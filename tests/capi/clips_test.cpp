@@ -497,8 +497,7 @@ private:
     touch_status create() {
         static constexpr const char* names[] = {"hill.mkv", "out.mkv", "out.mp4", "out", "out.xyz", ""};
         touch_writer_settings settings = replacing();
-        settings.struct_size = spoilt(settings.struct_size);
-        settings.overwrite = spoilt(settings.overwrite);
+        spoil(settings.struct_size, settings.overwrite);
         const std::int64_t times[] = {spoilt(std::int64_t{0}), spoilt(std::int64_t{40'000'000})};
         if (rarely()) settings.times_ns = times;
         if (rarely()) settings.times = upto(3);
@@ -510,11 +509,8 @@ private:
     }
     touch_status write() {
         touch_frame frame = hill_.frame();
-        frame.struct_size = spoilt(frame.struct_size);
-        frame.number = spoilt(frame.number);
-        frame.depth.width = spoilt(frame.depth.width);
-        frame.depth.stride_bytes = spoilt(frame.depth.stride_bytes);
-        frame.depth.sample = spoilt(frame.depth.sample);
+        spoil(frame.struct_size, frame.number, frame.depth.width, frame.depth.stride_bytes,
+              frame.depth.sample);
         if (rarely()) frame.height = frame.depth;
         return touch_writer_write(one_of(writers_), or_null(&frame), error());
     }

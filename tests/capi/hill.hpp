@@ -154,6 +154,10 @@ protected:
                                  static_cast<Number>(random_())};
         return spoils[upto(std::size(spoils))];
     }
+    template <class... Numbers>
+    void spoil(Numbers&... numbers) {
+        ((numbers = spoilt(numbers)), ...);
+    }
     template <class T>
     T* or_null(T* pointer) {
         return rarely() ? nullptr : pointer;

@@ -51,14 +51,8 @@ public:
 private:
     touch_status scene_from_camera() {
         touch_camera camera = Hill::camera();
-        camera.struct_size = spoilt(camera.struct_size);
-        camera.width = spoilt(camera.width);
-        camera.fx_px = spoilt(camera.fx_px);
-        camera.cy_px = spoilt(camera.cy_px);
-        camera.metres_per_code = spoilt(camera.metres_per_code);
-        camera.far_m = spoilt(camera.far_m);
-        camera.frames_per_second = spoilt(camera.frames_per_second);
-        camera.stiffness_n_per_m = spoilt(camera.stiffness_n_per_m);
+        spoil(camera.struct_size, camera.width, camera.fx_px, camera.cy_px, camera.metres_per_code,
+              camera.far_m, camera.frames_per_second, camera.stiffness_n_per_m);
         touch_scene made{};
         return kept(touch_scene_from_camera(or_null(&camera), or_null(&made), error()), made, scenes_);
     }
@@ -114,18 +108,14 @@ private:
     touch_status surface() {
         touch_surface_settings settings;
         touch_surface_settings_defaults(&settings, sizeof settings);
-        settings.struct_size = spoilt(settings.struct_size);
-        settings.threads = spoilt(settings.threads);
-        settings.frames = spoilt(settings.frames);
+        spoil(settings.struct_size, settings.threads, settings.frames);
         touch_surface made{};
         return kept(touch_surface_create(one_of(scenes_), or_null(&settings), or_null(&made), error()), made,
                     surfaces_);
     }
     touch_frame spoilt_frame() {
         touch_frame frame = hill_.frame(++number_);
-        frame.struct_size = spoilt(frame.struct_size);
-        frame.number = spoilt(frame.number);
-        frame.time_ns = spoilt(frame.time_ns);
+        spoil(frame.struct_size, frame.number, frame.time_ns);
         touch_plane* const planes[] = {&frame.depth, &frame.colour, &frame.haptic, &frame.height};
         touch_plane& plane = *planes[rarely() ? upto(4) : 0];
         plane = frame.depth;
@@ -158,13 +148,9 @@ private:
         settings.fingers =
             rarely() ? spoilt(settings.fingers) : 1 + static_cast<std::int32_t>(upto(most_fingers_));
         settings.metres_per_scene_unit = spoilt(1.0);
-        settings.max_force_n = spoilt(settings.max_force_n);
-        settings.max_stiffness_n_per_m = spoilt(settings.max_stiffness_n_per_m);
-        settings.damping_n_s_per_m = spoilt(settings.damping_n_s_per_m);
-        settings.stribeck_m_per_s = spoilt(settings.stribeck_m_per_s);
-        settings.stale_after_ns = spoilt(settings.stale_after_ns);
-        settings.ramp_in_ticks = spoilt(settings.ramp_in_ticks);
-        settings.ramp_out_ticks = spoilt(settings.ramp_out_ticks);
+        spoil(settings.max_force_n, settings.max_stiffness_n_per_m, settings.damping_n_s_per_m,
+              settings.stribeck_m_per_s, settings.stale_after_ns, settings.ramp_in_ticks,
+              settings.ramp_out_ticks);
         touch_solver made{};
         return kept(touch_solver_create(one_of(surfaces_), or_null(&settings), or_null(&made), error()), made,
                     solvers_);
@@ -172,13 +158,9 @@ private:
     touch_status forces_at() {
         touch_solver_settings settings;
         touch_solver_settings_defaults(&settings, sizeof settings);
-        settings.struct_size = spoilt(settings.struct_size);
-        settings.fingers = spoilt(settings.fingers);
-        settings.max_force_n = spoilt(settings.max_force_n);
-        settings.stribeck_m_per_s = spoilt(settings.stribeck_m_per_s);
+        spoil(settings.struct_size, settings.fingers, settings.max_force_n, settings.stribeck_m_per_s);
         touch_tick at = tick_at(number_ * 33);
-        at.struct_size = spoilt(at.struct_size);
-        at.time_ns = spoilt(at.time_ns);
+        spoil(at.struct_size, at.time_ns);
         std::array<touch_vec3, most_fingers_> points;
         for (touch_vec3& point : points) {
             point = goal_at(number_);
@@ -204,16 +186,13 @@ private:
             return upto(2) ? touch_solver_come_back(solver) : touch_solver_force_hash(solver, or_null(&hash));
         }
         touch_tick at = tick_at(++tick_);
-        at.struct_size = spoilt(at.struct_size);
-        at.tick = spoilt(at.tick);
-        at.time_ns = spoilt(at.time_ns);
+        spoil(at.struct_size, at.tick, at.time_ns);
         at.epoch = rarely() ? spoilt(epoch_) : 0;
         at.epoch_start_ns = spoilt(at.epoch_start_ns);
         std::array<touch_vec3, most_fingers_> goals;
         for (touch_vec3& goal : goals) {
             goal = goal_at(tick_);
-            goal.x = spoilt(goal.x);
-            goal.z = spoilt(goal.z);
+            spoil(goal.x, goal.z);
         }
         if (rarely()) {  // counts that no array has room for, or that have none
             static constexpr std::size_t counts[] = {0, (std::size_t{1} << 40) + 1, SIZE_MAX};
