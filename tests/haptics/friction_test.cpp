@@ -390,17 +390,6 @@ protected:
     FingerState finger;
 };
 
-TEST_F(WideCells, SlideEndsByLocalFriction) {
-    paint(5, 255, 255);  // mu = x / 25 to the right of column 4
-    land(2, 3);
-    ASSERT_EQ(finger.proxy.feature, Feature::face_upper);
-    const Contact contact = press(10, 3);
-    // 10 - x = 3 x / 25
-    EXPECT_NEAR(contact.proxy.x, 10 / (1 + 3 / 25.0), 1e-11);
-    EXPECT_NEAR(-contact.force.x / contact.force.z, contact.properties.dynamic_friction, 1e-12);
-    EXPECT_NEAR(contact.properties.dynamic_friction, contact.proxy.x / 25, 1e-13);
-}
-
 TEST_F(WideCells, SmootherGroundLetsSlideRun) {
     paint(4, 255, 255);  // mu = 1 - x / 25
     land(2, 50);         // the load; mu h falls by 2 where the pull falls by 1

@@ -394,15 +394,14 @@ TEST(TickVelocity, SkippedTicksAreEvenMotion) {
 }
 
 TEST(SkippedTicks, DamperFeelsHandSpeed) {
-    SmallField wall(33, 33, 100.0, DepthSemantics::planar);
-    const TouchSolver solver = TouchSolver::create(wall.scene, {}).value();
-    const GuardSettings settings{.max_force = 1000, .ramp_in_ticks = 0, .rise = {}, .damping = 10};
+    StepRig rig;
+    rig.guard = {.max_force = 1000, .ramp_in_ticks = 0, .rise = {}, .damping = 10};
     for (const int every : {1, 2, 10, 50}) {
-        TouchStep step(solver, settings, 1);
+        rig.begin();
         double damper = 0;
         for (int tick = 7; tick <= 307; tick += every) {
-            step.goals()[0] = {0, 0, -99 - 0.2 * (tick - 7)};  // 0.2 m/s
-            const TouchTick done = step.run(tick, tick * 1'000'000LL, wall.scene, wall.pair());
+            // 0.2 m/s
+            const TouchTick done = rig.run(tick, rig.field.pair(), {0, 0, -99 - 0.2 * (tick - 7)});
             damper = done.forces[0].force.z - done.contacts[0].force.z;
             EXPECT_EQ(done.contacts[0].ticks, tick == 7 ? 1 : every);
             EXPECT_LT(damper, 10 * 0.2 * (1 + 1e-9));
@@ -412,12 +411,11 @@ TEST(SkippedTicks, DamperFeelsHandSpeed) {
 }
 
 TEST(SkippedTicks, RestartedCountHasNoGap) {
-    SmallField wall(33, 33, 100.0);
-    const TouchSolver solver = TouchSolver::create(wall.scene, {}).value();
-    TouchStep step(solver, {}, 1);
-    step.goals()[0] = {0, 0, -99};
+    StepRig rig;
+    rig.begin();
+    rig.step->goals()[0] = {0, 0, -99};
     const auto ticks = [&](std::int64_t tick) {
-        return step.run(tick, 0, wall.scene, wall.pair()).contacts[0].ticks;
+        return rig.step->run(tick, 0, rig.field.scene, rig.field.pair()).contacts[0].ticks;
     };
     EXPECT_EQ(ticks(500), 1);
     EXPECT_EQ(ticks(503), 3);

@@ -604,8 +604,7 @@ public:
         field.scene.interpolation = FrameInterpolation::hold;
     }
     /// Frame n, its side at that column.
-    Contact touch(FingerState& finger, const dvec3& goal, std::int64_t n, int edge,
-                  TouchSettings settings = {}) {
+    Contact touch(const dvec3& goal, std::int64_t n, int edge, const TouchSettings& settings = {}) {
         field.shape(field.prev, [edge](int x, int) { return x <= edge ? 970.0 : 1000.0; });
         now = still(field.prev, n, field.scene.rate.time_ns(n));
         return tick_one(TouchSolver::create(field.scene, settings).value(), surface(), finger, goal);
@@ -616,44 +615,43 @@ public:
 
     SmallField field;
     FramePair now;
+    FingerState finger;
 };
 
 TEST(SurfaceCarry, PushesFingerAside) {
     Block block;
-    FingerState finger;
     const dvec3 goal{Block::side(43) - 0.5, 0, -985};
-    EXPECT_FALSE(block.touch(finger, goal, 0, 40).touching);
+    EXPECT_FALSE(block.touch(goal, 0, 40).touching);
     for (int n = 1; n <= 3; ++n) {  // three pixels a frame: 3.7 mm
-        const Contact contact = block.touch(finger, goal, n, 40 + 3 * n);
+        const Contact contact = block.touch(goal, n, 40 + 3 * n);
         ASSERT_TRUE(contact.touching);
         EXPECT_NEAR(contact.proxy.x, Block::side(40 + 3 * n), 0.7) << "frame " << n;
         EXPECT_GT(contact.force.x, 0);
         EXPECT_LT(std::abs(contact.force.z), 0.2 * contact.force.x) << "popped to the front";
         EXPECT_FALSE(is_behind_surface(block.surface(), contact.proxy, 1e-12));
-        EXPECT_LT(reference::excess_over_minimum({block.field.scene, block.now}, finger.proxy, goal), 1e-9L);
+        EXPECT_LT(reference::excess_over_minimum({block.field.scene, block.now}, block.finger.proxy, goal),
+                  1e-9L);
     }
 }
 
 TEST(SurfaceCarry, RayAlonePopsToFront) {
     Block block;
-    FingerState finger;
     const dvec3 goal{Block::side(43) - 0.5, 0, -985};
     TouchSettings only_ray{.sudden_speed = never};
-    block.touch(finger, goal, 0, 40, only_ray);
-    block.touch(finger, goal, 1, 43, only_ray);
-    const Contact contact = block.touch(finger, goal, 2, 46, only_ray);
+    block.touch(goal, 0, 40, only_ray);
+    block.touch(goal, 1, 43, only_ray);
+    const Contact contact = block.touch(goal, 2, 46, only_ray);
     EXPECT_GT(contact.proxy.z, -971);
     EXPECT_GT(contact.force.z, 5);
 }
 
 TEST(SurfaceCarry, VanishedObjectFreesFinger) {
     Block block;
-    FingerState finger;
-    block.touch(finger, {Block::side(40) + 3, 0, -985}, 0, 40);
+    block.touch({Block::side(40) + 3, 0, -985}, 0, 40);
     const dvec3 goal{Block::side(40) - 2, 0, -985};
-    EXPECT_TRUE(block.touch(finger, goal, 0, 40).touching);
+    EXPECT_TRUE(block.touch(goal, 0, 40).touching);
     // The side goes 3 pixels back, past the goal: nothing is touched, nor was on the way.
-    const Contact gone = block.touch(finger, goal, 1, 37);
+    const Contact gone = block.touch(goal, 1, 37);
     EXPECT_FALSE(gone.touching);
     EXPECT_EQ(gone.proxy, goal);
     EXPECT_EQ(gone.force, dvec3(0.0));
@@ -661,12 +659,11 @@ TEST(SurfaceCarry, VanishedObjectFreesFinger) {
 
 TEST(SurfaceCarry, StaysAtRecedingSide) {
     Block block;
-    FingerState finger;
     block.field.scene.default_properties = {600, 0.8, 0.6};  // so that where it lands is where it stays
-    block.touch(finger, {Block::side(40) + 3, 0, -985}, 0, 40);
+    block.touch({Block::side(40) + 3, 0, -985}, 0, 40);
     const dvec3 goal{Block::side(40) - 4, 0, -985};
-    EXPECT_TRUE(block.touch(finger, goal, 0, 40).touching);
-    const Contact contact = block.touch(finger, goal, 1, 39);
+    EXPECT_TRUE(block.touch(goal, 0, 40).touching);
+    const Contact contact = block.touch(goal, 1, 39);
     ASSERT_TRUE(contact.touching);
     EXPECT_NEAR(contact.proxy.x, Block::side(39), 0.7);
     EXPECT_NEAR(contact.proxy.z, -985, 0.7);
