@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "device/hand.hpp"
-#include "tests/device/fake_probe.hpp"
+#include "tests/device/fake_driver.hpp"
 
 // Where a hand goes over a made-up surface.
 namespace touchable {

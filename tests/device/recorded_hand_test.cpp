@@ -1,19 +1,164 @@
 #include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <filesystem>
 #include <vector>
 
+#include "device/hand.hpp"
 #include "device/hand_parts.hpp"
+#include "tests/device/fake_driver.hpp"
 #include "tests/device/hand_path.hpp"
 #include "tests/device/temporary_file.hpp"
+#include "tests/limited_memory.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable {
 namespace {
+
+std::string table_refusal(const std::string& text, const std::string& column = "") {
+    const TemporaryFile file("table.csv", text);
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    Error error;
+    if (!table) {
+        error = table.error();
+    } else {
+        const Result<std::size_t> at = table->column(column);
+        if (!at) {
+            error = at.error();
+        } else {
+            const Result<std::vector<double>> numbers = table->numbers(*at);
+            if (numbers) return "accepted";
+            error = numbers.error();
+        }
+    }
+    EXPECT_EQ(error.kind, ErrorKind::input);
+    EXPECT_TRUE(error.message.starts_with(file.path() + ": ")) << error.message;
+    return error.message.substr(file.path().size() + 2);
+}
+
+TEST(CsvTable, ReadsNamedColumns) {
+    const TemporaryFile file("table.csv", "t,\"x, m\",note\n0,1.5,a\n0.5, -2e-3 ,b\n1,+7,\"c,d\"\n");
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_TRUE(table) << table.error().message;
+    EXPECT_EQ(table->rows(), 3u);
+    EXPECT_EQ(table->columns(), 3u);
+    EXPECT_TRUE(table->names("x, m"));
+    EXPECT_FALSE(table->names("y"));
+    EXPECT_EQ(*table->column("x, m"), 1u);
+    EXPECT_EQ(*table->numbers(1), (std::vector<double>{1.5, -2e-3, 7}));
+    EXPECT_FALSE(table->numbers(2));
+}
+
+TEST(CsvTable, WithoutAHeaderColumnsHaveNumbersFromOne) {
+    const TemporaryFile file("table.csv", "1,2\n3,4\n");
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_TRUE(table);
+    EXPECT_EQ(table->rows(), 2u);
+    EXPECT_EQ(*table->numbers(*table->column("2")), (std::vector<double>{2, 4}));
+    EXPECT_FALSE(table->column("0"));
+    EXPECT_FALSE(table->column("3"));
+}
+
+TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
+    for (const std::string text :
+         {"a,b\n1,2\n", "a,b\r\n1,2\r\n", "a,b\n1,2", "a,b\n1,2\n\n", "a,b\n1,2\n\n \r\n\t\n",
+          "\xEF\xBB\xBF"
+          "a,b\n1,2\n"}) {
+        const TemporaryFile file("table.csv", text);
+        const Result<CsvTable> table = CsvTable::read(file.path());
+        ASSERT_TRUE(table) << text;
+        EXPECT_EQ(table->rows(), 1u) << text;
+        EXPECT_EQ(*table->column("a"), 0u) << text;
+        EXPECT_EQ(*table->numbers(1), std::vector<double>{2}) << text;
+    }
+}
+
+TEST(CsvTable, OtherSeparatorsAreRead) {
+    for (const std::string text :
+         {"t_s;x;note, such as this\n0;1;a,b\n0.5;-2;c\n", "t_s\tx\tnote\n0\t1\t\n0.5\t-2\tc d\n",
+          "t_s x  note\n 0   1 a\n0.5\t-2 \"b c\" \n", "t_s, x, a;b\n0, 1, c;d\n0.5, -2, e\n"}) {
+        const TemporaryFile file("table.csv", text);
+        const Result<CsvTable> table = CsvTable::read(file.path());
+        ASSERT_TRUE(table) << text << table.error().message;
+        EXPECT_EQ(table->columns(), 3u) << text;
+        EXPECT_EQ(*table->numbers(*table->column("t_s")), (std::vector<double>{0, 0.5})) << text;
+        EXPECT_EQ(*table->numbers(*table->column("x")), (std::vector<double>{1, -2})) << text;
+    }
+    const TemporaryFile one("table.csv", "penetration depth\n0.1\n0.2\n");
+    const Result<CsvTable> table = CsvTable::read(one.path());
+    ASSERT_TRUE(table);
+    EXPECT_EQ(*table->numbers(*table->column("penetration depth")), (std::vector<double>{0.1, 0.2}));
+    EXPECT_EQ(table_refusal("t_s;x\n0;1,5\n", "x"),
+              "line 2, column 'x' holds '1,5'; expected a finite number");
+}
+
+TEST(CsvTable, LargeFilesAreRefusedBeforeTheyAreRead) {
+    const TemporaryFile file("table.csv", "t_s,x\n0,1\n");
+    std::filesystem::resize_file(file.path(), std::uintmax_t{4} << 30);
+    const test::LimitedMemory little(256);
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_FALSE(table);
+    EXPECT_NE(table.error().message.find("is larger than 256 MiB"), std::string::npos);
+}
+
+TEST(CsvTable, RowsAreCounted) {
+    std::string text;
+    for (int n = 0; n < 10'000'002; ++n) text += "1\n";
+    EXPECT_EQ(table_refusal(text, "1"),
+              "has more than 10000000 rows; give a recorded motion of at most an hour");
+}
+
+TEST(CsvTable, WhatIsQuotedIsShort) {
+    const std::string wide(3'000'000, 'x');
+    EXPECT_LT(table_refusal("a,b\n1,2\n3," + wide + "\n", "b").size(), 200u);
+    EXPECT_LT(table_refusal("a," + wide + "\n1,2\n", "c").size(), 600u);
+    EXPECT_LT(table_refusal("a," + wide + "\n1,\n", wide).size(), 200u);
+}
+
+TEST(CsvTable, RefusalNamesLineAndColumn) {
+    EXPECT_EQ(table_refusal("a,b\n1,2\n3,x\n", "b"),
+              "line 3, column 'b' holds 'x'; expected a finite number");
+    EXPECT_EQ(table_refusal("a,b\n1,\n", "b"), "line 2, column 'b' holds nothing; expected a finite number");
+    EXPECT_EQ(table_refusal("a,b\n1,nan\n", "b"), "line 2, column 'b' holds 'nan'; expected a finite number");
+    EXPECT_EQ(table_refusal("1\n-inf\n", "1"), "line 2, column '1' holds '-inf'; expected a finite number");
+    EXPECT_EQ(table_refusal("a,b\n1,1e999\n", "b"),
+              "line 2, column 'b' holds '1e999'; expected a finite number");
+    EXPECT_EQ(table_refusal("a,b\n1,2\n", "c"), "has no column 'c'; columns are 1 to 2, a, b");
+    EXPECT_EQ(table_refusal("a,b\n1,2\n3\n"), "line 3 has 1 fields; the lines before have 2");
+    EXPECT_EQ(table_refusal("a,b\n1,2\n\n3,4\n"), "line 3 has 1 fields; the lines before have 2");
+    EXPECT_EQ(table_refusal(""), "has no row of data; expected numbers");
+    EXPECT_EQ(table_refusal("a,b\n"), "has no row of data; expected numbers");
+    EXPECT_EQ(table_refusal("a,\"b\n1,2\n"), "line 1: a quote is opened and not closed");
+    EXPECT_EQ(table_refusal("a,\"b\"c\n1,2\n"), "line 1: text follows a closing quote; expected a comma");
+    EXPECT_EQ(table_refusal(std::string("a,b\n1,\0\n", 8)),
+              "line 2 holds bytes that are no text; give a comma-separated table");
+}
+
+TEST(CsvTable, AFieldMayBeEmptyWhereThatIsAsked) {
+    const TemporaryFile file("table.csv", "a,b\n1,2\n,x\n3,4\n");
+    const Result<CsvTable> table = CsvTable::read(file.path());
+    ASSERT_TRUE(table) << table.error().message;
+    const Result<std::vector<double>> given = table->numbers_where_given(0);
+    ASSERT_TRUE(given) << given.error().message;
+    ASSERT_EQ(given->size(), 3u);
+    EXPECT_EQ((*given)[0], 1);
+    EXPECT_TRUE(std::isnan((*given)[1]));
+    EXPECT_EQ((*given)[2], 3);
+    EXPECT_FALSE(table->numbers(0));
+    const Result<std::vector<double>> letter = table->numbers_where_given(1);
+    ASSERT_FALSE(letter);
+    EXPECT_TRUE(letter.error().message.ends_with("line 3, column 'b' holds 'x'; expected a finite number"));
+}
+
+TEST(CsvTable, RefusesWhatIsNoFile) {
+    EXPECT_FALSE(CsvTable::read(::testing::TempDir() + "there-is-no-such.csv"));
+    EXPECT_FALSE(CsvTable::read(::testing::TempDir()));
+}
 
 const std::string recordings = test::real_data("haptics/");
 
@@ -314,6 +459,384 @@ TEST(RecordedMotion, WipingLiesFlatAndFortyEightMillimetresWide) {
     EXPECT_NEAR(std::max(greatest.x - least.x, greatest.y - least.y), 0.048, 1e-12);
     EXPECT_GT(variance.x, variance.y);
     EXPECT_GT(variance.y, variance.z);
+}
+
+/// Device metres per second between two goals one tick apart.
+double speed(const glm::dvec3& a, const glm::dvec3& b) {
+    return glm::length(b - a) * workspace.metres_per_scene_unit * 1000;
+}
+
+double fastest(const Path& path, std::size_t fingers) {
+    double most = 0;
+    for (std::size_t at = fingers; at < path.size(); ++at)
+        most = std::max(most, speed(path[at - fingers], path[at]));
+    return most;
+}
+
+/// FNV-1a over the goals' bits.
+std::uint64_t hash_of(const Path& path) {
+    std::uint64_t hash = 0xcbf29ce484222325u;
+    for (const glm::dvec3& goal : path) {
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto bits = std::bit_cast<std::uint64_t>(goal[axis] + 0.0);
+            for (int byte = 0; byte < 8; ++byte)
+                hash = (hash ^ ((bits >> (8 * byte)) & 0xff)) * 0x100000001b3u;
+        }
+    }
+    return hash;
+}
+
+/// A hilly view with a round hole and a cliff, from + - * / and sqrt alone so that its hash is one
+/// everywhere.
+FakeProbe broken_view() {
+    return camera_view([](double x, double y) -> std::optional<double> {
+        const double dx = x - 400, dy = y - 200;
+        if (dx * dx + dy * dy < 60 * 60) return std::nullopt;
+        const double hill = 30 / (1 + (x - 250) * (x - 250) / 4000 + (y - 300) * (y - 300) / 6000);
+        return (x < 200 ? 700.0 : 800.0) + 0.05 * y - hill;
+    });
+}
+
+/// Some 43 % of the pixels have no surface: the top third, and islands in the rest.
+FakeProbe holed_view() {
+    return camera_view([](double x, double y) -> std::optional<double> {
+        if (y < 160) return std::nullopt;
+        const double across = std::fmod(x, 80.0) - 40, down = std::fmod(y, 80.0) - 40;
+        if (across * across + down * down < 17 * 17) return std::nullopt;
+        return 800 + 0.2 * (x - 320);
+    });
+}
+
+const std::vector<std::string> scripts{"wander", "stroke", "stroke:angle=30", "press", "poke"};
+
+TEST(ScriptedHand, SameDescriptionGivesTheSameBits) {
+    for (const std::string& script : scripts) {
+        EXPECT_EQ(run(script, broken_view(), 3), run(script, broken_view(), 3)) << script;
+    }
+}
+
+TEST(ScriptedHand, AnotherSeedTakesAnotherPath) {
+    for (const std::string script : {"wander", "poke"}) {
+        EXPECT_NE(run(script + ":seed=1", flat_view()), run(script + ":seed=2", flat_view())) << script;
+    }
+}
+
+TEST(ScriptedHand, PathIsTheSameOnEveryCompiler) {
+    EXPECT_EQ(hash_of(run("wander", broken_view(), 5)), 8440626929759240434u);
+    EXPECT_EQ(hash_of(run("stroke:angle=30", broken_view(), 5)), 4102860940078882624u);
+    EXPECT_EQ(hash_of(run("press", broken_view(), 5)), 11301433043578395642u);
+    EXPECT_EQ(hash_of(run("poke", broken_view(), 5)), 2180521275585820885u);
+}
+
+TEST(ScriptedHand, KeepsItsSpeedOnAFlatSurface) {
+    for (const double wanted : {0.05, 0.1, 0.3}) {
+        for (const std::string script : {"wander", "stroke:angle=65"}) {
+            const std::string key = script == "wander" ? ":speed=" : ",speed=";
+            const Path path = run(script + key + std::to_string(wanted), flat_view(650));
+            std::size_t off = 0;  // a turn at the edge shortens one step
+            for (std::size_t tick = 300; tick < path.size(); ++tick) {
+                if (std::fabs(speed(path[tick - 1], path[tick]) - wanted) > 0.05 * wanted) ++off;
+            }
+            EXPECT_LE(off, 20u) << script << " at " << wanted;
+        }
+    }
+}
+
+TEST(ScriptedHand, PenetrationIsTheDepthAskedForOnAverage) {
+    for (const std::string script : {"wander:depth=3.5", "stroke:depth=3.5"}) {
+        const Path path = run(script, flat_view(), 1, 20250);
+        double sum = 0, least = 1, most = 0;
+        for (std::size_t tick = 250; tick < path.size(); ++tick) {
+            const double under = (-path[tick].z - 800) * workspace.metres_per_scene_unit;
+            sum += under;
+            least = std::min(least, under);
+            most = std::max(most, under);
+        }
+        EXPECT_NEAR(sum / 20000, 0.0035, 1e-6) << script;
+        EXPECT_NEAR(least, 0.002, 1e-6) << script;
+        EXPECT_NEAR(most, 0.005, 1e-6) << script;
+    }
+}
+
+TEST(ScriptedHand, ComesDownFromFiftyMillimetresInAQuarterSecond) {
+    const Path path = run("wander:depth=2", flat_view(), 1, 300);
+    const double above = (800 + path[0].z) * workspace.metres_per_scene_unit;
+    EXPECT_NEAR(above, 0.048, 1e-9);
+    EXPECT_FALSE(is_under(path[200], flat_view()));
+    EXPECT_TRUE(is_under(path[250], flat_view()));
+}
+
+TEST(ScriptedHand, NoGoalLeavesTheExtentOfThePicture) {
+    for (const std::string script :
+         {"wander:speed=1,extent=0.5", "stroke:angle=80,speed=1,extent=0.5", "poke:speed=1,extent=0.5"}) {
+        const FakeProbe probe = flat_view();
+        for (const glm::dvec3& goal : run(script, probe, 4)) {
+            // Along -Z a goal leaves its pixel: look where it meets the surface's depth.
+            const glm::dvec3 seen = probe.project({goal.x, goal.y, -800});
+            EXPECT_GE(seen.x, 0.25 * 639 - 1e-9) << script;
+            EXPECT_LE(seen.x, 0.75 * 639 + 1e-9) << script;
+            EXPECT_GE(seen.y, 0.25 * 479 - 1e-9) << script;
+            EXPECT_LE(seen.y, 0.75 * 479 + 1e-9) << script;
+        }
+    }
+}
+
+TEST(ScriptedHand, WanderReachesMostOfThePicture) {
+    const FakeProbe probe = flat_view();
+    std::vector<bool> visited(8 * 6);
+    for (const glm::dvec3& goal : run("wander:speed=0.3,extent=1", probe, 1, 60000)) {
+        const glm::dvec3 seen = probe.project({goal.x, goal.y, -800});
+        visited[static_cast<std::size_t>(seen.y / 80) * 8 + static_cast<std::size_t>(seen.x / 80)] = true;
+    }
+    EXPECT_GE(std::count(visited.begin(), visited.end(), true), 40);
+}
+
+TEST(ScriptedHand, NoGoalOutrunsMaxSpeedAtACliff) {
+    const FakeProbe cliff = camera_view([](double x, double) { return x < 320 ? 500.0 : 900.0; });
+    for (const std::string script : {"wander:speed=0.3,max_speed=", "stroke:speed=0.3,max_speed=",
+                                     "poke:speed=0.3,max_speed=", "press:max_speed="}) {
+        for (const double most : {0.4, 1.0}) {
+            EXPECT_LE(fastest(run(script + std::to_string(most), cliff, 5), 5), most * (1 + 1e-9)) << script;
+        }
+    }
+    EXPECT_GT(fastest(run("stroke:speed=0.3,max_speed=10", cliff), 1), 2.0)
+        << "the cliff is no trial of the cap";
+}
+
+TEST(ScriptedHand, HoversOverAHoleAtTheDepthItCameFrom) {
+    const FakeProbe slope_with_hole = camera_view([](double x, double) -> std::optional<double> {
+        if (x > 380 && x < 460) return std::nullopt;
+        return 700 + 0.25 * x;
+    });
+    const Path path = run("stroke:depth=0,speed=0.2", slope_with_hole, 1, 1500);
+    const double clearance = 0.001 / workspace.metres_per_scene_unit;
+    int over_hole = 0;
+    for (const glm::dvec3& goal : path) {
+        const double x = slope_with_hole.project(goal).x;
+        if (x < 385 || x > 455 || goal.z > -780) continue;  // not there, or still coming down
+        ++over_hole;
+        const double above = -goal.z + clearance;
+        EXPECT_TRUE(std::fabs(above - (700 + 0.25 * 380)) < 0.5 ||
+                    std::fabs(above - (700 + 0.25 * 460)) < 0.5)
+            << above;
+    }
+    EXPECT_GT(over_hole, 50);
+}
+
+TEST(ScriptedHand, WanderIsUnderTheSurfaceMostOfTheTimeDespiteHoles) {
+    const FakeProbe probe = holed_view();
+    int holes = 0;
+    for (int y = 0; y < 480; ++y) {
+        for (int x = 0; x < 640; ++x) holes += probe.depth_under(x, y) ? 0 : 1;
+    }
+    ASSERT_GT(holes, 0.42 * 640 * 480);
+    for (int seed = 1; seed <= 4; ++seed) {
+        const std::string wander = "wander:seed=" + std::to_string(seed);
+        EXPECT_GE(share_under(run(wander, probe, 1, 20000), probe), 0.6) << wander;
+        EXPECT_GE(share_under(run(wander, probe, 5, 20000), probe), 0.5) << wander;
+    }
+}
+
+TEST(ScriptedHand, WanderFindsASurfaceThatHasMovedAway) {
+    const auto patch = [](double left) {
+        return camera_view([left](double x, double) -> std::optional<double> {
+            if (x < left || x > left + 80) return std::nullopt;
+            return 800.0;
+        });
+    };
+    const FakeProbe before = patch(280), after = patch(440);
+    Result<std::unique_ptr<Hand>> hand = make_hand("wander:extent=1", 1, workspace, before);
+    ASSERT_TRUE(hand);
+    glm::dvec3 goal{};
+    int under = 0;
+    for (int tick = 0; tick < 40000; ++tick) {
+        const FakeProbe& now = tick < 1000 ? before : after;
+        (*hand)->goals_at(tick, now, {&goal, 1});
+        if (tick >= 20000 && is_under(goal, now)) ++under;
+    }
+    EXPECT_GT(under, 10000);
+}
+
+TEST(ScriptedHand, SurvivesAViewWithoutAnySurface) {
+    const FakeProbe nothing = camera_view([](double, double) { return std::optional<double>(); });
+    for (const std::string& script : scripts) {
+        for (const glm::dvec3& goal : run(script, nothing, 3, 1000)) {
+            ASSERT_TRUE(std::isfinite(goal.x) && std::isfinite(goal.y) && goal.z < 0) << script;
+            ASSERT_NEAR(goal.z, -800, 335) << script << ": the device's centre is at 800";
+        }
+    }
+}
+
+TEST(ScriptedHand, SurvivesTinyPictures) {
+    for (const int size : {1, 2, 3}) {
+        const FakeProbe probe(size, size, 500, [](double, double) { return 800.0; });
+        for (const std::string& script : scripts) {
+            for (const glm::dvec3& goal : run(script, probe, 2, 500)) {
+                ASSERT_TRUE(std::isfinite(goal.x) && std::isfinite(goal.y) && goal.z < 0)
+                    << script << " " << size;
+            }
+        }
+    }
+}
+
+TEST(ScriptedHand, StaysInFrontOfTheCamera) {
+    const FakeProbe near = camera_view([](double x, double) { return x < 320 ? 5.0 : 900.0; });
+    for (const std::string& script : scripts) {
+        for (const glm::dvec3& goal : run(script, near, 5)) ASSERT_LT(goal.z, 0) << script;
+    }
+}
+
+TEST(ScriptedHand, FingersSitOnACircleEachInItsOwnPhase) {
+    constexpr std::size_t fingers = 5, ticks = 1000;
+    const Path path = run("press:spread=0.02", flat_view(), fingers, ticks);
+    const glm::dvec3 centre = flat_view().unproject(319.5, 239.5, 800);
+    for (std::size_t f = 0; f < fingers; ++f) {
+        for (std::size_t tick = 250; tick < ticks; ++tick) {
+            const glm::dvec2 away(path[tick * fingers + f] - centre);
+            ASSERT_NEAR(glm::length(away) * workspace.metres_per_scene_unit, 0.02, 1e-6);
+        }
+        for (std::size_t g = 0; g < f; ++g) {
+            double apart = 0;
+            for (std::size_t at = 0; at < path.size(); at += fingers) {
+                apart = std::max(apart, std::fabs(path[at + f].z - path[at + g].z));
+            }
+            EXPECT_GT(apart * workspace.metres_per_scene_unit, 0.002) << f << " and " << g;
+        }
+        const std::size_t down = 250 * fingers;
+        const glm::dvec2 neighbour(path[down + f] - path[down + (f + 1) % fingers]);
+        EXPECT_NEAR(glm::length(neighbour) * workspace.metres_per_scene_unit, 0.02 * 1.1755705, 1e-6);
+    }
+}
+
+TEST(ScriptedHand, OneFingerSitsAtTheCentre) {
+    const glm::dvec3 goal = run("press:x=0.25,y=0.75,spread=0.1", flat_view(), 1, 251).back();
+    const glm::dvec3 seen = flat_view().project({goal.x, goal.y, -800});
+    EXPECT_NEAR(seen.x, 0.25 * 639, 1e-9);
+    EXPECT_NEAR(seen.y, 0.75 * 479, 1e-9);
+}
+
+TEST(ScriptedHand, PressSwingsFromLiftToDepth) {
+    const Path path = run("press:depth=3,lift=1,period=0.5", flat_view(), 1, 1250);
+    double deepest = -1, highest = -1;
+    for (std::size_t tick = 250; tick < path.size(); ++tick) {
+        const double under = (-path[tick].z - 800) * workspace.metres_per_scene_unit;
+        deepest = std::max(deepest, under);
+        highest = std::max(highest, -under);
+        EXPECT_EQ(path[tick].x, path[250].x);
+        EXPECT_EQ(path[tick].y, path[250].y);
+    }
+    EXPECT_NEAR(deepest, 0.003, 1e-6);
+    EXPECT_NEAR(highest, 0.001, 1e-6);
+}
+
+TEST(ScriptedHand, PokeTravelsAboveAndPokesInPlace) {
+    const FakeProbe probe = flat_view();
+    const Path path = run("poke:depth=3,lift=2,period=0.2,speed=0.5", probe, 1, 20000);
+    int pokes = 0;
+    for (std::size_t tick = 251; tick < path.size(); ++tick) {
+        const glm::dvec3 &before = path[tick - 1], &now = path[tick];
+        if (!is_under(now, probe)) continue;
+        EXPECT_EQ(glm::dvec2(before), glm::dvec2(now)) << "moved sideways while inside";
+        if (!is_under(before, probe)) ++pokes;
+    }
+    EXPECT_GT(pokes, 30);
+    EXPECT_LT(pokes, 100);
+}
+
+TEST(ScriptedHand, PokeAimsAtPixelsThatHaveASurface) {
+    const FakeProbe probe = holed_view();
+    int inside = 0, over_surface = 0;
+    for (const glm::dvec3& goal : run("poke:depth=3,speed=1", probe, 1, 20000)) {
+        if (-goal.z < 700) continue;
+        const glm::dvec3 seen = probe.project(goal);
+        ++inside;
+        over_surface += probe.depth_under(seen.x, seen.y) ? 1 : 0;
+    }
+    EXPECT_GT(over_surface, 0.75 * inside);
+}
+
+TEST(ScriptedHand, StrokeIsAStraightLineThroughTheCentreAtItsAngle) {
+    const FakeProbe probe = flat_view();
+    const Path path = run("stroke:angle=30,speed=0.3", probe, 1, 3000);
+    const glm::dvec3 centre = probe.unproject(319.5, 239.5, 800);
+    double farthest = 0;
+    for (std::size_t tick = 250; tick < path.size(); ++tick) {
+        const glm::dvec2 away = glm::dvec2(path[tick] - centre);
+        EXPECT_NEAR(away.y, away.x * 0.57735026918962576, 1e-6);
+        farthest = std::max(farthest, glm::length(away));
+    }
+    EXPECT_GT(farthest * workspace.metres_per_scene_unit, 0.05);
+}
+
+TEST(ScriptedHand, HasNoEnd) {
+    const FakeProbe probe = flat_view();
+    EXPECT_EQ((*make_hand("wander", 1, workspace, probe))->ticks(), std::nullopt);
+}
+
+constexpr std::array keys{
+    HandOptions::Key{"speed", "m/s", 0.001, 2, 0.1},
+    HandOptions::Key{"seed", "", 0, 0x1p53, 1, HandOptions::Key::Kind::whole},
+    HandOptions::Key{.name = "columns", .unit = "names joined by '+'", .kind = HandOptions::Key::Kind::words},
+};
+
+std::string hand_refusal(const std::string& text) {
+    const Result<HandOptions> options = HandOptions::parse("hand 'test'", text, keys);
+    if (options) return {};
+    EXPECT_EQ(options.error().kind, ErrorKind::usage);
+    return options.error().message;
+}
+
+TEST(HandOptions, ReadsNumbersAndWordsAndFallsBackToDefaults) {
+    const Result<HandOptions> options = HandOptions::parse("hand 'test'", "columns=a+b,seed=7", keys);
+    ASSERT_TRUE(options);
+    EXPECT_EQ(options->number("seed"), 7);
+    EXPECT_EQ(options->number("speed"), 0.1);
+    EXPECT_EQ(options->words("columns"), "a+b");
+    EXPECT_TRUE(options->given("seed"));
+    EXPECT_FALSE(options->given("speed"));
+}
+
+TEST(HandOptions, RefusalNamesTheLegalKeys) {
+    EXPECT_EQ(hand_refusal("sped=1"),
+              "hand 'test': unknown key 'sped'; keys are speed (0.001 to 2 m/s), seed (a whole number, 0 to "
+              "9007199254740992), columns (names joined by '+')");
+    EXPECT_EQ(hand_refusal("speed=3"), "hand 'test': speed=3 is not allowed; speed takes 0.001 to 2 m/s");
+}
+
+TEST(HandOptions, RefusesWhatIsNoNumberOrOutOfRange) {
+    for (const std::string text :
+         {"speed=", "speed=abc", "speed=0.1x", "speed=nan", "speed=inf", "speed=-1", "speed=0", "speed= 1",
+          "seed=1.5", "seed=-1", "seed=1e300", "columns=", "speed", "=1", ",", "speed=1,", "speed=1,,seed=1",
+          "speed=1,speed=1", "Speed=1"}) {
+        EXPECT_FALSE(hand_refusal(text).empty()) << text;
+    }
+}
+
+TEST(MakeHand, RefusesUnknownHandsKeysAndCounts) {
+    const FakeProbe probe = flat_view();
+    const Workspace workspace = default_workspace(640, 500, 800);
+    const auto refusal = [&](const std::string& description, int fingers) {
+        const auto hand = make_hand(description, fingers, workspace, probe);
+        if (hand) return std::string("accepted");
+        EXPECT_EQ(hand.error().kind, ErrorKind::usage) << description;
+        EXPECT_EQ(hand.error().message.find('\n'), std::string::npos);
+        return hand.error().message;
+    };
+    EXPECT_EQ(refusal("wave", 1),
+              "unknown hand 'wave'; must be one of wander, stroke, press, poke, csv:FILE, rec:FILE");
+    EXPECT_EQ(refusal("", 1),
+              "unknown hand ''; must be one of wander, stroke, press, poke, csv:FILE, rec:FILE");
+    EXPECT_EQ(refusal("wander", 0), "a hand has 1 to 256 fingers, not 0");
+    EXPECT_EQ(refusal("wander:speed=1.5,max_speed=1", 1),
+              "hand 'wander': max_speed is below speed; raise it to at least speed");
+    for (const std::string description :
+         {"wander:angle=3", "stroke:seed=3", "press:speed=0.1", "press:extent=0.5", "poke:angle=3",
+          "wander:depth=51", "press:x=1.01", "csv", "csv:", "csv::columns=a", "csv:f.csv:colums=a",
+          "csv:f.csv", "csv:f.csv:columns=a+b", "csv:f.csv:columns=a,extent=0.05",
+          "csv:f.csv:columns=a+b+c,extent=0.05,scale=2", "csv:f.csv:columns=a,rate=5,time=t",
+          "csv:f.csv:columns=a,contact=1", "csv:f.csv:columns=a,scale=0"}) {
+        EXPECT_NE(refusal(description, 1), "accepted") << description;
+    }
 }
 
 }  // namespace

@@ -1,18 +1,22 @@
 // However a process ends, what it held is left unpowered: the last bytes that reach the other end of a
 // socket.
-#include "device/drivers/safety_watchdog.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <glm/geometric.hpp>
 
+#include <array>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <string>
 #include <thread>
 
+#include "device/drivers/safety_watchdog.hpp"
+#include "device/point_motion.hpp"
 #include "tests/sanitizers.hpp"
 
 namespace touchable::test {
@@ -126,6 +130,221 @@ TEST(SafetyWatchdog, KeepsAFewDevicesAndHasRoomAgainAfterwards) {
         }
         EXPECT_EQ(SafetyWatchdog::keep(*watchdog).error().kind, ErrorKind::device);
     }
+}
+
+// When a silent thread's device is made unpowered, in virtual time.
+
+constexpr std::int64_t beat_ms = 1'000'000;
+
+TEST(HeartWatch, WantsAPacketTwentyMillisecondsAfterTheLastBeat) {
+    HeartWatch watch;
+    EXPECT_EQ(watch.due_ns(1000 * beat_ms), 1020 * beat_ms);
+    EXPECT_EQ(watch.due_ns(1001 * beat_ms), 1021 * beat_ms) << "it beats";
+}
+
+TEST(HeartWatch, WaitsForAFirstBeat) {
+    HeartWatch watch;
+    EXPECT_EQ(watch.due_ns(0), HeartWatch::never);
+}
+
+TEST(HeartWatch, SendsAgainInTheSameSilenceAndThenStops) {
+    HeartWatch watch;
+    std::int64_t now = 0;
+    for (int word = 0; word < 20; ++word) {
+        const std::int64_t due = watch.due_ns(1000 * beat_ms);
+        ASSERT_NE(due, HeartWatch::never) << word;
+        if (word > 0) {
+            EXPECT_EQ(due, now + 20 * beat_ms);
+        }
+        now = due + 3 * beat_ms;  // it is late itself
+        watch.sent(now);
+    }
+    EXPECT_EQ(watch.due_ns(1000 * beat_ms), HeartWatch::never) << "of a program that is stopped for an hour";
+}
+
+TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
+    HeartWatch watch;
+    while (watch.due_ns(1000 * beat_ms) != HeartWatch::never) watch.sent(5000 * beat_ms);
+    EXPECT_EQ(watch.due_ns(9000 * beat_ms), 9020 * beat_ms);
+    watch.sent(9020 * beat_ms);
+    EXPECT_EQ(watch.due_ns(9000 * beat_ms), 9040 * beat_ms);
+    EXPECT_EQ(watch.due_ns(0), HeartWatch::never) << "another device in its place";
+}
+
+TEST(WatchdogMonitor, KnowsAfterASecondThatNothingBeats) {
+    WatchdogMonitor watch;
+    std::int64_t now = 5'000'000 * beat_ms;
+    EXPECT_TRUE(watch.is_alive(7, now));
+    int looks = 0;
+    while (watch.is_alive(7, now += beat_ms)) ASSERT_LT(++looks, 2000);
+    EXPECT_EQ(looks, 1000);
+    EXPECT_TRUE(watch.is_alive(8, now)) << "it beats again";
+}
+
+TEST(WatchdogMonitor, OneThatBeatsSeldomLives) {
+    WatchdogMonitor watch;
+    std::int64_t now = 0;
+    for (std::uint32_t beats = 0xfffffff0; beats != 0x10; ++beats)
+        for (int looks = 0; looks < 900; ++looks) ASSERT_TRUE(watch.is_alive(beats, now += beat_ms));
+}
+
+/// On a machine that sleeps nobody beats.
+TEST(WatchdogMonitor, TimeInWhichNobodyLookedDoesNotCount) {
+    WatchdogMonitor watch;
+    std::int64_t now = 0;
+    watch.is_alive(7, now);
+    for (int sleeps = 0; sleeps < 40; ++sleeps) ASSERT_TRUE(watch.is_alive(7, now += 3'600'000 * beat_ms));
+}
+
+}  // namespace
+}  // namespace touchable::test
+
+namespace touchable {
+namespace {
+
+constexpr double period = 0.001;
+
+HandleDynamics free_body() {
+    HandleDynamics d;
+    d.mass = 0.4;
+    d.damping = d.friction = d.quantum = d.hand_stiffness = 0;
+    return d;
+}
+
+TEST(HeldHandle, FreeMassFallsAsGalileoSaid) {
+    HeldHandle handle(free_body(), period);
+    const glm::dvec3 start{0.01, -0.02, 0.03}, speed{0.1, 0, -0.2}, force{0.3, -1, 2};
+    handle.put(start, speed);
+    for (int k = 0; k < 500; ++k) handle.advance(force);
+    const glm::dvec3 fallen = start + 0.5 * speed + (0.5 * 0.5 * 0.5 / 0.4) * force;
+    EXPECT_LT(glm::length(handle.place() - fallen), 1e-13);
+    EXPECT_LT(glm::length(handle.velocity() - (speed + (0.5 / 0.4) * force)), 1e-13);
+}
+
+TEST(HeldHandle, ViscousLossIsExponential) {
+    HandleDynamics d = free_body();
+    d.damping = 7;
+    HeldHandle handle(d, period);
+    handle.put(glm::dvec3(0), {0.3, 0, 0});
+    for (int k = 0; k < 100; ++k) handle.advance(glm::dvec3(0));
+    const double left = std::exp(-7 / 0.4 * 0.1);
+    EXPECT_NEAR(handle.velocity().x, 0.3 * left, 1e-14);
+    EXPECT_NEAR(handle.place().x, 0.3 * (0.4 / 7) * (1 - left), 1e-14);
+}
+
+TEST(HeldHandle, HandsSpringSwingsAsADampedOscillator) {
+    HandleDynamics d = free_body();
+    d.hand_stiffness = 300;
+    d.damping = 4;
+    HeldHandle handle(d, period);
+    handle.intend({0.02, 0, 0});
+    for (int k = 0; k < 437; ++k) handle.advance(glm::dvec3(0));
+    const double t = 0.437, sigma = 4 / (2 * 0.4), omega = std::sqrt(300 / 0.4 - sigma * sigma);
+    const double x =
+        0.02 * (1 - std::exp(-sigma * t) * (std::cos(omega * t) + sigma / omega * std::sin(omega * t)));
+    EXPECT_NEAR(handle.place().x, x, 1e-14);
+}
+
+TEST(HeldHandle, CoulombFrictionStopsASlidingMassWhereItMust) {
+    HandleDynamics d = free_body();
+    d.friction = 0.5;
+    HeldHandle handle(d, period);
+    const glm::dvec3 way = glm::normalize(glm::dvec3(1, 2, -2));
+    handle.put(glm::dvec3(0), 0.2 * way);
+    for (int k = 0; k < 400; ++k) handle.advance(glm::dvec3(0));
+    // m v^2 / (2 f), but for the last step of 50 us.
+    EXPECT_NEAR(glm::dot(handle.place(), way), 0.4 * 0.2 * 0.2 / (2 * 0.5), 1e-7);
+    EXPECT_EQ(handle.velocity(), glm::dvec3(0));
+}
+
+TEST(HeldHandle, CoulombFrictionHoldsAgainstLessAndLetsGoOfMore) {
+    HandleDynamics d = free_body();
+    d.friction = 0.5;
+    d.hand_stiffness = 100;
+    HeldHandle handle(d, period);
+    handle.put({0.01, 0, 0}, glm::dvec3(0));
+    handle.intend({0.0145, 0, 0});
+    for (int k = 0; k < 1000; ++k) handle.advance(glm::dvec3(0));
+    EXPECT_EQ(handle.place(), glm::dvec3(0.01, 0, 0)) << "0.45 N do not move it at all";
+    for (int k = 0; k < 5; ++k) handle.advance({0.1, 0, 0});
+    EXPECT_GT(handle.place().x, 0.01);
+}
+
+TEST(HeldHandle, ReadsItsPlaceInWholeQuanta) {
+    HandleDynamics d = free_body();
+    d.quantum = 6e-5;
+    HeldHandle handle(d, period);
+    handle.put({8.9e-5, -8.9e-5, 9.1e-5}, glm::dvec3(0));
+    EXPECT_EQ(handle.reading(), glm::dvec3(6e-5, -6e-5, 2 * 6e-5));
+    EXPECT_EQ(handle.place(), glm::dvec3(8.9e-5, -8.9e-5, 9.1e-5));
+}
+
+TEST(HeldHandle, NeverGainsEnergyOnItsOwn) {
+    HandleDynamics d;
+    d.friction = 0.3;
+    HeldHandle handle(d, period);
+    handle.put({0.03, -0.01, 0.02}, {0.4, 0.5, -0.6});
+    const auto energy = [&] {
+        return 0.5 * d.mass * glm::dot(handle.velocity(), handle.velocity()) +
+               0.5 * d.hand_stiffness * glm::dot(handle.place(), handle.place());
+    };
+    double last = energy();
+    for (int k = 0; k < 2000; ++k) {
+        handle.advance(glm::dvec3(0));
+        EXPECT_LE(energy(), last * (1 + 1e-12));
+        last = energy();
+    }
+    EXPECT_LT(last, 5e-4);
+}
+
+TEST(HeldHandle, IsTheSameBitsEverywhere) {
+    HandleDynamics d;
+    d.friction = 0.2;
+    HeldHandle handle(d, period);
+    handle.put({0.01, 0.02, -0.03}, {0.1, -0.2, 0.3});
+    for (int k = 0; k < 150; ++k) handle.advance(-400.0 * handle.place());
+    // Of GCC and Clang, with and without optimisation.
+    EXPECT_EQ(handle.place(), glm::dvec3(0x1.2c6d5b7c5a063p-9, 0x1.010ad916a5e66p-7, -0x1.819045a1f8dd5p-7));
+    EXPECT_EQ(handle.velocity(),
+              glm::dvec3(0x1.393259bcae072p-3, 0x1.3d9d9ff7651c2p-3, -0x1.dc6c6ff317a99p-3));
+}
+
+}  // namespace
+}  // namespace touchable
+
+namespace touchable::test {
+namespace {
+
+// A device that is plugged in again has often the number of its old descriptor, and the same last word.
+
+std::string heard_at(int socket) {
+    char room[16];
+    const ssize_t came = recv(socket, room, sizeof room, 0);
+    return {room, static_cast<std::size_t>(came > 0 ? came : 0)};
+}
+
+TEST(ReplugWatchdog, SpeaksToTheDeviceThatWasOpenedLast) {
+    int old_device[2], new_device[2];
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, old_device), 0);
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, new_device), 0);
+    const pid_t process = fork();
+    if (process == 0) {
+        auto watchdog = SafetyWatchdog::start();
+        if (!watchdog) _exit(1);
+        auto kept = SafetyWatchdog::keep(*watchdog);
+        if (!kept) _exit(1);
+        const ZeroForcePacket word{old_device[1], {std::byte{'0'}}, {}};
+        if (!kept->set_packet(word)) _exit(1);
+        dup2(new_device[1], old_device[1]);
+        _exit(kept->set_packet(word) ? 0 : 1);
+    }
+    for (const int theirs : {old_device[1], new_device[1]}) close(theirs);
+    EXPECT_EQ(heard_at(new_device[0]), "0");
+    EXPECT_EQ(heard_at(old_device[0]), "");
+    int ended = -1;
+    waitpid(process, &ended, 0);
+    EXPECT_EQ(ended, 0);
+    for (const int ours : {old_device[0], new_device[0]}) close(ours);
 }
 
 }  // namespace

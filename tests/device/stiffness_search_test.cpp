@@ -1,6 +1,5 @@
 // The stiffness at which a spring begins to shake, found in virtual time, against what theory says of it
 // (docs/measurements.md).
-#include "device/drivers/device_catalog.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +9,9 @@
 #include <optional>
 #include <utility>
 
+#include "device/drivers/device_catalog.hpp"
 #include "device/drivers/device_measure.hpp"
-#include "tests/device/bench_device.hpp"
+#include "tests/device/fake_driver.hpp"
 
 namespace touchable::test {
 namespace {
@@ -215,6 +215,164 @@ TEST(StiffnessSearch, DoesNotPushWhatDoesNotRest) {
     EXPECT_EQ(found.error().kind, ErrorKind::device);
     EXPECT_NE(found.error().message.find("does not stay still"), std::string::npos) << found.error().message;
     EXPECT_FALSE(device.pushed);
+}
+
+// A device that is watched, in virtual time.
+
+constexpr std::int64_t ms = 1'000'000;
+
+/// Hardware whose thread has its turn 0.3 ms after each tick of the reader.
+class Watched : public testing::Test {
+protected:
+    Watched() { EXPECT_TRUE(device.open()); }
+    TickPace pace() {
+        return {[this] {
+                    now += 300'000;
+                    hardware.place.x = tick % 2 == 0 ? 0 : 50e-6;
+                    device.turn();
+                    now += 700'000;
+                    return ++tick != stops_at;
+                },
+                [this] { return now; }};
+    }
+
+    std::int64_t now = ms;
+    int tick = 0, stops_at = 0;
+    FakeHardware hardware;
+    DriveTimes times{10'000};
+    DrivenDevice device{std::make_unique<FakeDriver>(hardware),
+                        {.clock = [this] { return now; },
+                         .on_received = [this](std::int64_t moment) { times.received(moment); },
+                         .on_sent = [this](std::int64_t moment) { times.sent(moment); },
+                         .own_thread = false}};
+};
+
+TEST_F(Watched, FiguresAreThoseOfItsTurns) {
+    const auto figures = watch_device(device, times, pace(), 1001);
+    ASSERT_TRUE(figures) << figures.error().message;
+    EXPECT_EQ(figures->readings, 1001);
+    EXPECT_NEAR(figures->seconds, 1.001, 1e-12);
+    EXPECT_EQ(figures->without_place, 1) << "the first reading comes before the first report";
+    EXPECT_NEAR(figures->reports_per_s, 1000, 1e-6);
+    EXPECT_NEAR(figures->interval_s.greatest, 0.001, 1e-12);
+    EXPECT_NEAR(figures->age_s.median, 0.0007, 1e-12);
+    EXPECT_NEAR(figures->going_out_s.median, 0.0003, 1e-12);
+    EXPECT_EQ(figures->until_received_s.greatest, 0) << "the fake answers at once";
+    EXPECT_EQ(figures->rest.places, 1000);
+    EXPECT_NEAR(figures->rest.step_m.x, 50e-6, 1e-12);
+    EXPECT_NEAR(figures->rest.deviation_m.x, 25e-6, 1e-12);
+    EXPECT_EQ(hardware.force, glm::dvec3(0));
+    EXPECT_GT(hardware.sent, 900);
+}
+
+TEST_F(Watched, ASilenceShowsInTheFigures) {
+    auto beat = pace();
+    auto steps = beat.next_tick;
+    beat.next_tick = [this, steps] {
+        hardware.fault = tick >= 500 && tick < 540 ? FakeHardware::Fault::silent : FakeHardware::Fault::none;
+        return steps();
+    };
+    const auto figures = watch_device(device, times, beat, 1000);
+    ASSERT_TRUE(figures);
+    EXPECT_NEAR(figures->interval_s.greatest, 0.041, 1e-9);
+    EXPECT_NEAR(figures->interval_s.median, 0.001, 1e-12);
+    EXPECT_GE(figures->without_place, 19) << "older than 20 ms is no position";
+    EXPECT_LE(figures->without_place, 22);
+}
+
+TEST_F(Watched, StopsWhenItIsToldTo) {
+    stops_at = 10;
+    const auto figures = watch_device(device, times, pace(), 1000);
+    ASSERT_FALSE(figures);
+    EXPECT_EQ(figures.error().kind, ErrorKind::interrupted);
+}
+
+TEST(DeviceWatch, ADeviceThatFailsSaysWhy) {
+    BenchDevice device({});
+    device.breaks_at = 5;
+    const DriveTimes nothing(10);
+    const auto figures = watch_device(device, nothing, device.pace(), 100);
+    ASSERT_FALSE(figures);
+    EXPECT_EQ(figures.error().message, "bench device: broke");
+}
+
+TEST(DeviceWatch, TheLongestCallIsWhatTheDeviceKeptItsReaderFor) {
+    BenchDevice device({});
+    device.takes_ns = 40'000;
+    const DriveTimes nothing(10);
+    const auto figures = watch_device(device, nothing, device.pace(), 100);
+    ASSERT_TRUE(figures);
+    EXPECT_NEAR(figures->longest_call_s, 40e-6, 1e-12);
+}
+
+TEST(DriverCounts, OfReportsThatWereLeftOutAreTheDriversOrNone) {
+    FakeHardware hardware;
+    DrivenDevice device(std::make_unique<FakeDriver>(hardware),
+                        {.clock = [] { return ms; }, .own_thread = false});
+    ASSERT_TRUE(device.open());
+    device.turn();
+    EXPECT_EQ(device.facts().left_out, -1);
+}
+
+// Figures of moments and places, worked out by hand.
+
+TEST(Percentiles, IsOfValuesThatWereThere) {
+    std::vector<double> values;
+    for (int k = 200; k >= 1; --k) values.push_back(k);
+    const WatchFigures::Percentiles found = percentiles_of(values);
+    EXPECT_EQ(found.count, 200);
+    EXPECT_EQ(found.median, 100);
+    EXPECT_EQ(found.p99, 198);
+    EXPECT_EQ(found.greatest, 200);
+    EXPECT_EQ(percentiles_of({7}).p99, 7);
+    EXPECT_EQ(percentiles_of({}).count, 0);
+}
+
+TEST(Intervals, AreFromEachMomentToTheNext) {
+    const std::vector<std::int64_t> times{5'000'000, 6'000'000, 9'000'000};
+    const auto intervals = intervals_between(times);
+    ASSERT_EQ(intervals.size(), 2u);
+    EXPECT_NEAR(intervals[0], 0.001, 1e-15);
+    EXPECT_NEAR(intervals[1], 0.003, 1e-15);
+    EXPECT_TRUE(intervals_between(std::span(times).first(1)).empty());
+}
+
+TEST(UntilTheNext, AnswersOnlyTheLastBeforeIt) {
+    const std::vector<std::int64_t> asked{1000, 2000, 3000, 9000}, answered{500, 2400, 2500, 5000};
+    const auto waits = until_the_next(asked, answered);
+    ASSERT_EQ(waits.size(), 2u) << "that of 1000 came after another was asked for, that of 9000 never";
+    EXPECT_NEAR(waits[0], 400e-9, 1e-15);
+    EXPECT_NEAR(waits[1], 2000e-9, 1e-15);
+}
+
+TEST(Rest, OfAnEncoderThatFlickersBetweenTwoCounts) {
+    std::vector<glm::dvec3> places;
+    for (int k = 0; k < 100; ++k) places.push_back({k % 2 == 0 ? 0.0 : 40e-6, 0.001, k < 50 ? 0.0 : 10e-6});
+    const WatchFigures::Rest rest = rest_of(places);
+    EXPECT_NEAR(rest.deviation_m.x, 20e-6, 1e-12);
+    EXPECT_NEAR(rest.deviation_m.y, 0, 1e-12);
+    EXPECT_NEAR(rest.deviation_m.z, 5e-6, 1e-12);
+    EXPECT_NEAR(rest.step_m.x, 40e-6, 1e-12);
+    EXPECT_EQ(rest.step_m.y, 0);
+    EXPECT_NEAR(rest.step_m.z, 10e-6, 1e-12);
+    EXPECT_NEAR(rest.farthest_m, std::hypot(20e-6, 5e-6), 1e-12);
+    EXPECT_FALSE(rest.moved());
+}
+
+TEST(Rest, OfAHandThatWentIsCalledSo) {
+    std::vector<glm::dvec3> places;
+    for (int k = 0; k <= 100; ++k) places.push_back({0, k * 20e-6, 0});
+    EXPECT_TRUE(rest_of(places).moved()) << "1 mm to each side of the mean";
+    EXPECT_EQ(rest_of({}).places, 0);
+}
+
+TEST(DriveTimes, GiveWhatWasWithinAndKeepTheNewest) {
+    DriveTimes times(4);
+    for (std::int64_t moment = 1; moment <= 6; ++moment) times.received(moment * 10);
+    times.sent(35);
+    EXPECT_EQ(times.received_within(0, 1000), (std::vector<std::int64_t>{30, 40, 50, 60}));
+    EXPECT_EQ(times.received_within(40, 60), (std::vector<std::int64_t>{40, 50}));
+    EXPECT_EQ(times.sent_within(0, 1000), (std::vector<std::int64_t>{35}));
 }
 
 }  // namespace

@@ -1,20 +1,26 @@
 #include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <string>
+#include <thread>
+#include <vector>
 
+#include "device/drivers/driven_device.hpp"
 #include "device/drivers/woodenhaptics_device.hpp"
 #include "tests/device/fake_reports.hpp"
 #include "tests/device/temporary_file.hpp"
-#include "tests/device/wooden_build.hpp"
+#include "tests/device/wooden_bench.hpp"
 
 namespace touchable {
 namespace {
@@ -243,6 +249,369 @@ TEST(WoodenKeys, TheFileMustBeNamed) {
 TEST(WoodenIds, AreThoseOfItsFirmware) {
     EXPECT_TRUE(is_woodenhaptics(0x1234, 0x0006));
     EXPECT_FALSE(is_woodenhaptics(0x1234, 0x0007));
+}
+
+using std::chrono::microseconds;
+
+WoodenParameters with_button() {
+    auto build = published_build();
+    build.homing = WoodenParameters::Homing::button;
+    return build;
+}
+
+TEST(WoodenDriver, StartsInItsHomePoseWithoutForce) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    EXPECT_EQ(bench.board->counters[2], 6000);
+    EXPECT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
+    for (const Bytes& report : bench.wire->sent())
+        EXPECT_TRUE(std::all_of(report.begin() + 1, report.begin() + 7,
+                                [](std::byte byte) { return byte == std::byte{0}; }));
+    const auto came = bench.turn(glm::dvec3(0));
+    ASSERT_TRUE(came && *came);
+    EXPECT_NEAR(bench.sample.metres[0].y, 0.205, 1e-9);
+    EXPECT_NEAR(bench.sample.metres[0].z, 0.025, 1e-9);
+    EXPECT_TRUE(bench.driver->prompt().empty());
+}
+
+TEST(WoodenDriver, ForcesAreCurrentsAndPartingIsLimp) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    ASSERT_TRUE(bench.turn({0, 1, 0}));
+    EXPECT_EQ(bench.board->milliamperes, (std::array<int, 3>{0, 0, 788}));
+    const std::size_t before = bench.wire->sent().size();
+    bench.driver->disconnect();
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
+    EXPECT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
+    const auto sent = bench.wire->sent();
+    EXPECT_EQ(std::vector(sent.begin() + static_cast<std::ptrdiff_t>(before), sent.end()),
+              std::vector(2, unpowered))
+        << "one may be lost";
+}
+
+TEST(WoodenDriver, OneThatMustNotBeDrivenGetsNoCurrent) {
+    auto build = published_build();
+    build.drive = false;
+    Bench bench(build);
+    ASSERT_TRUE(bench.connect());
+    ASSERT_TRUE(bench.turn({5, 5, 5}));
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
+    EXPECT_TRUE(bench.has_place());
+    EXPECT_EQ(bench.driver->capabilities().axes_driven, 0);
+    EXPECT_NE(bench.driver->name().find("no force"), std::string::npos);
+}
+
+TEST(WoodenDriver, WithAButtonItHasNoPlaceUntilItWasPressed) {
+    Bench bench(with_button());
+    bench.board->counters = {111, 222, 333, 0, 0, 0};
+    ASSERT_TRUE(bench.connect());
+    for (int turn = 0; turn < 100; ++turn) {
+        ASSERT_TRUE(bench.turn({0, 1, 0}));
+        ASSERT_FALSE(bench.has_place());
+        ASSERT_EQ(bench.wire->last_sent(), unpowered);
+    }
+    EXPECT_NE(bench.driver->prompt().find("button"), std::string::npos);
+    bench.board->pressed = true;
+    for (int turn = 0; turn < 6; ++turn) ASSERT_TRUE(bench.turn({0, 0, 0}));
+    EXPECT_TRUE(bench.has_place());
+    EXPECT_FALSE(bench.board->pressed);
+    EXPECT_EQ(bench.board->counters[2], 6000);
+    EXPECT_NEAR(bench.sample.metres[0].y, 0.205, 1e-9);
+    EXPECT_TRUE(bench.driver->prompt().empty());
+}
+
+TEST(WoodenDriver, TwoDamagedReadingsOfItsButtonHomeNothing) {
+    Bench bench(with_button());
+    bench.board->counters = {111, 222, 333, 0, 0, 0};
+    ASSERT_TRUE(bench.connect());
+    for (const int damaged : {1, 2}) {
+        for (int reading = 0; reading < damaged; ++reading)
+            bench.wire->lay(bytes_of({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0x01, 0x00}));
+        ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)));
+        for (int turn = 0; turn < 10; ++turn) {
+            ASSERT_TRUE(bench.turn({0, 1, 0}));
+            EXPECT_FALSE(bench.has_place()) << damaged;
+            EXPECT_EQ(bench.wire->last_sent(), unpowered);
+        }
+        EXPECT_EQ(bench.board->counters[2], 333) << "nobody knows that it is at home";
+    }
+}
+
+/// Its counters were lost on the way, and one of its readings is damaged: its button seems to be released.
+TEST(WoodenDriver, ABoardThatDidNotTakeItsCountersIsNotAtHome) {
+    Bench bench(with_button());
+    bench.board->counters = {111, 222, 333, 0, 0, 0};
+    ASSERT_TRUE(bench.connect());
+    bench.wire->answer = {};
+    bench.board->pressed = true;
+    for (int reading = 0; reading < 3; ++reading) bench.wire->lay(bench.board->reading());
+    ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)));
+    const std::array<glm::dvec3, 1> push{glm::dvec3(0, 1, 0)};
+    ASSERT_TRUE(bench.driver->send(push));
+    EXPECT_EQ(word_at(bench.wire->last_sent(), 7), 1) << "its counters";
+    bench.board->pressed = false;
+    bench.wire->lay(bench.board->reading());
+    ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)));
+    EXPECT_FALSE(bench.has_place());
+    ASSERT_TRUE(bench.driver->send(push));
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
+}
+
+TEST(WoodenDriver, ABoardThatWasHomedMaySoBeTakenOnce) {
+    Bench bench(with_button(), true);
+    bench.board->counters[2] = 6000;
+    ASSERT_TRUE(bench.connect());
+    ASSERT_TRUE(bench.turn({0, 1, 0}));
+    EXPECT_TRUE(bench.has_place());
+    bench.driver->disconnect();
+    ASSERT_TRUE(bench.connect());
+    ASSERT_TRUE(bench.turn({0, 1, 0}));
+    EXPECT_FALSE(bench.has_place());
+}
+
+TEST(WoodenDriver, OneThatWasAwayIsNotTakenToBeAtHome) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    bench.wire->unplug();
+    EXPECT_FALSE(bench.turn({0, 1, 0}));
+    bench.driver->disconnect();
+    bench.wire->plug_in();
+    bench.board->counters = {};
+    ASSERT_TRUE(bench.connect());
+    for (int turn = 0; turn < 10; ++turn) ASSERT_TRUE(bench.turn({0, 1, 0}));
+    EXPECT_FALSE(bench.has_place());
+    EXPECT_EQ(bench.wire->last_sent(), unpowered);
+    EXPECT_NE(bench.driver->prompt().find("away"), std::string::npos);
+    bench.board->pressed = true;
+    for (int turn = 0; turn < 6; ++turn) ASSERT_TRUE(bench.turn({0, 0, 0}));
+    EXPECT_TRUE(bench.has_place());
+}
+
+TEST(WoodenDriver, OneDamagedReadingDoesNotSetTheCounters) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    bench.board->counters = {100, 200, 6100, 0, 0, 0};
+    ASSERT_TRUE(bench.turn({0, 0, 0}));
+    bench.wire->lay(bytes_of({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0x01, 0x00}));
+    ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)));
+    EXPECT_FALSE(bench.has_place());
+    ASSERT_TRUE(bench.turn({0, 1, 0}));
+    EXPECT_TRUE(bench.has_place());
+    EXPECT_EQ(bench.board->counters[2], 6100);
+}
+
+TEST(WoodenDriver, WhatCannotBeIsLeftOut) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    ASSERT_TRUE(bench.turn({0, 0, 0}));
+    const glm::dvec3 before = bench.sample.metres[0];
+    bench.wire->lay(bytes_of({1, 2, 3}));
+    bench.wire->lay(Bytes(64, std::byte{0x55}));
+    bench.wire->lay(bytes_of({1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0x77, 0x12}));
+    const auto came = bench.driver->receive(bench.sample, microseconds(0));
+    ASSERT_TRUE(came);
+    EXPECT_FALSE(*came);
+    EXPECT_EQ(bench.sample.metres[0], before);
+    EXPECT_EQ(bench.driver->left_out(), 3);
+}
+
+TEST(WoodenDriver, TheNewestOfManyReadingsCounts) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    for (int late = 0; late < 20; ++late) {
+        bench.board->counters = {0, 0, 6000 + 10 * late, 0, 0, 0};
+        bench.wire->lay(bench.board->reading());
+    }
+    ASSERT_TRUE(bench.driver->receive(bench.sample, microseconds(0)));
+    EXPECT_NEAR(bench.sample.metres[0].y, 0.205 - 0.245 * std::cos(2 * std::acos(-1.0) * 6190 / 2000 / 12),
+                1e-9);
+}
+
+TEST(WoodenDriver, ABoardThatFallsSilentIsGone) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    bench.board->silent = true;
+    int turns = 0;
+    while (bench.turn({0, 0, 0})) ASSERT_LT(++turns, 1000);
+    EXPECT_NEAR(5 * turns, 1000, 5) << "milliseconds: it is gone after a second";
+    bench.driver->disconnect();
+    const auto again = bench.connect();
+    ASSERT_FALSE(again);
+    EXPECT_EQ(again.error().kind, ErrorKind::device);
+    EXPECT_NE(again.error().message.find("14 bytes"), std::string::npos);
+}
+
+/// Answers to another process, which spoke to it while this one stood still.
+TEST(WoodenDriver, WhatCameWhileNobodyAskedIsForgotten) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    ASSERT_TRUE(bench.turn({0, 0, 0}));
+    bench.board->silent = true;
+    for (int answers = 0; answers < 40; ++answers) bench.wire->lay(bench.board->reading());
+    bench.wire->pass(2 * WoodenHapticsDriver::silent_ns);
+    ASSERT_TRUE(bench.driver->forget_what_came());
+    const auto came = bench.turn({0, 0, 0});
+    ASSERT_TRUE(came) << came.error().message;
+    EXPECT_FALSE(*came);
+}
+
+TEST(WoodenDriver, ABoardWithoutCommandsIsRefused) {
+    Bench bench;
+    bench.wire->answer = [](FakeWire& wire, const Bytes&) {
+        wire.pass(1'000'000);
+        wire.lay(Bytes(14, std::byte{0}));
+    };
+    const auto connected = bench.connect();
+    ASSERT_FALSE(connected);
+    EXPECT_NE(connected.error().message.find("home pose"), std::string::npos);
+    bench.driver->disconnect();
+    EXPECT_FALSE(bench.connect()) << "it was never held, so it was never away";
+}
+
+TEST(WoodenDriver, WaitingForItCanBeGivenUp) {
+    Bench bench;
+    bench.board->silent = true;
+    std::stop_source given_up;
+    given_up.request_stop();
+    const auto connected = work_until(given_up.get_token(), [&] { return bench.connect(); });
+    ASSERT_FALSE(connected);
+    EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
+}
+
+TEST(WoodenDriver, ItTellsAPlaceForEachReportAndNotByItself) {
+    Bench bench;
+    ASSERT_TRUE(bench.connect());
+    EXPECT_TRUE(bench.driver->capabilities().answers);
+    EXPECT_FALSE(*bench.driver->receive(bench.sample, microseconds(5000)));
+    EXPECT_TRUE(*bench.turn({0, 0, 0}));
+}
+
+TEST(WoodenDriver, ItsZeroForcePacketIsAReportWithoutCurrents) {
+    Bench bench;
+    EXPECT_FALSE(bench.driver->zero_force_packet());
+    ASSERT_TRUE(bench.connect());
+    const auto word = bench.driver->zero_force_packet();
+    ASSERT_TRUE(word);
+    EXPECT_EQ(word->descriptor, 77);
+    EXPECT_EQ(word->bytes, unpowered);
+    EXPECT_FALSE(word->usb_endpoint);
+}
+
+/// Reports as a bad cable would bring them.
+void damage(std::mt19937& random, FakeWire& wire, const Bytes& sound, Bytes& kept) {
+    const auto any = [&](int below) { return static_cast<int>(random() % static_cast<unsigned>(below)); };
+    switch (any(8)) {
+        case 0:
+            return;  // lost
+        case 1:
+            return wire.lay(Bytes(sound.begin(), sound.begin() + any(14)));  // short
+        case 2: {
+            Bytes broken = sound;
+            broken[static_cast<std::size_t>(any(14))] ^= static_cast<std::byte>(1 << any(8));
+            return wire.lay(broken);
+        }
+        case 3:
+            wire.lay(sound);
+            return wire.lay(sound);  // twice
+        case 4:
+            kept = sound;
+            return;  // late: with the next
+        case 5:
+            return wire.lay(Bytes(static_cast<std::size_t>(any(65)), static_cast<std::byte>(any(256))));
+        case 6:
+            return wire.unplug();
+        default:
+            wire.lay(kept);
+            return wire.lay(sound);
+    }
+}
+
+TEST(WoodenDriver, TenThousandFaultsNeverLeaveAForce) {
+    Bench bench;
+    bench.wire->remembers = false;
+    std::mt19937 random(20);
+    std::uniform_real_distribution<double> newton(-30, 30);
+    Bytes kept;
+    int faults = 0, heard_partings = 0, places = 0;
+    bool faulty = false;
+    bench.board->silent = true;  // it is answered for
+    bench.wire->answer = [&](FakeWire& wire, const Bytes& report) {
+        bench.board->hear(wire, report);
+        EXPECT_LE(std::abs(bench.board->milliamperes[0]), 1000);
+        EXPECT_LE(std::abs(bench.board->milliamperes[1]), 2000);
+        EXPECT_LE(std::abs(bench.board->milliamperes[2]), 2000);
+        if (!faulty) return wire.lay(bench.board->reading());
+        ++faults;
+        damage(random, wire, bench.board->reading(), kept);
+    };
+    while (faults < 10'000) {
+        faulty = false;
+        bench.wire->plug_in();
+        ASSERT_TRUE(bench.connect());
+        ASSERT_TRUE(bench.turn(glm::dvec3(0)));
+        for (bool held = true; held && faults < 10'000;) {
+            faulty = random() % 2 == 0;
+            bench.board->pressed = random() % 20 == 0 || bench.board->pressed;
+            const bool knew = bench.has_place();
+            held = bool(bench.turn({newton(random), newton(random), newton(random)}));
+            if (!knew) {
+                ASSERT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
+            }
+            places += bench.has_place() ? 1 : 0;
+        }
+        const bool is_in_again = random() % 2 == 0;
+        if (is_in_again) bench.wire->plug_in();
+        faulty = false;
+        bench.driver->disconnect();
+        if (is_in_again) {
+            ++heard_partings;
+            ASSERT_EQ(bench.wire->last_sent(), unpowered);
+            ASSERT_EQ(bench.board->milliamperes, (std::array<int, 3>{}));
+        }
+    }
+    EXPECT_GT(heard_partings, 100);
+    EXPECT_GT(places, 1000);
+}
+
+TEST(WoodenDriver, AHandThatLetsGoOrIsPulledOutIsLimp) {
+    auto wire = std::make_shared<FakeWire>();
+    wire->waits = true;
+    auto board = std::make_shared<Board>();
+    wire->answer = [board](FakeWire& on, const Bytes& report) { board->hear(on, report); };
+    DrivenDevice device(std::make_unique<WoodenHapticsDriver>(
+                            published_build(), false,
+                            [wire]() -> Result<std::unique_ptr<ReportTransport>> {
+                                return std::unique_ptr<ReportTransport>(std::make_unique<FakeReports>(wire));
+                            }),
+                        {.away_s = 10, .look_again_s = 0.001});
+    ASSERT_TRUE(device.open());
+    const std::array<glm::dvec3, 1> push{glm::dvec3(0, 1, 0)};
+    std::array<glm::dvec3, 1> place{};
+    const auto pushed = [&] { return word_at(wire->last_sent(), 5) == 788; };
+    while (!pushed()) {
+        ASSERT_TRUE(device.read_positions(place));
+        ASSERT_TRUE(device.write_forces(push));
+        std::this_thread::yield();
+    }
+    // Nobody writes any more: it goes unpowered by itself.
+    while (wire->last_sent() != unpowered) std::this_thread::yield();
+    while (!pushed()) {
+        ASSERT_TRUE(device.write_forces(push));
+        std::this_thread::yield();
+    }
+    wire->unplug();
+    while (device.facts().losses == 0) std::this_thread::yield();
+    wire->plug_in();
+    const auto before = device.facts().samples;
+    while (device.facts().samples < before + 5) {
+        ASSERT_TRUE(device.write_forces(push));
+        std::this_thread::yield();
+    }
+    ASSERT_TRUE(device.read_positions(place));
+    EXPECT_TRUE(std::isnan(place[0].x));
+    EXPECT_EQ(wire->last_sent(), unpowered);
+    device.close();
+    EXPECT_EQ(wire->last_sent(), unpowered);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@
 #include "player/window/study.hpp"
 #include "player/window/user_files.hpp"
 #include "player/window/window_command.hpp"
-#include "tests/device/fake_probe.hpp"
+#include "tests/device/fake_driver.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 
 namespace touchable::fuzz {

@@ -1,12 +1,36 @@
+#include <elf.h>
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <functional>
+#include <iterator>
+#include <optional>
 #include <sstream>
+#include <utility>
 
+#include "device/hand.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/gpu/gpu_device.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
+#include "engine/surface/surface_builder.hpp"
+#include "player/commands/run_options.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/run_record.hpp"
+#include "player/session/touch_setup.hpp"
+#include "tests/gpu/gpu_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
 
 namespace touchable::test {
 namespace {
@@ -111,6 +135,513 @@ TEST(Archives, GiveTheSameForces) {
 
 INSTANTIATE_TEST_SUITE_P(, Determinism, ::testing::ValuesIn(known_runs),
                          [](const auto& run) { return std::string(run.param.name); });
+
+// The room of a run links into any program (touch_a_clip.cpp), which feels what `touchable touch` does.
+
+std::string text_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(LinkedRun, GivesTheForcesOfTheProgram) {
+    const TemporaryFolder folder;
+    const auto clip = folder / "clip.mkv", report = folder / "report.json", hash = folder / "hash";
+    ASSERT_EQ(run_touchable({"make", "bumps", clip, "--frames", "2"}).code, 0);
+    ASSERT_EQ(run_touchable({"touch", clip, "--hand", "press", "--builder", "cpu", "--json", report}).code,
+              0);
+    const std::string command =
+        std::string("'" TOUCHABLE_LINKED_RUN "' '") + clip.string() + "' > '" + hash.string() + "'";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    EXPECT_EQ(text_of(hash),
+              nlohmann::json::parse(text_of(report)).at("force_hash").get<std::string>() + "\n");
+}
+
+/// What a program tells the loader by name: a sanitized one has hundreds of megabytes besides.
+std::string loaded_names(const char* program) {
+    std::ifstream file(program, std::ios::binary);
+    Elf64_Ehdr header{};
+    file.read(reinterpret_cast<char*>(&header), sizeof header);
+    std::string names;
+    for (int n = 0; n < header.e_shnum && file; ++n) {
+        Elf64_Shdr section{};
+        file.seekg(
+            static_cast<std::streamoff>(header.e_shoff + static_cast<std::size_t>(n) * sizeof section));
+        file.read(reinterpret_cast<char*>(&section), sizeof section);
+        if (section.sh_type != SHT_STRTAB || (section.sh_flags & SHF_ALLOC) == 0) continue;
+        names.resize(section.sh_size);
+        file.seekg(static_cast<std::streamoff>(section.sh_offset));
+        file.read(names.data(), static_cast<std::streamsize>(names.size()));
+    }
+    return names;
+}
+
+// A library that a program needs is named in it.
+TEST(LinkedRun, NeedsNoWindowAndNoVulkan) {
+    const std::string program = loaded_names(TOUCHABLE_LINKED_RUN);
+    ASSERT_NE(program.find("libavformat.so"), std::string::npos);
+    for (const char* library :
+         {"libvulkan.so", "libglfw.so", "libX11.so", "libasound.so", "libcairo.so", "libusb"})
+        EXPECT_EQ(program.find(library), std::string::npos) << library;
+}
+
+// A session over a clip during which the GPU is lost.
+
+constexpr std::int64_t frames = 20, ticks = 900;
+
+enum class Doom { lost, hangs };
+
+/// Its device is lost, or hangs, just before a frame.
+class DoomedBuilder final : public SurfaceBuilder {
+public:
+    DoomedBuilder(const Scene& scene, std::shared_ptr<GpuDevice> device, Doom doom, std::int64_t at)
+        : device_(std::move(device)), doom_(doom), at_(at) {
+        auto made = make_vulkan_builder(scene, device_);
+        if (!made) throw std::runtime_error(made.error().message);
+        builder_ = std::move(*made);
+    }
+    std::string_view name() const override { return builder_->name(); }
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (raw.number == at_ && doom_ == Doom::lost) device_->lose();
+        if (raw.number == at_ && doom_ == Doom::hangs) {
+            device_->set_patience(std::chrono::milliseconds(20));
+            blockade_.emplace(*device_);
+        }
+        return builder_->build(raw, out);
+    }
+
+private:
+    std::shared_ptr<GpuDevice> device_;
+    Doom doom_;
+    std::int64_t at_;
+    std::optional<Blockade> blockade_;  // lifted after the builder has ended
+    std::unique_ptr<SurfaceBuilder> builder_;
+};
+
+struct Touched {
+    std::string force_hash;
+    std::int64_t frames = 0, ticks = 0;
+};
+
+/// The scene's own filter, but a median of 3x3.
+Scene scene_in(const ClipReader& reader) {
+    Scene scene = reader.scene();
+    scene.filter.median = 3;
+    return scene;
+}
+
+Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder) {
+    const Scene scene = scene_in(*reader);
+    SurfaceFeed feed(std::move(reader), std::move(builder), scene);
+    const auto first = feed.pair_at(0);
+    EXPECT_TRUE(first);
+    const HeightField field(scene, *first);
+    TouchSessionSettings settings;
+    settings.fingers = 3;
+    settings.ticks = ticks;
+    const Workspace workspace = default_workspace(scene.width, scene.camera.fx, scene.depth.near);
+    settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
+    auto hand = make_hand("wander", settings.fingers, workspace, FieldProbe(field));
+    EXPECT_TRUE(hand);
+    const auto solver = TouchSolver::create(scene, settings.touch);
+    EXPECT_TRUE(solver);
+    TouchFigures figures;
+    const std::array<TouchSink*, 1> sinks{&figures};
+    const auto ran = TouchSession(scene, feed, **hand, *solver, settings).run(sinks);
+    EXPECT_TRUE(ran) << ran.error().message;
+    EXPECT_GT(figures.to_json()["finger_contact_pct"].get<double>(), 20) << "hardly a test of forces";
+    return {figures.force_hash(), feed.frames(), figures.ticks()};
+}
+
+TEST(LostGpu, CostsNeitherFrameNorForce) {
+    const TemporaryFolder folder;
+    // Of a scene whose depth stands still nothing would be asked of the GPU.
+    make_clip("moving", folder / "clip.mkv", {"--size", "160x120", "--frames", std::to_string(frames)});
+    const auto reader = [&] {
+        auto opened = open_clip(folder / "clip.mkv", std::nullopt);
+        EXPECT_TRUE(opened);
+        return std::move(*opened);
+    };
+    auto whole = reader();
+    const Scene scene = scene_in(*whole);
+    const Touched expected = touched_with(std::move(whole), make_cpu_builder(scene));
+    EXPECT_EQ(expected.ticks, ticks);
+
+    for (const auto& [doom, lost_at] : {std::pair(Doom::lost, std::int64_t{0}),
+                                        {Doom::lost, 7},
+                                        {Doom::lost, frames - 1},
+                                        {Doom::hangs, 0},
+                                        {Doom::hangs, 11}}) {
+        auto device = GpuDevice::open();
+        ASSERT_TRUE(device) << device.error().message;
+        std::vector<std::string> told;
+        const Touched run = touched_with(
+            reader(), make_fallback_builder(std::make_unique<DoomedBuilder>(scene, *device, doom, lost_at),
+                                            make_cpu_builder(scene),
+                                            [&](const std::string& line) { told.push_back(line); }));
+        EXPECT_EQ(run.force_hash, expected.force_hash) << "lost at frame " << lost_at;
+        EXPECT_EQ(run.frames, expected.frames);
+        EXPECT_EQ(run.ticks, expected.ticks);
+        ASSERT_EQ(told.size(), 1U) << "at frame " << lost_at << (doom == Doom::lost ? ", lost" : ", hangs");
+        EXPECT_EQ(told[0].rfind("frame " + std::to_string(lost_at) + ": ", 0), 0U) << told[0];
+    }
+}
+
+TEST(LostGpu, IsHandedOutToNobodyElse) {
+    RunGpu gpu("auto");
+    const auto first = gpu.open();
+    ASSERT_TRUE(first) << first.error().message;
+    EXPECT_EQ(*gpu.open(), *first) << "one for all";
+    (*first)->lose();
+    const auto second = gpu.open();
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_FALSE((*second)->lost());
+    EXPECT_EQ(*gpu.open(), *second);
+    EXPECT_EQ(gpu.name(), (*second)->facts().name);
+}
+
+TEST(LostGpu, ByMeasuringItIsOpenedAnewAndNotMeasuredAgain) {
+    RunGpu gpu("auto");
+    int measured = 0;
+    const auto measure = [&](const std::shared_ptr<GpuDevice>& device) {
+        GpuFacts::Measured& figures = device->vulkan()->facts.measured;
+        if (figures.over_bus_ms >= 0) return;
+        ++measured;
+        figures.over_bus_ms = HUGE_VAL;
+        device->lose();
+    };
+    for (int n = 0; n < 2; ++n) {
+        const auto device = gpu.open_measured(measure);
+        ASSERT_TRUE(device) << device.error().message;
+        EXPECT_FALSE((*device)->lost());
+        EXPECT_EQ((*device)->facts().measured.over_bus_ms, HUGE_VAL);
+        (*device)->lose();
+    }
+    EXPECT_EQ(measured, 1);
+}
+
+/// A software GPU still compiles then, on a thread of the program.
+TEST(LostGpu, GivenUpAtWorkLetsTheProgramEnd) {
+    const TemporaryFolder folder;
+    make_clip("moving", folder / "clip.mkv", {"--size", "96x64", "--frames", "3"});
+    setenv("LD_PRELOAD", TOUCHABLE_IMPATIENT_GPU, 1);
+    setenv("MESA_SHADER_CACHE_DISABLE", "1", 1);
+    const Outcome run = run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan", "--median", "5",
+                                       "--hand", "wander", "--seconds", "0.001"});
+    unsetenv("LD_PRELOAD");
+    unsetenv("MESA_SHADER_CACHE_DISABLE");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.err.find("is given up; the cpu builder goes on"), std::string::npos) << run.err;
+}
+
+/// `spoil` makes a GPU, which the picture was to be drawn on, one that cannot.
+void expect_a_picture_by_any_painter(const std::function<void(GpuDevice&)>& spoil) {
+    const TemporaryFolder folder;
+    make_clip("globe", folder / "clip.mkv", {"--size", "72x48", "--frames", "1"});
+    auto reader = open_clip(folder / "clip.mkv", std::nullopt);
+    ASSERT_TRUE(reader);
+    const auto raw = (*reader)->next();
+    ASSERT_TRUE(raw && *raw);
+    const Scene& scene = (*reader)->scene();
+    SurfaceFrame surface;
+    ASSERT_TRUE(make_cpu_builder(scene)->build(**raw, surface));
+    const FramePair still{{0, 0, &surface}, {0, 0, &surface}, 0};
+    for (const char* painter : {"auto", "raster"}) {
+        RunGpu gpu("auto");
+        PictureOptions options;
+        options.file = folder / (std::string(painter) + ".png");
+        options.painter = painter;
+        options.size = "96x54";
+        auto order = order_picture(options, Existing::keep, {}, gpu);
+        ASSERT_TRUE(order && *order);
+        EXPECT_FALSE((*order)->painter->gpu_name().empty());
+        spoil(**gpu.open());
+        const auto drawn = (*order)->deliver(HeightField(scene, still), still, (*raw)->colour, {});
+        const bool any = options.painter == "auto";
+        EXPECT_EQ(bool(drawn), any);
+        EXPECT_EQ(std::filesystem::exists(*options.file), any);
+        if (any) {
+            EXPECT_EQ((*order)->painter->name(), "cpu");
+        } else {
+            EXPECT_EQ(drawn.error().kind, ErrorKind::gpu);
+        }
+    }
+}
+
+TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
+    expect_a_picture_by_any_painter([](GpuDevice& gpu) { gpu.lose(); });
+}
+
+TEST(SmallGpu, CostsNoPictureThatAnyPainterMayDraw) {
+    expect_a_picture_by_any_painter(
+        [](GpuDevice& gpu) { gpu.vulkan()->facts.limits.max_texel_buffer_elements = 1; });
+}
+
+// touch with --builder vulkan: the forces of the other builders, and what it says where it cannot.
+
+namespace fs = std::filesystem;
+
+using Words = std::vector<std::string>;
+
+/// The environment of a machine without a Vulkan driver, while it lives.
+class WithoutDriver {
+public:
+    WithoutDriver() {
+        for (const char* name : names) setenv(name, "/nonexistent/driver.json", 1);
+    }
+    ~WithoutDriver() {
+        for (const char* name : names) unsetenv(name);
+    }
+
+private:
+    static constexpr const char* names[] = {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"};
+};
+
+/// The forces of the CPU and the lazy builder, to the bit, and nothing said by the validation layer.
+void expect_the_same_forces(Words words) {
+    words.insert(words.end(), {"--fingers", "3", "--seconds", "0.5"});
+    const auto with = [&](const Words& more) {
+        Words all = words;
+        all.insert(all.end(), more.begin(), more.end());
+        return force_hash(all);
+    };
+    for (const char* median : {"0", "3", "5"}) {
+        const std::string cpu = with({"--median", median, "--builder", "cpu"});
+        EXPECT_EQ(with({"--median", median, "--builder", "lazy"}), cpu) << median;
+        EXPECT_EQ(with({"--median", median, "--builder", "vulkan"}), cpu) << median;
+    }
+    const std::string cpu = with({"--median", "3", "--fill-holes", "2", "--builder", "cpu"});
+    EXPECT_EQ(with({"--median", "3", "--fill-holes", "2", "--builder", "vulkan"}), cpu);
+}
+
+std::string test_name(const ::testing::TestParamInfo<const char*>& test) {
+    std::string name = fs::path(test.param).stem();
+    std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+    return name;
+}
+
+class VulkanTouchGenerated : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(VulkanTouchGenerated, HasTheForcesOfTheOtherBuilders) {
+    const TemporaryFolder folder;
+    make_clip(GetParam(), folder / "clip.mkv", {"--size", "150x90", "--frames", "9"});
+    expect_the_same_forces({folder / "clip.mkv"});
+}
+
+INSTANTIATE_TEST_SUITE_P(, VulkanTouchGenerated,
+                         ::testing::Values("globe", "bumps", "moving", "noise", "spheres", "cliffs"),
+                         test_name);
+
+class VulkanTouchStandIn : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(VulkanTouchStandIn, HasTheForcesOfTheOtherBuilders) {
+    const TemporaryFolder folder;
+    const std::string scene = write_stand_in(folder.path(), stand_in(GetParam()));
+    expect_the_same_forces({folder.path(), "--scene", scene});
+}
+
+INSTANTIATE_TEST_SUITE_P(, VulkanTouchStandIn,
+                         ::testing::Values("castel_sr300", "visp_cube_realsense", "redwood5", "icl_nuim5"),
+                         test_name);
+
+class VulkanTouchReal : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(VulkanTouchReal, HasTheForcesOfTheOtherBuilders) {
+    const std::string clip = real_data(GetParam());
+    TOUCHABLE_NEEDS_DATA(clip);
+    Words words{clip};
+    const std::string scene =
+        TOUCHABLE_SOURCE_DIR "/tests/scenes/" + fs::path(GetParam()).filename().string() + ".json";
+    if (fs::exists(scene)) words.insert(words.end(), {"--scene", scene});
+    expect_the_same_forces(words);
+}
+
+INSTANTIATE_TEST_SUITE_P(, VulkanTouchReal,
+                         ::testing::Values("castel_sr300", "visp_cube_realsense", "stills/redwood5",
+                                           "stills/icl_nuim5", "stills/lensblur/greek-helmet.jpg",
+                                           "depthkit_typing/Test.mov"),
+                         test_name);
+
+TEST(VulkanTouch, TheValidationLayerHasNothingToSay) {
+    const TemporaryFolder folder;
+    make_clip("noise", folder / "clip.mkv", {"--size", "150x90", "--frames", "9"});
+    setenv("TOUCHABLE_VULKAN_VALIDATION", "1", 1);
+    const Outcome run = run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan", "--median", "5",
+                                       "--fill-holes", "1", "--seconds", "0.3"});
+    unsetenv("TOUCHABLE_VULKAN_VALIDATION");
+    EXPECT_EQ(run.code, 0);
+    EXPECT_EQ(run.err, "");
+}
+
+TEST(VulkanTouch, TheReportNamesTheDeviceThatTheSurfaceWasBuiltOn) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const auto device = GpuDevice::open();
+    ASSERT_TRUE(device);
+    const auto on_gpu = touch({folder / "clip.mkv", "--seconds", "0.1", "--builder", "vulkan"});
+    const auto on_cpu = touch({folder / "clip.mkv", "--seconds", "0.1"});
+    EXPECT_EQ(on_gpu["device_name"], (*device)->facts().name);
+    EXPECT_EQ(on_cpu["device_name"], on_cpu["cpu_name"]);
+    EXPECT_EQ(on_gpu["cpu_name"], on_cpu["cpu_name"]);
+}
+
+TEST(VulkanTouch, WithoutADriverEndsWithExitCode4AndSaysWhatIsMissing) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const WithoutDriver none;
+    const Outcome run = run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan"});
+    EXPECT_EQ(run.code, 4);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    EXPECT_NE(run.err.find("install a driver"), std::string::npos) << run.err;
+}
+
+TEST(VulkanTouch, WhereAutoTookAGpuThatWillNotDoTheCpuBuilderDoesItsWork) {
+    RunGpu none("no such device");
+    Scene scene;
+    scene.width = 40;
+    scene.height = 30;
+    const auto asked_for = make_builder({.name = "vulkan"}, scene, none);
+    ASSERT_FALSE(asked_for);
+    EXPECT_EQ(asked_for.error().kind, ErrorKind::gpu);
+    const auto picked = make_builder({.name = "vulkan", .gpu_fallback = true}, scene, none);
+    ASSERT_TRUE(picked) << picked.error().message;
+    EXPECT_EQ((*picked)->name(), "cpu");
+}
+
+TEST(VulkanTouch, ADeviceThatIsNotThereIsRefusedWithThoseThatAre) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const Outcome run =
+        run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan", "--gpu", "no such device"});
+    EXPECT_EQ(run.code, 4);
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
+}
+
+TEST(VulkanTouch, AutoMayTakeTheGpuThatIsNamedWhichHasToBeThere) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    const Words words{folder / "clip.mkv", "--seconds", "0.1"};
+    Words named = words;
+    named.insert(named.end(), {"--gpu", "0"});
+    const auto report = touch(named);
+    EXPECT_EQ(report["builder"], "cpu") << "small frames are not worth a GPU";
+    EXPECT_EQ(report["force_hash"], force_hash(words));
+    const Outcome none = run_touchable({"touch", folder / "clip.mkv", "--gpu", "no such device"});
+    EXPECT_EQ(none.code, 4) << none.err;
+    EXPECT_TRUE(none.one_line_of_error()) << none.err;
+}
+
+TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
+    const TemporaryFolder folder;
+    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
+    for (const Words& words :
+         {Words{"--builder", "cpu", "--gpu", "0"}, {"--builder", "lazy", "--gpu", "0"}}) {
+        Words all{"touch", folder / "clip.mkv"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome run = run_touchable(all);
+        EXPECT_EQ(run.code, 2) << words.back();
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    }
+}
+
+// A clip in MP4, or as a glTF scene, is felt as the same clip in Matroska, to the bit.
+
+class Mp4Touch : public ::testing::TestWithParam<int> {};
+
+TEST_P(Mp4Touch, ForcesAreTheSameInMatroskaInMp4AndThereAndBack) {
+    const TemporaryFolder folder;
+    const auto at = [&](const char* name) { return std::string(folder / name); };
+    const std::string hand = zigzag_hand(at("zigzag.csv"));
+    const auto forces = [&](const char* name) {
+        return force_hash({at(name), "--hand", hand, "--fingers", "2", "--seconds", "0.25"});
+    };
+    for (const char* name : {"made.mkv", "made.mp4"})
+        make_clip("globe", at(name),
+                  {"--size", "320x240", "--frames", "6", "--bits", std::to_string(GetParam())});
+    const std::string known = forces("made.mkv");
+    EXPECT_EQ(forces("made.mp4"), known);
+    for (const auto& [from, to] : {std::pair{"made.mkv", "converted.mp4"},
+                                   {"converted.mp4", "scene.gltf"},
+                                   {"scene.gltf", "back.mkv"}}) {
+        const Outcome run = run_touchable({"convert", at(from), at(to)});
+        ASSERT_EQ(run.code, 0) << run.err;
+        EXPECT_EQ(forces(to), known) << to;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bits, Mp4Touch, ::testing::Values(8, 10, 12, 16));
+
+class FragmentedTouch : public ::testing::TestWithParam<int> {};
+
+TEST_P(FragmentedTouch, ForcesAreThoseOfTheClipAlsoWhereItIsCut) {
+    const TemporaryFolder folder;
+    const auto at = [&](const char* name) { return std::string(folder / name); };
+    const std::string hand = zigzag_hand(at("zigzag.csv"));
+    const auto forces = [&](const char* name) {
+        return force_hash({at(name), "--hand", hand, "--fingers", "2", "--seconds", "0.25"});
+    };
+    const auto make = [&](const char* name, std::vector<std::string> options) {
+        options.insert(options.end(),
+                       {"--size", "320x240", "--frames", "20", "--bits", std::to_string(GetParam())});
+        make_clip("globe", at(name), options);
+    };
+    make("made.mkv", {});
+    make("made.mp4", {"--fragmented"});
+    const std::string known = forces("made.mkv");
+    EXPECT_EQ(forces("made.mp4"), known);
+    for (const std::vector<std::string>& step :
+         {std::vector<std::string>{at("made.mkv"), at("converted.mp4"), "--fragmented"},
+          {at("converted.mp4"), at("back.mkv")}}) {
+        std::vector<std::string> words{"convert"};
+        words.insert(words.end(), step.begin(), step.end());
+        const Outcome run = run_touchable(words);
+        ASSERT_EQ(run.code, 0) << run.err;
+        EXPECT_EQ(run.out.find("has no MPEG-4 scene in fragments") != std::string::npos, step.size() > 2);
+    }
+    EXPECT_EQ(forces("converted.mp4"), known);
+    EXPECT_EQ(forces("back.mkv"), known);
+    // Without its last fragment 15 frames are there, which is more than is touched.
+    const std::string whole = file_contents(at("made.mp4"));
+    std::ofstream(at("cut.mp4"), std::ios::binary) << whole.substr(0, whole.size() * 9 / 10);
+    EXPECT_EQ(forces("cut.mp4"), known);
+    const Outcome told = run_touchable({"info", at("cut.mp4")});
+    EXPECT_NE(told.out.find("the file is cut: its first 15 frames are whole"), std::string::npos) << told.out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Bits, FragmentedTouch, ::testing::Values(8, 16));
+
+TEST(FragmentedClip, IsAskedForByNamesOfMp4Alone) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "clip.mkv";
+    make_clip("globe", clip, {"--size", "64x48", "--frames", "2"});
+    for (const char* out : {"out.mkv", "out/", "out.png"}) {
+        const Outcome run = run_touchable({"convert", clip, folder / out, "--fragmented"});
+        EXPECT_EQ(run.code, 2) << out;
+        EXPECT_NE(run.err.find("--fragmented is for NAME.mp4"), std::string::npos) << run.err;
+    }
+    const Outcome made = run_touchable({"make", "globe", folder / "out.mkv", "--fragmented"});
+    EXPECT_EQ(made.code, 2);
+    EXPECT_NE(made.err.find("--fragmented is for NAME.mp4"), std::string::npos) << made.err;
+}
+
+TEST(FragmentedClip, SoundThatItCannotHoldIsLostAndThatIsSaid) {
+    if (std::system("command -v ffmpeg >/dev/null") != 0)
+        GTEST_SKIP() << "there is no program ffmpeg here (Debian: ffmpeg)";
+    const TemporaryFolder folder;
+    make_clip("globe", folder / "clip.mkv", {"--size", "64x48", "--frames", "20"});
+    for (const auto& [codec, words] : {std::pair{"aac", "kept as it is (aac)"},
+                                       {"ac3", "LOST: ac3, which an MP4 file in fragments cannot hold"}}) {
+        const std::string sounding = std::string(folder / codec) + ".mkv", out = sounding + ".mp4";
+        ASSERT_EQ(
+            std::system(("ffmpeg -loglevel error -i '" + std::string(folder / "clip.mkv") +
+                         "' -f lavfi -i sine=d=1 -map 0 -map 1 -c copy -c:a " + codec + " '" + sounding + "'")
+                            .c_str()),
+            0);
+        const Outcome run = run_touchable({"convert", sounding, out, "--fragmented"});
+        EXPECT_EQ(run.code, 0) << run.err;
+        EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
+    }
+}
 
 }  // namespace
 }  // namespace touchable::test

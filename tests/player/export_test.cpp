@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "engine/content/scenes.hpp"
@@ -11,6 +12,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
@@ -341,6 +343,140 @@ TEST_F(Export, PlanesOfAnEarlierClipDoNotStayBehind) {
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--overwrite"}).code, 0);
     EXPECT_FALSE(std::filesystem::exists(out("haptic.png")));
     EXPECT_TRUE(std::filesystem::exists(out("depth.png")));
+}
+
+// A clip that ffmpeg made alone, by the command that docs/formats.md gives.
+
+namespace fs = std::filesystem;
+
+/// The page's only block of shell commands.
+std::string command_of_the_page() {
+    const std::string page = file_contents(fs::path(TOUCHABLE_SOURCE_DIR) / "docs/formats.md");
+    const std::string fence = "```sh\n";
+    const auto begin = page.find(fence);
+    EXPECT_NE(begin, std::string::npos);
+    const auto from = begin + fence.size();
+    return page.substr(from, page.find("\n```", from) - from);
+}
+
+TEST(FfmpegClip, MadeByTheCommandOfThePageHoldsEveryValue) {
+    if (std::system("command -v ffmpeg >/dev/null") != 0)
+        GTEST_SKIP() << "there is no program ffmpeg here (Debian: ffmpeg)";
+    const TemporaryFolder folder;
+    const fs::path pictures = folder / "pictures";
+    make_clip("globe", folder / "globe.mkv", {"--size", "64x48", "--frames", "7", "--bits", "16"});
+    ASSERT_EQ(run_touchable({"convert", folder / "globe.mkv", pictures}).code, 0);
+    // One map for the whole video, as the page has it.
+    fs::rename(pictures / "haptic_000003.png", pictures / "haptic.png");
+    const std::string run = "cd '" + pictures.string() + "' && " + command_of_the_page();
+    ASSERT_EQ(std::system((run + " >ffmpeg.log 2>&1").c_str()), 0) << file_contents(pictures / "ffmpeg.log");
+
+    auto made = open_clip(pictures / "clip.mkv"), before = open_clip(folder / "globe.mkv");
+    ASSERT_TRUE(made) << made.error().message;
+    EXPECT_EQ((*made)->frame_count(), 7);
+    const auto map = read_image(pictures / "haptic.png");
+    ASSERT_TRUE(map);
+    for (int n = 0; n < 7; ++n) {
+        const auto is = (*made)->next(), was = (*before)->next();
+        ASSERT_TRUE(is) << is.error().message;
+        ASSERT_TRUE(*is && *was);
+        EXPECT_EQ((*is)->time_ns, (*was)->time_ns);
+        EXPECT_TRUE(same_samples((*is)->depth, (*was)->depth)) << n;
+        EXPECT_TRUE(same_samples((*is)->haptic, map->view())) << n;
+        EXPECT_FALSE((*is)->colour.empty());
+    }
+    EXPECT_FALSE((*made)->next()->has_value());
+}
+
+// Every option and word that names a file to read, given what is none: told at once, in a line.
+
+class GivenFiles : public ::testing::Test {
+protected:
+    GivenFiles() { make_clip("plane", clip, {"--size", "48x32", "--frames", "3"}); }
+
+    /// What stands for a file whose name ends so.
+    Words stand_ins(const std::string& ending) const {
+        const fs::path pipe = folder / ("pipe" + ending), device = folder / ("zero" + ending),
+                       endless = folder / ("large" + ending), files = folder / ("folder" + ending);
+        if (!fs::exists(pipe)) {
+            EXPECT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+            fs::create_symlink("/dev/zero", device);
+            std::ofstream(endless, std::ios::binary).put('\0');
+            fs::resize_file(endless, std::uintmax_t{8} << 30U);
+            fs::create_directory(files);
+        }
+        return {pipe, device, endless, files};
+    }
+
+    /// `@` in `words` stands for the file.
+    void expect_told(const std::string& ending, Words words) const {
+        for (const std::string& file : stand_ins(ending)) {
+            Words given = words;
+            for (std::string& word : given)
+                if (const auto at = word.find('@'); at != std::string::npos) word.replace(at, 1, file);
+#ifdef TOUCHABLE_SANITIZED
+            const Outcome run = run_touchable(given);  // sanitizers map terabytes of their own
+#else
+            const Outcome run = run_in_memory(given, 1024);
+#endif
+            std::string all;
+            for (const std::string& word : given) all += word + ' ';
+            SCOPED_TRACE(all);
+            EXPECT_GT(run.code, 0);
+            EXPECT_TRUE(run.one_line_of_error()) << run.err;
+            EXPECT_NE(run.err.find(file), std::string::npos) << run.err;
+            EXPECT_EQ(run.err.find("memory does not suffice"), std::string::npos) << run.err;
+            EXPECT_EQ(run.err.find("internal fault"), std::string::npos) << run.err;
+        }
+    }
+
+    TemporaryFolder folder;
+    const std::string clip = folder / "clip.mkv", out = folder / "out";
+};
+
+TEST_F(GivenFiles, OfWhichAClipIsMade) {
+    alarm(600);  // who opens a pipe waits for a writer
+    expect_told("", {"info", "@"});
+    expect_told(".mkv", {"info", "@"});
+    expect_told(".json", {"touch", "@", "--seconds", "0.1"});
+    expect_told(".png", {"init-scene", "@", "--out", out});
+    expect_told(".mp4", {"convert", "@", out + ".mkv"});
+    expect_told(".bag", {"export", "@", "--frame", "0", "--out", out});
+    expect_told(".json", {"info", clip, "--scene", "@"});
+    expect_told(".json", {"info", clip, "--intrinsics", "@"});
+    expect_told(".png", {"info", clip, "--haptic", "@"});
+    expect_told(".x3d", {"info", clip, "--haptic", "@"});
+    expect_told(".gltf", {"info", clip, "--haptic", "@"});
+    expect_told(".glb", {"info", clip, "--haptic", "@"});
+    expect_told(".png", {"info", clip, "--height", "@"});
+    expect_told(".mkv", {"touch", "--live", "--camera", "replay:@", "--seconds", "0.1"});
+    alarm(0);
+}
+
+TEST_F(GivenFiles, ThatLeadARun) {
+    alarm(600);
+    expect_told("", {"touch", clip, "--play", "@", "--seconds", "0.1"});
+    expect_told(".csv", {"touch", clip, "--hand", "csv:@:columns=z", "--seconds", "0.1"});
+    expect_told(".rec", {"touch", clip, "--hand", "rec:@", "--seconds", "0.1"});
+    expect_told(".rec", {"touch", "--replay", "@"});
+    expect_told(".csv", {"touch", clip, "--live", "--device", "recorded:@", "--seconds", "0.1"});
+    expect_told(".bin", {"touch", clip, "--live", "--device", "falcon:firmware=@", "--seconds", "0.1"});
+    expect_told(".json", {"touch", clip, "--live", "--device", "woodenhaptics:file=@", "--seconds", "0.1"});
+    expect_told("", {"touch", clip, "--live", "--device", "network:port=0", "--world-from-camera", "@",
+                     "--seconds", "0.1"});
+    expect_told("", {"play", clip, "--headless", "--script", "@"});
+    alarm(0);
+}
+
+TEST_F(GivenFiles, OfWhichARunIsJudged) {
+    alarm(600);
+    const std::string forces = folder / "forces.csv";
+    ASSERT_EQ(run_touchable({"touch", clip, "--seconds", "0.1", "--forces", forces}).code, 0);
+    expect_told(".csv", {"compare", "@", forces});
+    expect_told(".csv", {"compare", forces, "@"});
+    expect_told(".csv", {"plot", "@", out + ".png"});
+    expect_told("", {"plot", forces, out + ".png", "--over", "@"});
+    alarm(0);
 }
 
 }  // namespace

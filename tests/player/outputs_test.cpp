@@ -1,14 +1,24 @@
 // What a run writes: never over what it reads, never two in one, whole or not at all.
-#include <gtest/gtest.h>
 
+#include <gtest/gtest.h>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
+#include <numbers>
 
 #include "engine/base/files.hpp"
+#include "engine/picture/image.hpp"
+#include "player/run/run_files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
+
 namespace fs = std::filesystem;
 
 using Words = std::vector<std::string>;
@@ -228,6 +238,405 @@ TEST(NewFile, ReplacesALinkAndNotWhatItLeadsTo) {
 TEST(NewFile, HiddenNamesAreNotForeseen) {
     EXPECT_NE(hidden_name("folder"), hidden_name("folder"));
     EXPECT_EQ(hidden_name("folder").parent_path(), "folder");
+}
+
+TEST(Check, FindsThisMachineReady) {
+    const Outcome run = run_touchable({"check", "--json"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    const auto facts = nlohmann::json::parse(run.out, nullptr, false);
+    ASSERT_TRUE(facts.is_object());
+    EXPECT_TRUE(facts["ready"].get<bool>());
+    EXPECT_GE(facts["cpu"]["cores"].get<int>(), 1);
+    EXPECT_GT(facts["timer"]["clock_resolution_ns"].get<double>(), 0);
+    for (const char* encoder : {"ffv1 encoder", "libx264 encoder", "libx264rgb encoder"})
+        EXPECT_TRUE(facts["ffmpeg"]["needed"][encoder].get<bool>()) << encoder;
+    ASSERT_GE(facts["builders"].size(), 1U);
+    for (const auto& builder : facts["builders"]) {
+        EXPECT_TRUE(builder["identical"].get<bool>());
+        EXPECT_GT(builder["cpu_ms"].get<double>(), 0);
+        EXPECT_GT(builder["vulkan_ms"].get<double>(), 0);
+    }
+}
+
+TEST(Check, ReportsTheVulkanDeviceAndThatItComputes) {
+    const auto facts = nlohmann::json::parse(run_touchable({"check", "--json"}).out, nullptr, false);
+    ASSERT_TRUE(facts.is_object());
+    const auto& vulkan = facts["vulkan"];
+    EXPECT_TRUE(vulkan["usable"].get<bool>()) << vulkan;
+    EXPECT_TRUE(vulkan["kernel"]["same_bits"].get<bool>());
+    EXPECT_GT(vulkan["kernel"]["least_ms"].get<double>(), 0);
+    const auto& device = vulkan["devices"][vulkan["used"].get<std::size_t>()];
+    EXPECT_FALSE(device["driver"].get<std::string>().empty());
+    EXPECT_EQ(device["software"].get<bool>(), device["kind"] == "software");
+    EXPECT_TRUE(device["missing"].empty());
+    EXPECT_GT(device["limits"]["max_storage_buffer_range"].get<std::uint64_t>(), 0U);
+}
+
+TEST(Check, WithoutADriverTheMachineIsReadyForTheCpuAlone) {
+    for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"})
+        setenv(name, "/nonexistent/driver.json", 1);
+    const Outcome run = run_touchable({"check"});
+    for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"}) unsetenv(name);
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find("install a driver"), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find("verdict   ready, without Vulkan"), std::string::npos) << run.out;
+}
+
+TEST(Check, StopsWhenItIsInterrupted) {
+    const Outcome run = run_interrupted_once_it_speaks({"check"});
+    EXPECT_EQ(run.code, 130) << run.err;
+    EXPECT_EQ(run.out.find("verdict"), std::string::npos) << run.out;
+    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+}
+
+TEST(Check, TellsAPersonTheVerdict) {
+    const Outcome run = run_touchable({"check"});
+    EXPECT_EQ(run.code, 0);
+    for (const char* fact : {"cpu", "SCHED_FIFO", "ffmpeg", "vulkan", "the same bits", "verdict   ready\n"})
+        EXPECT_NE(run.out.find(fact), std::string::npos) << fact;
+}
+
+TEST(Check, AnswersWhetherTheMachineCan) {
+    const Outcome easy = run_touchable({"check", "--size", "64x48", "--fingers", "2", "--rate", "1"});
+    EXPECT_EQ(easy.code, 0) << easy.err;
+    EXPECT_EQ(easy.out.rfind("yes: 64x48 at 1 frames/s with 2 fingers; ", 0), 0U) << easy.out;
+    for (const char* fact : {"decode", "build", "tick", "cpu time", "at most", "SCHED_FIFO"})
+        EXPECT_NE(easy.out.find(fact), std::string::npos) << fact;
+
+    const Outcome hard = run_touchable({"check", "--json", "--size", "1920x1080", "--rate", "1000"});
+    EXPECT_EQ(hard.code, 6) << hard.out;
+    EXPECT_TRUE(hard.one_line_of_error()) << hard.err;
+    EXPECT_NE(hard.err.find("1920x1080 at 1000 frames/s with 1 finger is too much for this machine"),
+              std::string::npos)
+        << hard.err;
+    const auto facts = nlohmann::json::parse(hard.out, nullptr, false);
+    ASSERT_TRUE(facts.is_object()) << hard.out;
+    EXPECT_FALSE(facts["can"].get<bool>());
+    EXPECT_LT(facts["most_rate"].get<double>(), 1000);
+    EXPECT_EQ(facts["ticks"], 1000);
+    for (const char* measured : {"decode_ms", "build_ms", "tick_us"})
+        EXPECT_GT(facts[measured]["mean"].get<double>(), 0) << measured;
+    EXPECT_GT(facts["cpu_ms_per_second"].get<double>(), 0);
+}
+
+TEST(Check, LeavesNoFileOfItsTrialBehind) {
+    const TemporaryFolder folder;
+    setenv("TMPDIR", folder.path().c_str(), 1);
+    const Outcome run = run_touchable({"check", "--size", "64x48", "--rate", "1"});
+    const Outcome stopped = run_interrupted({"check", "--size", "1920x1080"}, folder.path());
+    unsetenv("TMPDIR");
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(stopped.code, 130) << stopped.err;
+    EXPECT_EQ(folder.file_count(), 0U);
+}
+
+TEST(Check, QuestionsThatMakeNoSenseAreCode2) {
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"--size", "big"},
+                                                  {"--size", "8x8"},
+                                                  {"--fingers", "0"},
+                                                  {"--rate", "0"}}) {
+        std::vector<std::string> all{"check"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome run = run_touchable(all);
+        EXPECT_EQ(run.code, 2) << words[1];
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    }
+}
+
+// What differs between two runs of the same hand.
+
+/// A finger that presses with this force in every tick.
+template <class ForceAt>
+ForceTable pressing(std::size_t ticks, ForceAt force_at) {
+    ForceTable table;
+    table.fingers = 1;
+    for (std::size_t tick = 0; tick < ticks; ++tick)
+        table.samples.push_back(
+            {{1, 2, -static_cast<double>(tick)}, force_at(0.001 * static_cast<double>(tick)), true});
+    return table;
+}
+
+TEST(CompareForces, ARunIsTheSameAsItself) {
+    const ForceTable a = pressing(600, [](double t) { return glm::dvec3(0, t, 1); });
+    const auto same = compare_forces(a, a);
+    ASSERT_TRUE(same);
+    EXPECT_EQ(same->both, 600);
+    EXPECT_EQ(same->difference_n.max, 0);
+    EXPECT_EQ(same->direction_degrees.max, 0);
+    EXPECT_EQ(same->noise_a_n, same->noise_b_n);
+    EXPECT_TRUE(same->worst.empty());
+}
+
+TEST(CompareForces, DirectionAndLengthAreToldApart) {
+    const double turned = 10 * std::numbers::pi / 180;
+    const ForceTable a = pressing(300, [](double) { return glm::dvec3(0, 0, 2); });
+    const ForceTable b =
+        pressing(300, [&](double) { return 1.5 * glm::dvec3(std::sin(turned), 0, std::cos(turned)); });
+    const auto c = compare_forces(a, b);
+    ASSERT_TRUE(c);
+    EXPECT_NEAR(c->direction_degrees.mean, 10, 1e-9);
+    EXPECT_NEAR(c->longer_n, 0.5, 1e-12);
+    const double apart = std::sqrt(4 + 2.25 - 2 * 2 * 1.5 * std::cos(turned));
+    EXPECT_NEAR(c->difference_n.p95, apart, 1e-12);
+    ASSERT_EQ(c->worst.size(), 5U) << "of each 50 ms one";
+    EXPECT_EQ(c->worst[0].tick, 0);
+    EXPECT_EQ(c->worst[1].tick, 50);
+}
+
+TEST(CompareForces, AHumIsFoundInItsBand) {
+    const ForceTable quiet = pressing(1024, [](double) { return glm::dvec3(0, 0, 1); });
+    for (const auto& [hz, band] : {std::pair{12.0, 0U}, {50.0, 1U}, {150.0, 2U}, {400.0, 3U}}) {
+        const ForceTable humming = pressing(1024, [hz = hz](double t) {
+            return glm::dvec3(0, 0.1 * std::sin(2 * std::numbers::pi * hz * t), 1);
+        });
+        const auto c = compare_forces(humming, quiet);
+        ASSERT_TRUE(c);
+        EXPECT_EQ(c->noise_windows, 4);
+        for (std::size_t k = 0; k < ForceComparison::noise_bands.size(); ++k) {
+            const double rms = 0.1 / std::numbers::sqrt2;
+            EXPECT_NEAR(c->noise_a_n[k], k == band ? rms : 0, 0.05 * rms) << hz << " Hz, band " << k;
+            EXPECT_NEAR(c->noise_b_n[k], 0, 1e-12);
+        }
+    }
+}
+
+TEST(CompareForces, WhoTouchesIsCounted) {
+    ForceTable a = pressing(4, [](double) { return glm::dvec3(0, 0, 1); }), b = a;
+    a.samples[1] = b.samples[2] = {{1, 2, -1}, {}, false};
+    a.samples[2].goal = b.samples[2].goal;
+    b.samples[1].goal = a.samples[1].goal;
+    a.samples[3].goal.x += 1e-9;
+    const auto c = compare_forces(a, b);
+    ASSERT_TRUE(c);
+    EXPECT_EQ(c->both, 1);
+    EXPECT_EQ(c->only_b, 1);
+    EXPECT_EQ(c->only_a, 1);
+    EXPECT_EQ(c->other_goals, 1);
+    EXPECT_EQ(c->noise_windows, 0);
+}
+
+TEST(CompareForces, RunsThatHaveNothingInCommonAreRefused) {
+    const ForceTable a = pressing(3, [](double) { return glm::dvec3(0, 0, 1); });
+    ForceTable other = a, two = a;
+    for (ForceTable::Sample& sample : other.samples) sample.goal.x = 7;
+    EXPECT_EQ(compare_forces(a, other).error().kind, ErrorKind::usage);
+    two.fingers = 3;
+    EXPECT_EQ(compare_forces(a, two).error().kind, ErrorKind::usage);
+}
+
+TEST(Compare, RefusesWhatIsNoForcesFile) {
+    const TemporaryFolder folder;
+    const std::string good = folder / "a.csv", bad = folder / "b.csv";
+    const std::string header = "tick,finger,goal_x,goal_y,goal_z,force_x,force_y,force_z,contact\n";
+    std::ofstream(good) << header << "0,0,1,2,3,0,0,1,1\n1,0,1,2,3,0,0,1,1\n";
+    for (const auto& [rows, word] :
+         {std::pair<std::string, const char*>{"tick,finger\n0,0\n", "goal_x"},
+          {header + "0,0,1,2,3,0,0,1,1\n2,0,1,2,3,0,0,1,1\n", "line 3"},
+          {header + "0,0,1,2,3,0,0,x,1\n", "line 2"},
+          {header + "0,0,1,2,3,0,0,1,1\n0,1,1,2,3,0,0,1,1\n1,0,1,2,3,0,0,1,1\n", "lacks"}}) {
+        std::ofstream(bad) << rows;
+        const Outcome outcome = run_touchable({"compare", good, bad});
+        EXPECT_EQ(outcome.code, 3) << outcome.err;
+        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+        EXPECT_NE(outcome.err.find(word), std::string::npos) << outcome.err;
+    }
+    EXPECT_EQ(run_touchable({"compare", good}).code, 2);
+    EXPECT_EQ(run_touchable({"compare", good, good}).code, 0);
+}
+
+/// Two fingers over a globe of few bits, and the same goals with a filter and without.
+TEST(Compare, AFilterIsJudgedByTheVeryGoalsOfARecording) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", rec = "rec:" + (folder / "a.rec").string();
+    const std::string a = folder / "a.csv", b = folder / "b.csv", again = folder / "again.csv";
+    make_clip("globe", clip, {"--size", "160x120", "--frames", "12", "--bits", "8"});
+    const auto first = touch({clip, "--fingers", "2", "--seconds", "0.6", "--median", "0", "--record",
+                              folder / "a.rec", "--forces", a});
+    const auto same = touch({clip, "--hand", rec, "--median", "0", "--forces", again});
+    EXPECT_EQ(same["force_hash"], first["force_hash"]);
+    EXPECT_EQ(same["fingers"], 2);
+    EXPECT_EQ(same["ticks"], 600);
+    const auto filtered = touch({clip, "--hand", rec, "--median", "5", "--forces", b});
+    EXPECT_NE(filtered["force_hash"], first["force_hash"]);
+
+    EXPECT_NE(run_touchable({"compare", a, again}).out.find("every force is the same"), std::string::npos);
+    const Outcome outcome = run_touchable({"compare", a, b, "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(report["other_goals"], 0);
+    EXPECT_EQ(report["fingers"], 2);
+    EXPECT_GT(report["contact"]["both"], 300);
+    EXPECT_GT(report["difference_n"]["max"], 0);
+    const Outcome table = run_touchable({"compare", a, b});
+    for (const char* word : {"contact ", "difference ", "direction ", "noise ", "worst "})
+        EXPECT_NE(table.out.find(word), std::string::npos) << table.out;
+}
+
+TEST(Compare, ARecordedHandIsRefusedWhereItCannotBe) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", rec = "rec:" + (folder / "a.rec").string();
+    make_clip("globe", clip, {"--size", "80x60", "--frames", "3"});
+    touch({clip, "--fingers", "2", "--seconds", "0.1", "--record", folder / "a.rec"});
+    for (const auto& [words, code, say] : {std::tuple{Words{"--hand", "rec:"}, 2, "--record"},
+                                           {Words{"--hand", "rec:no.rec"}, 3, "no.rec"},
+                                           {Words{"--hand", rec + ":speed=2"}, 2, "depth"},
+                                           {Words{"--hand", rec, "--fingers", "3"}, 2, "has 2"},
+                                           {Words{"--hand", "rec:" + clip}, 3, "globe.mkv"}}) {
+        Words all{"touch", clip};
+        all.insert(all.end(), words.begin(), words.end());
+        const Outcome outcome = run_touchable(all);
+        EXPECT_EQ(outcome.code, code) << outcome.err;
+        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+        EXPECT_NE(outcome.err.find(say), std::string::npos) << outcome.err;
+    }
+    // An input is never replaced, a hand's file neither.
+    const Outcome kept =
+        run_touchable({"touch", clip, "--hand", rec, "--record", folder / "a.rec", "--overwrite"});
+    EXPECT_EQ(kept.code, 2) << kept.err;
+}
+
+// `touchable plot`.
+
+class Plot : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (std::system("/usr/bin/python3 -c 'import matplotlib' 2>/dev/null") != 0)
+            GTEST_SKIP() << "needs Python with matplotlib (Debian: python3-matplotlib)";
+        ASSERT_EQ(run_touchable({"make", "globe", clip(), "--size", "72x48", "--frames", "6"}).code, 0);
+        ASSERT_EQ(
+            run_touchable({"touch", clip(), "--fingers", "3", "--seconds", "0.3", "--forces", forces()}).code,
+            0);
+    }
+    std::string clip() const { return folder / "clip.mkv"; }
+    std::string forces() const { return folder / "forces.csv"; }
+    std::string picture() const { return folder / "plot.png"; }
+    /// Nothing was drawn, and one line says why.
+    void expect_refused(const std::vector<std::string>& words, int code, const std::string& why) const {
+        const auto before = names_in(folder.path());
+        const Outcome outcome = run_touchable(words);
+        EXPECT_EQ(outcome.code, code) << outcome.err;
+        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
+        EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
+        EXPECT_EQ(names_in(folder.path()), before);
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(Plot, DrawsForcesAndWays) {
+    ASSERT_EQ(run_touchable({"plot", forces(), picture()}).code, 0);
+    const auto over_time = read_image(picture());
+    ASSERT_TRUE(over_time);
+    EXPECT_GT(over_time->width, 800);
+    ASSERT_EQ(run_touchable({"export", clip(), "--frame", "2", "--out", folder / "frame"}).code, 0);
+    const Outcome again =
+        run_touchable({"plot", forces(), picture(), "--over", folder / "frame", "--overwrite"});
+    ASSERT_EQ(again.code, 0) << again.err;
+    const auto over_depth = read_image(picture());
+    ASSERT_TRUE(over_depth);
+    EXPECT_NE(over_depth->samples, over_time->samples);
+}
+
+/// As a window records them: five fingers, of which one was led.
+TEST_F(Plot, LeavesOutFingersThatNobodyLed) {
+    const auto write = [&](const std::string& file, int fingers) {
+        std::ofstream out(folder / file);
+        out << "tick,time_s,finger,goal_x,goal_y,goal_z,force_x,force_y,force_z,contact,pixel_x,pixel_y,"
+               "guard\n";
+        for (int tick = 0; tick < 20; ++tick)
+            for (int finger = 0; finger < fingers; ++finger) {
+                out << tick << ',' << 0.001 * tick << ',' << finger << ',' << (finger == 0 ? tick : 0)
+                    << ",0,0,0," << (finger == 0 ? 0.1 * tick : 0) << ",0,"
+                    << (finger == 0 && tick > 9 ? 1 : 0) << ",3,4,0\n";
+            }
+    };
+    write("one.csv", 1);
+    write("five.csv", 5);
+    ASSERT_EQ(run_touchable({"plot", folder / "one.csv", folder / "one.png"}).code, 0);
+    ASSERT_EQ(run_touchable({"plot", folder / "five.csv", folder / "five.png"}).code, 0);
+    const auto one = read_image(folder / "one.png"), five = read_image(folder / "five.png");
+    ASSERT_TRUE(one && five);
+    EXPECT_EQ(one->samples, five->samples);
+}
+
+TEST_F(Plot, KeepsWhatIsThere) {
+    std::ofstream(picture()) << "mine";
+    expect_refused({"plot", forces(), picture()}, 2, "--overwrite");
+    EXPECT_EQ(file_contents(picture()), "mine");
+    expect_refused({"plot", forces(), forces(), "--overwrite"}, 2, ".png");
+}
+
+TEST_F(Plot, SaysWhatIsWrongWithItsInputOnOneLine) {
+    expect_refused({"plot", folder / "none.csv", picture()}, 3, "none.csv");
+    expect_refused({"plot", clip(), picture()}, 3, "clip.mkv: holds bytes that are no text");
+    std::ofstream(folder / "half.csv") << file_contents(forces()).substr(0, 700);
+    expect_refused({"plot", folder / "half.csv", picture()}, 3, "half.csv: line");
+    expect_refused({"plot", forces(), picture(), "--over", folder / "nothing"}, 3, "scene.json");
+}
+
+// What should worry a person stands first in the table, and with --strict in the exit code. Of live runs:
+// live_test.cpp.
+
+class Warnings : public ::testing::Test {
+protected:
+    /// A still whose pixels all have the code 7.
+    std::string flat_still(const nlohmann::json& invalid) const {
+        make_clip("plane", folder / "plane.mkv", {"--size", "48x32", "--frames", "1", "--bits", "8"});
+        auto scene = scene_of(folder / "plane.mkv");
+        scene["depth"]["invalid"] = invalid;
+        scene["folder"] = {{"depth", "flat.png"}};
+        std::ofstream(folder / "scene.json") << scene;
+        const Image flat{48, 32, 1, 1, std::vector<std::uint8_t>(48 * 32, 7)};
+        EXPECT_TRUE(write_png(folder / "flat.png", flat.view()));
+        return folder / "scene.json";
+    }
+    /// Of an offline run, as the report has them; the table begins with them, and --strict minds them.
+    Words warnings(Words words) const {
+        words.insert(words.begin(), {"touch", "--overwrite", "--json", folder / "r.json"});
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, 0) << run.err;
+        const Words told = nlohmann::json::parse(file_contents(folder / "r.json"))["warnings"];
+        std::string first;
+        for (const std::string& warning : told) first += "  warning               " + warning + '\n';
+        EXPECT_TRUE(run.out.starts_with(first + "  touched ")) << run.out;
+        words.emplace_back("--strict");
+        const Outcome strict = run_touchable(words);
+        EXPECT_EQ(strict.code, told.empty() ? 0 : 6) << strict.err;
+        if (!told.empty()) {
+            EXPECT_TRUE(strict.one_line_of_error()) << strict.err;
+        }
+        for (const std::string& warning : told)
+            EXPECT_NE(strict.err.find(warning), std::string::npos) << strict.err;
+        EXPECT_EQ(nlohmann::json::parse(file_contents(folder / "r.json"))["warnings"], told);
+        return told;
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(Warnings, ARunAsItWasMeantHasNone) {
+    EXPECT_EQ(warnings({flat_still({0}), "--hand", "press", "--seconds", "0.8"}), Words());
+}
+
+TEST_F(Warnings, AHandThatTouchesNothing) {
+    const Words told = warnings({flat_still({0}), "--hand", "press", "--seconds", "0.05"});
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_EQ(told[0], "no finger touched anything");
+}
+
+TEST_F(Warnings, AClipWithoutASurfaceWhoeverBuildsIt) {
+    const std::string scene = flat_still({7});
+    for (const char* builder : {"cpu", "lazy", "reference"}) {
+        const Words told = warnings({scene, "--builder", builder, "--seconds", "0.05"});
+        ASSERT_EQ(told.size(), 2U) << builder;
+        EXPECT_NE(told[0].find("100 % of the pixels are invalid"), std::string::npos) << told[0];
+    }
+}
+
+TEST_F(Warnings, OfAReplay) {
+    const std::string scene = flat_still({0}), record = folder / "run.rec";
+    touch({scene, "--hand", "press", "--seconds", "0.05", "--record", record});
+    EXPECT_EQ(warnings({"--replay", record}).size(), 1U);
 }
 
 }  // namespace

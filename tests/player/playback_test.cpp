@@ -1,14 +1,31 @@
 // A clip that is paused, sought, looped, stepped and played at other speeds while fingers press on it.
-#include <gtest/gtest.h>
 
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
+#include "haptics_cpu/force_guard.hpp"
+#include "player/run/playback.hpp"
 #include "player/run/touch_session.hpp"
+#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
+#include "tests/frame/random.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -322,6 +339,359 @@ TEST(PlaybackScript, RefusesALineByItsNumber) {
     }
     EXPECT_EQ(in_words(parse_playback("0.5 loop 1 2.25\n3 rate 0.333\n4 unloop", "").value()),
               "0.5 loop 1 2.25, 3 rate 0.333, 4 unloop");
+}
+
+// Which moment of a clip a tick is of.
+
+using Verb = PlaybackVerb;
+
+constexpr std::int64_t ms = 1'000'000;
+
+PlaybackClock clock_of(std::vector<PlaybackCommand> commands) {
+    EXPECT_TRUE(validate(commands));
+    return PlaybackClock({30, 1}, std::move(commands));
+}
+
+void expect_at(PlaybackClock& clock, std::int64_t tick, std::uint64_t epoch, std::int64_t time_ns) {
+    const MediaMoment moment = clock.at(tick);
+    EXPECT_EQ(moment.epoch, epoch) << "tick " << tick;
+    EXPECT_EQ(moment.time_ns, time_ns) << "tick " << tick;
+}
+
+TEST(PlaybackClock, WithoutCommandsATickIsAMillisecond) {
+    PlaybackClock clock = clock_of({});
+    for (const std::int64_t tick : {0LL, 1LL, 999LL, 1'000'000'000LL}) expect_at(clock, tick, 0, tick * ms);
+    EXPECT_FALSE(clock.next_epoch());
+    EXPECT_TRUE(clock.plays_to_the_end());
+    EXPECT_GT(clock.at(std::int64_t{1} << 62).time_ns, 0) << "no overflow";
+}
+
+TEST(PlaybackClock, PauseAndRateAreTheSameEpoch) {
+    PlaybackClock clock = clock_of({{10, Verb::pause, 0, 0},
+                                    {20, Verb::play, 0, 0},
+                                    {30, Verb::rate, 333, 0},
+                                    {33, Verb::rate, 8000, 0}});
+    expect_at(clock, 9, 0, 9 * ms);
+    expect_at(clock, 10, 0, 10 * ms);
+    expect_at(clock, 19, 0, 10 * ms);
+    expect_at(clock, 20, 0, 10 * ms);
+    expect_at(clock, 21, 0, 11 * ms);
+    expect_at(clock, 30, 0, 20 * ms);
+    expect_at(clock, 32, 0, 20 * ms + 666'000);
+    expect_at(clock, 33, 0, 20 * ms + 999'000);
+    expect_at(clock, 34, 0, 28 * ms + 999'000);
+    EXPECT_TRUE(clock.plays_to_the_end());
+}
+
+TEST(PlaybackClock, ASeekIsAnEpochAndKeepsThePause) {
+    PlaybackClock clock = clock_of({{5, Verb::pause, 0, 0},
+                                    {7, Verb::seek, 400 * ms, 0},
+                                    {9, Verb::seek, 2 * ms, 0},
+                                    {9, Verb::play, 0, 0}});
+    expect_at(clock, 6, 0, 5 * ms);
+    expect_at(clock, 7, 1, 400 * ms);
+    expect_at(clock, 8, 1, 400 * ms);
+    expect_at(clock, 9, 2, 2 * ms);
+    expect_at(clock, 10, 2, 3 * ms);
+    EXPECT_EQ(clock.at(11).start_ns, 2 * ms);
+}
+
+TEST(PlaybackClock, AStepGoesToTheNextFrameAndPauses) {
+    PlaybackClock clock = clock_of({{40, Verb::step, 0, 0}, {50, Verb::step, 0, 0}, {51, Verb::step, 0, 0}});
+    expect_at(clock, 39, 0, 39 * ms);
+    expect_at(clock, 40, 0, 66'666'666);
+    expect_at(clock, 49, 0, 66'666'666);
+    expect_at(clock, 50, 0, 100 * ms);
+    expect_at(clock, 51, 0, 133'333'333);
+    expect_at(clock, 500, 0, 133'333'333);
+    EXPECT_FALSE(clock.plays_to_the_end());
+}
+
+// At rate 3 a tick may come 2 ms beyond the loop's end; they are not lost.
+TEST(PlaybackClock, ALoopsWayBackIsAnEpoch) {
+    PlaybackClock clock =
+        clock_of({{0, Verb::rate, 3000, 0}, {0, Verb::loop, 10 * ms, 110 * ms}, {100, Verb::unloop, 0, 0}});
+    expect_at(clock, 36, 0, 108 * ms);
+    expect_at(clock, 37, 1, 11 * ms);
+    expect_at(clock, 69, 1, 107 * ms);
+    expect_at(clock, 70, 2, 10 * ms);
+    EXPECT_EQ(clock.at(70).start_ns, 10 * ms);
+    expect_at(clock, 99, 2, 97 * ms);
+    expect_at(clock, 200, 2, 400 * ms);
+    EXPECT_TRUE(clock.plays_to_the_end());
+}
+
+TEST(PlaybackClock, WhoIsFarBeyondALoopsEndBeginsWithIt) {
+    PlaybackClock clock = clock_of({{500, Verb::loop, 0, 100 * ms}});
+    expect_at(clock, 499, 0, 499 * ms);
+    expect_at(clock, 500, 1, 0);
+    EXPECT_FALSE(clock.plays_to_the_end());
+}
+
+std::vector<PlaybackCommand> drawn_commands(Random& random) {
+    std::vector<PlaybackCommand> commands;
+    std::int64_t tick = 0;
+    for (int k = 0; k < 12; ++k) {
+        tick += random.below(120);
+        const auto verb = static_cast<Verb>(random.below(7));
+        const std::int64_t moment = random.below(500) * ms + random.below(1000);
+        PlaybackCommand command{tick, verb, 0, 0};
+        if (verb == Verb::rate) command.first = 1 + random.below(8000);
+        if (verb == Verb::seek || verb == Verb::loop) command.first = moment;
+        if (verb == Verb::loop) command.second = moment + shortest_loop_ns + random.below(100) * ms;
+        commands.push_back(command);
+    }
+    return commands;
+}
+
+/// Tick by tick against a clock of which only some ticks are asked, and one that looks ahead.
+void expect_pure(const std::vector<PlaybackCommand>& commands, Random& random) {
+    PlaybackClock every = clock_of(commands), some = every, ahead = every;
+    MediaMoment before = every.at(0);
+    auto coming = before.epoch == 0 ? ahead.next_epoch() : std::nullopt;
+    const bool follows = before.epoch == 0;
+    for (std::int64_t tick = 1; tick < 3000; ++tick) {
+        const MediaMoment now = every.at(tick);
+        if (random.below(9) == 0) {
+            ASSERT_EQ(some.at(tick), now);
+        }
+        if (now.epoch == before.epoch) {
+            ASSERT_GE(now.time_ns, before.time_ns);
+            ASSERT_EQ(now.start_ns, before.start_ns);
+        } else {
+            ASSERT_GT(now.epoch, before.epoch);
+            while (follows && coming && coming->number < now.epoch) coming = ahead.next_epoch();
+            if (follows) {
+                ASSERT_TRUE(coming);
+                ASSERT_EQ(coming->number, now.epoch);
+                ASSERT_EQ(coming->start_ns, now.start_ns);
+                if (now.epoch == before.epoch + 1) {
+                    ASSERT_GE(coming->left_ns, before.time_ns);
+                }
+                coming = ahead.next_epoch();
+            }
+        }
+        ASSERT_GE(now.time_ns, now.start_ns);
+        before = now;
+    }
+}
+
+TEST(PlaybackClock, IsAFunctionOfTheTickAndKnowsItsEpochsAhead) {
+    Random random(41);
+    for (int run = 0; run < 100; ++run) {
+        SCOPED_TRACE(run);
+        ASSERT_NO_FATAL_FAILURE(expect_pure(drawn_commands(random), random));
+    }
+}
+
+TEST(PlaybackClock, RefusesWhatIsNoCommand) {
+    const std::pair<PlaybackCommand, const char*> wrong[] = {
+        {{-1, Verb::play, 0, 0}, "tick -1"},
+        {{4, Verb::play, 0, 0}, "is before 5"},
+        {{5, Verb::rate, 0, 0}, "0.001 to 8"},
+        {{5, Verb::rate, 8001, 0}, "0.001 to 8"},
+        {{5, Verb::seek, -1, 0}, "0 to 1e6 s"},
+        {{5, Verb::seek, latest_moment_ns + 1, 0}, "0 to 1e6 s"},
+        {{5, Verb::loop, 0, shortest_loop_ns - 1}, "0.1 s or longer"},
+        {{5, Verb::loop, -5, shortest_loop_ns}, "0 to 1e6 s"},
+        {{5, static_cast<Verb>(7), 0, 0}, "no command"}};
+    for (const auto& [command, fragment] : wrong) {
+        const auto refused = validate({{5, Verb::play, 0, 0}, command});
+        ASSERT_FALSE(refused) << fragment;
+        EXPECT_NE(refused.error().message.find("command 2: "), std::string::npos) << refused.error().message;
+        EXPECT_NE(refused.error().message.find(fragment), std::string::npos) << refused.error().message;
+    }
+}
+
+// `./run` on a machine that lacks what it needs.
+
+namespace fs = std::filesystem;
+
+struct Answer {
+    int code = -1;
+    std::string text;
+};
+
+/// What `./run` with these words says where no other programs are than those in `path`.
+Answer run_script(const std::string& words, const fs::path& path, const std::string& through = "") {
+    const std::string command = "PATH='" + path.string() + "' " + through + " '" + (path / "bash").string() +
+                                "' '" TOUCHABLE_SOURCE_DIR "/run' " + words + " 2>&1";
+    Answer answer;
+    FILE* script = popen(command.c_str(), "r");
+    std::array<char, 256> some;
+    while (std::fgets(some.data(), some.size(), script)) answer.text += some.data();
+    answer.code = WEXITSTATUS(pclose(script));
+    return answer;
+}
+
+TEST(RunScript, NamesTheProgramsThatAreMissing) {
+    const TemporaryFolder path;
+    for (const char* name : {"bash", "dirname", "nproc"}) {
+        fs::path program = fs::path("/usr/bin") / name;
+        ASSERT_TRUE(fs::exists(program)) << program;
+        fs::create_symlink(program, path / name);
+    }
+    for (const char* words : {"build --no-install", "test --no-install", "demo --no-install"}) {
+        const Answer answer = run_script(words, path.path());
+        EXPECT_EQ(answer.code, 2) << words;
+        EXPECT_EQ(std::count(answer.text.begin(), answer.text.end(), '\n'), 1) << answer.text;
+        for (const char* missing :
+             {"g++ (Debian: g++)", "cmake (Debian: cmake)", "ninja (Debian: ninja-build)"})
+            EXPECT_NE(answer.text.find(missing), std::string::npos) << answer.text;
+    }
+    std::error_code failure;
+    fs::create_symlink("/usr/bin/true", path / "cmake", failure);
+    EXPECT_EQ(run_script("build --no-install", path.path()).text.find("cmake"), std::string::npos);
+}
+
+TEST(RunScript, AWindowWithoutADisplayIsRefusedBeforeAnythingIsBuilt) {
+    const Answer answer =
+        run_script("demo --window --no-install", "/usr/bin", "env -u DISPLAY -u WAYLAND_DISPLAY");
+    EXPECT_EQ(answer.code, 2) << answer.text;
+    EXPECT_EQ(std::count(answer.text.begin(), answer.text.end(), '\n'), 1) << answer.text;
+    EXPECT_NE(answer.text.find("./run demo touches the globe without"), std::string::npos) << answer.text;
+}
+
+/// A program of a folder, as a script.
+void put_script(const fs::path& path, const std::string& text) {
+    std::ofstream(path) << "#!/usr/bin/bash\n" << text << '\n';
+    fs::permissions(path, fs::perms::owner_all);
+}
+
+TEST(RunScript, APersonWhomSudoRefusesIsAskedOnceAndGetsTheLineForRoot) {
+    const TemporaryFolder path;
+    for (const char* name : {"bash", "dirname", "nproc"})
+        fs::create_symlink(fs::path("/usr/bin") / name, path / name);
+    put_script(path / "id", "echo 1000");
+    put_script(path / "dpkg-query", "exit 1");  // nothing is installed
+    put_script(path / "sudo", "echo asked; exit 1");
+    // The tests may themselves have been asked for by `./run test --no-install`.
+    const Answer answer = run_script("build", path.path(), "/usr/bin/env -u TOUCHABLE_INSTALL");
+    EXPECT_EQ(answer.code, 2) << answer.text;
+    EXPECT_EQ(answer.text.find("asked"), answer.text.rfind("asked")) << answer.text;
+    EXPECT_NE(answer.text.find("as root: apt-get install --no-install-recommends g++ "), std::string::npos)
+        << answer.text;
+}
+
+// The globe fills 80 % of the picture's height; what is behind it pushes back, too.
+TEST(RunScript, DemoFingersStayOnGlobe) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "globe.mkv", forces = folder / "forces.csv";
+    const double width = 360, height = 240;
+    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "360x240", "--frames", "90"}).code, 0);
+    const std::regex in_words(R"(globe\.mkv"? (?:--live )?--hand (\S+) --fingers 5)");
+    std::set<std::string> hands;
+    int commands = 0;
+    for (const char* file : {TOUCHABLE_SOURCE_DIR "/run", TOUCHABLE_SOURCE_DIR "/README.md"}) {
+        const std::string text = file_contents(file);
+        for (std::sregex_iterator match(text.begin(), text.end(), in_words), end; match != end; ++match) {
+            hands.insert((*match)[1]);
+            ++commands;
+        }
+    }
+    EXPECT_EQ(commands, 3) << "two of the demo, and the README's";
+    for (const std::string& hand : hands) {
+        const Outcome touched = run_touchable(
+            {"touch", clip, "--hand", hand, "--fingers", "5", "--forces", forces, "--overwrite"});
+        ASSERT_EQ(touched.code, 0) << touched.err;
+        std::ifstream rows(forces);
+        std::string header, row;
+        std::getline(rows, header);
+        const auto column = [&](const char* name) {
+            const std::size_t at = ("," + header + ",").find(std::string(",") + name + ",");
+            EXPECT_NE(at, std::string::npos) << name;
+            return std::count(header.begin(), header.begin() + static_cast<std::ptrdiff_t>(at), ',');
+        };
+        const auto finger = column("finger"), contact = column("contact"), x = column("pixel_x"),
+                   y = column("pixel_y");
+        std::array<int, 5> touching{};
+        double farthest = 0;
+        while (std::getline(rows, row)) {
+            std::vector<double> values;
+            std::istringstream fields(row);
+            for (std::string field; std::getline(fields, field, ',');) values.push_back(std::stod(field));
+            const auto at = [&](std::ptrdiff_t n) { return values.at(static_cast<std::size_t>(n)); };
+            if (at(contact) == 0) continue;
+            ++touching.at(static_cast<std::size_t>(at(finger)));
+            farthest = std::max(farthest, std::hypot(at(x) - 0.5 * (width - 1), at(y) - 0.5 * (height - 1)));
+        }
+        EXPECT_LT(farthest, 0.8 * height / 2) << hand;
+        for (const int ticks : touching) EXPECT_GT(ticks, 2500) << hand << ": of 3000";
+    }
+}
+
+// What a hand got of the energy that the guard's books have.
+
+/// A finger that goes into a wall at 0, 1 N/mm, and out of it again; scene units are metres.
+class SentBooks : public ::testing::Test {
+protected:
+    SentBooks() {
+        settings_.ramp_in_ticks = 0;
+        guard_.emplace(settings_, 1.0);
+    }
+    /// The tick's force, newtons; `share` of it is sent.
+    double press(double depth, double share) {
+        Contact contact;
+        contact.goal = {0, 0, -depth};
+        contact.touching = depth > 0;
+        contact.proxy = contact.touching ? glm::dvec3(0) : contact.goal;
+        contact.carried = contact.proxy;
+        if (was_touching_) contact.carried_stiffness = 1000;
+        contact.properties.stiffness = contact.touching ? 1000 : 0;
+        contact.force = 1000.0 * (contact.proxy - contact.goal);
+        was_touching_ = contact.touching;
+        const glm::dvec3 step = contact.goal - goal_;
+        goal_ = contact.goal;
+        work_ += glm::dot(held_, step);
+        const GuardedForce out = guard_->guard(contact);
+        held_ = share * out.force;
+        guarded_ = out.energy;
+        sent_.take(out.energy, share);
+        return out.force.z;
+    }
+    /// In and out once, 5 mm deep, in steps of 0.1 mm; `share_of` each tick.
+    template <class Share>
+    void stroke(const Share& share_of) {
+        for (int k = 0; k <= 120; ++k) press(0.0001 * (60 - std::abs(60 - k)) - 0.001, share_of(k));
+    }
+
+    GuardSettings settings_;
+    std::optional<ForceGuard> guard_;
+    bool was_touching_ = false;
+    glm::dvec3 goal_{0, 0, 0.001}, held_{0};
+    double work_ = 0;  // that the sent forces did
+    EnergyFigures guarded_;
+    TouchFigures::SentEnergy sent_;
+};
+
+TEST_F(SentBooks, AllOfItIsTheGuardsToTheBit) {
+    stroke([](int) { return 1.0; });
+    ASSERT_GT(guarded_.bound, 0);
+    const EnergyFigures& sent = sent_.figures();
+    for (const auto figure : {&EnergyFigures::work, &EnergyFigures::surface, &EnergyFigures::stored,
+                              &EnergyFigures::created, &EnergyFigures::bound})
+        EXPECT_EQ(sent.*figure, guarded_.*figure);
+}
+
+TEST_F(SentBooks, NothingOfItIsNothing) {
+    stroke([](int) { return 0.0; });
+    ASSERT_GT(guarded_.created, 0);
+    const EnergyFigures& sent = sent_.figures();
+    EXPECT_NEAR(sent.work, 0, 1e-15);
+    EXPECT_NEAR(sent.created, 0, 1e-15);
+    EXPECT_NEAR(sent.bound, 0, 1e-15);
+    EXPECT_NEAR(sent.surface, 0, 1e-15);
+}
+
+TEST_F(SentBooks, WorkIsThatOfTheForcesThatWereSent) {
+    stroke([](int k) { return k < 40 ? 0.0 : std::min(1.0, (k - 40) / 50.0); });
+    const EnergyFigures& sent = sent_.figures();
+    EXPECT_NEAR(sent.work, work_, 1e-12);
+    EXPECT_GT(std::abs(sent.work - guarded_.work), 0.001);
+    // The share rose under a finger that was pressed in: as a ramp does, that put energy into the spring.
+    EXPECT_GT(sent.surface, 0.001);
+    EXPECT_LE(sent.created, sent.bound * (1 + 1e-9));
+    EXPECT_LT(sent.bound, guarded_.bound);
 }
 
 }  // namespace

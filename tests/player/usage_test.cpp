@@ -1,11 +1,28 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <initializer_list>
 #include <sstream>
+#include <thread>
+#include <vector>
 
+#include "device/point_motion.hpp"
+#include "engine/content/scenes.hpp"
+#include "player/commands/convert_command.hpp"
+#include "player/commands/machine_check.hpp"
+#include "player/commands/setting_words.hpp"
+#include "player/run/terminal.hpp"
+#include "player/run/touch_session.hpp"
+#include "player/session/touch_setup.hpp"
 #include "tests/player/program.hpp"
+#include "tests/player/touched.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
 namespace {
@@ -227,6 +244,464 @@ TEST(Usage, OutputThatCannotBeWrittenIsNoSuccess) {
     EXPECT_EQ(run_touchable({"info", clip}).code, 0);
     const std::string full = std::string(TOUCHABLE_PROGRAM) + " info " + clip + " >/dev/full 2>/dev/null";
     EXPECT_NE(std::system(full.c_str()), 0);
+}
+
+bool no_gpu() {
+    return false;
+}
+bool a_gpu() {
+    return true;
+}
+/// Nobody is to open a device for this.
+bool never_asked() {
+    ADD_FAILURE() << "a GPU was asked for";
+    return false;
+}
+
+BuilderChoice::Load load_of(int width, int height, int median, int fingers) {
+    SceneOptions options;
+    options.width = width;
+    options.height = height;
+    options.bits = 16;
+    BuilderChoice::Load load;
+    auto source = make_scene("moving", options);
+    EXPECT_TRUE(source);
+    load.scene = (*source)->scene();
+    load.scene.filter.median = median;
+    load.fingers = fingers;
+    return load;
+}
+BuilderChoice::Load full_hd(int median, int fingers) {
+    return load_of(1920, 1080, median, fingers);
+}
+
+TEST(BuilderPick, FewFingersOnLargeFramesAreLazy) {
+    for (const int median : {0, 3, 5})
+        for (const int fingers : {1, 5})
+            EXPECT_EQ(pick_builder(full_hd(median, fingers), never_asked).name, "lazy") << median;
+}
+
+TEST(BuilderPick, ManyFingersWantWholeFrames) {
+    for (const int median : {3, 5}) {
+        EXPECT_EQ(pick_builder(full_hd(median, 100), never_asked).name, "cpu") << median;
+        int fingers = 1;
+        while (pick_builder(full_hd(median, fingers), never_asked).name == "lazy") ++fingers;
+        const BuilderChoice::Load first = full_hd(median, fingers), last = full_hd(median, fingers - 1);
+        EXPECT_LT(whole_frames_ms_per_second(first) - lazy_ms_per_second(first), 10);
+        EXPECT_GE(whole_frames_ms_per_second(last) - lazy_ms_per_second(last), 10);
+    }
+}
+
+TEST(BuilderPick, TheFasterFramesComeTheMoreFingersAreLazy) {
+    BuilderChoice::Load load = full_hd(5, 30);
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+    load.scene.rate = {120, 1};
+    EXPECT_EQ(pick_builder(load, never_asked).name, "lazy");
+}
+
+TEST(BuilderPick, SmallFramesAreNotWorthTheirTicks) {
+    for (const int median : {0, 3, 5})
+        EXPECT_EQ(pick_builder(load_of(320, 240, median, 1), never_asked).name, "cpu") << median;
+}
+
+TEST(BuilderPick, ALiveTickDoesNotFilter) {
+    BuilderChoice::Load load = full_hd(5, 1);
+    load.live = true;
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+}
+
+TEST(BuilderPick, FiltersThatReachFarWantWholeFrames) {
+    BuilderChoice::Load filled = full_hd(3, 1), without_terraces = filled, averaged = filled;
+    filled.scene.filter.fill_holes = 1;
+    without_terraces.scene.depth_bits = 8;
+    without_terraces.scene.depth.code_max = 255;
+    derive_valid_range(without_terraces.scene.depth);
+    EXPECT_EQ(pick_builder(without_terraces, never_asked).name, "lazy");
+    without_terraces.scene.filter.terraces = TerraceRemoval::on;
+    averaged.scene.filter.temporal = true;
+    for (const BuilderChoice::Load* load : {&filled, &without_terraces, &averaged})
+        EXPECT_EQ(pick_builder(*load, never_asked).name, "cpu");
+}
+
+TEST(BuilderPick, AStillIsBuiltOnce) {
+    BuilderChoice::Load load = full_hd(5, 1);
+    load.moves = false;
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+}
+
+TEST(BuilderPick, AGpuIsAskedForWhereFramesCostAFifthOfACore) {
+    BuilderChoice::Load load = load_of(3840, 2160, 5, 1);
+    load.live = true;
+    load.scene.rate = {30, 1};
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+    load.scene.rate = {60, 1};
+    EXPECT_EQ(pick_builder(load, a_gpu).name, "vulkan");
+    EXPECT_EQ(pick_builder(load, no_gpu).name, "cpu");
+    load.live = false;
+    EXPECT_EQ(pick_builder(load, never_asked).name, "lazy");
+}
+
+TEST(BuilderPick, AGpuThatDrawsIsAskedSooner) {
+    BuilderChoice::Load load = full_hd(3, 1);
+    load.live = true;
+    load.scene.rate = {30, 1};
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+    load.drawn = true;
+    EXPECT_EQ(pick_builder(load, a_gpu).name, "vulkan");
+    EXPECT_EQ(pick_builder(load, no_gpu).name, "cpu");
+    load.moves = false;
+    EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
+}
+
+TEST(BuilderPick, AGpuIsFastThatWasMeasuredToBe) {
+    GpuFacts facts;
+    facts.kind = GpuKind::discrete;
+    EXPECT_TRUE(is_fast_builder(facts)) << "not measured";
+    facts.measured = {.cpu_ms = 1, .vulkan_ms = 2, .over_bus_ms = -1};
+    EXPECT_TRUE(is_fast_builder(facts));
+    facts.measured.vulkan_ms = 2.1;
+    EXPECT_FALSE(is_fast_builder(facts));
+    facts.measured.over_bus_ms = 1.5;
+    EXPECT_TRUE(is_fast_builder(facts));
+    facts.measured.over_bus_ms = facts.measured.vulkan_ms = HUGE_VAL;
+    EXPECT_FALSE(is_fast_builder(facts)) << "wrong bits";
+    facts.measured = {.cpu_ms = 1, .vulkan_ms = 0.1, .over_bus_ms = -1};
+    facts.kind = GpuKind::software;
+    EXPECT_FALSE(is_fast_builder(facts));
+}
+
+TEST(BuilderPick, CostsGrowWithWhatThereIsToDo) {
+    EXPECT_GT(whole_frames_ms_per_second(full_hd(5, 1)), whole_frames_ms_per_second(full_hd(3, 1)));
+    EXPECT_GT(whole_frames_ms_per_second(full_hd(3, 1)), whole_frames_ms_per_second(load_of(720, 480, 3, 1)));
+    EXPECT_DOUBLE_EQ(lazy_ms_per_second(full_hd(3, 6)), 6 * lazy_ms_per_second(full_hd(3, 1)));
+    EXPECT_GT(lazy_ms_per_second(full_hd(5, 1)), lazy_ms_per_second(full_hd(3, 1)));
+}
+
+TEST(BuilderPick, SaysWhatItTookAndWhyAndChangesNoForce) {
+    const TemporaryFolder folder;
+    make_clip("moving", folder / "clip.mkv", {"--size", "1280x720", "--frames", "2"});
+    const auto run = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {folder / "clip.mkv", "--seconds", "0.1", "--median", "5"});
+        return touch(words);
+    };
+    const auto by_choice = run({}), cpu = run({"--builder", "cpu"});
+    EXPECT_EQ(by_choice["builder"], "lazy");
+    EXPECT_NE(by_choice["builder_why"].get<std::string>().find("of CPU time a second"), std::string::npos);
+    EXPECT_EQ(cpu["builder_why"], "");
+    EXPECT_EQ(by_choice["force_hash"], cpu["force_hash"]);
+}
+
+// What `touchable check` makes of what it has measured.
+
+/// Everywhere alike, and easily fast enough: 10 + 2 ms of 33.3, 20 us of 1000, and of 2000 ms of CPU time a
+/// second 30 x 24 + 30.
+TrialFigures easy() {
+    TrialFigures figures;
+    figures.builder = "cpu";
+    figures.decode_ms = {10, 10, 10, 10, 10};
+    figures.build_ms = {2, 2, 2, 2, 2};
+    figures.tick_us = {20, 20, 20, 20, 20};
+    figures.frame_cpu_ms = 24;
+    figures.tick_cpu_us = 30;
+    figures.frames = 10;
+    figures.ticks = 1000;
+    return figures;
+}
+const TouchDemand demand{1920, 1080, 5, 30};
+
+std::string refusal(const TrialFigures& figures, const TouchDemand& asked = demand, int cores = 2) {
+    const TrialVerdict verdict = judge(asked, figures, cores);
+    EXPECT_FALSE(verdict.can);
+    EXPECT_LT(verdict.most_rate, asked.rate);
+    return verdict.why;
+}
+
+TEST(TrialVerdict, YesWhereEverythingFits) {
+    const TrialVerdict verdict = judge(demand, easy(), 2);
+    EXPECT_TRUE(verdict.can) << verdict.why;
+    EXPECT_EQ(verdict.why, "all of it takes 750 of the 1800 ms of CPU time a second it may");
+    // 1800 ms less those of 1000 ticks, by 24 a frame; decoding alone would reach 90.
+    EXPECT_EQ(verdict.most_rate, 73);
+    EXPECT_EQ(judge({1920, 1080, 5, 73}, easy(), 2).can, true);
+    EXPECT_EQ(judge({1920, 1080, 5, 74}, easy(), 2).can, false);
+}
+
+TEST(TrialVerdict, NoNamesWhatIsTooSlow) {
+    TrialFigures slow = easy();
+    slow.decode_ms.mean = 31;
+    EXPECT_EQ(refusal(slow), "decoding a frame takes 31 of the 30 ms it may");
+    slow = easy();
+    slow.build_ms.mean = 45;
+    EXPECT_EQ(refusal(slow), "building a frame takes 45 of the 30 ms it may");
+    slow = easy();
+    slow.tick_us.p99 = 950;
+    EXPECT_EQ(refusal(slow), "a tick takes 950 of the 900 us it may");
+    EXPECT_EQ(judge(demand, slow, 2).most_rate, 0) << "slower frames do not help";
+    EXPECT_EQ(refusal(easy(), {1920, 1080, 5, 80}).rfind("all of it takes 1950 of the 1800", 0), 0U);
+    // The same work on more cores is bound by the one that decodes.
+    EXPECT_TRUE(judge({1920, 1080, 5, 80}, easy(), 4).can);
+    EXPECT_EQ(judge(demand, easy(), 4).most_rate, 90);
+}
+
+TEST(TrialVerdict, StandsOnAPlainLineBeforeTheFigures) {
+    const auto text = [](const TrialFigures& figures) {
+        return trial_to_text(demand, figures, judge(demand, figures, 2), 2);
+    };
+    EXPECT_EQ(text(easy()).rfind("yes: 1920x1080 at 30 frames/s with 5 fingers; ", 0), 0U) << text(easy());
+    TrialFigures slow = easy();
+    slow.decode_ms.mean = 61;
+    EXPECT_EQ(
+        text(slow).rfind("no: 1920x1080 at 30 frames/s with 5 fingers is too much here; decoding a frame "
+                         "takes 61 of the 30 ms it may\n",
+                         0),
+        0U)
+        << text(slow);
+    EXPECT_NE(text(slow).find("at most   14 frames/s"), std::string::npos) << text(slow);
+    EXPECT_NE(text(slow).find("other programs kept the cores busy"), std::string::npos) << "61 ms for 24";
+    EXPECT_EQ(text(easy()).find("other programs"), std::string::npos);
+}
+
+TEST(Realtime, IsPermittedInWaysThatNameThePersonAndTheProgram) {
+    const auto ways = ways_to_realtime("ada", "/usr/bin/touchable");
+    for (const char* part : {"ada - rtprio 80", "setcap cap_sys_nice,cap_ipc_lock=ep /usr/bin/touchable",
+                             "LimitRTPRIO=80", "--cap-add=SYS_NICE"})
+        EXPECT_TRUE(std::any_of(ways.begin(), ways.end(), [part](const std::string& way) {
+            return way.find(part) != std::string::npos;
+        })) << part;
+}
+
+TEST(KernelFacts, AreOfTheRunsThatHaveTimes) {
+    const KernelRun timed{2, 0.5, true}, untimed{1, std::nullopt, true};
+    EXPECT_EQ(facts_of(untimed, std::array{untimed, timed, untimed}).least_device_ms, 0.5)
+        << "the first has none";
+    EXPECT_EQ(facts_of(timed, std::array{untimed}).least_device_ms, 0.5);
+    EXPECT_EQ(facts_of(untimed, std::array{untimed}).least_device_ms, std::nullopt);
+    const KernelFacts facts = facts_of({9, 3, true}, std::array{timed, untimed, KernelRun{7, 0.25, false}});
+    EXPECT_EQ(facts.first_ms, 9);
+    EXPECT_EQ(facts.least_ms, 1);
+    EXPECT_EQ(facts.p50_ms, 2);
+    EXPECT_EQ(facts.least_device_ms, 0.25);
+    EXPECT_FALSE(facts.same_bits);
+}
+
+// What is said to be lost, by numbers worked out by hand.
+
+PlaneView row_of(const std::vector<std::uint8_t>& samples) {
+    return {samples.data(), std::ssize(samples), static_cast<int>(samples.size()), 1, 1, 1};
+}
+
+TEST(PlaneLoss, IsTheLargestAndTheMeanSquareOfWhatDiffers) {
+    Scene scene;
+    scene.width = 4;
+    scene.height = 1;
+    scene.metres_per_unit = 0.01;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 2;
+    scene.depth.far = 2 * 200;
+    scene.depth.invalid_code_count = 1;  // 0
+    derive_valid_range(scene.depth);
+    const std::vector<std::uint8_t> before{10, 20, 0, 40}, now{13, 20, 7, 36}, gone{10, 0, 0, 40};
+    RawFrame a, b, c;
+    a.depth = row_of(before);
+    b.depth = row_of(now);
+    c.depth = row_of(gone);
+    PlaneLosses losses{};
+    add_loss(a, a, scene, losses);
+    EXPECT_EQ(losses[0].samples, 4);
+    EXPECT_EQ(losses[0].changed, 0);
+    add_loss(a, b, scene, losses);
+    EXPECT_EQ(losses[0].samples, 8);
+    EXPECT_EQ(losses[0].changed, 3);
+    EXPECT_EQ(losses[0].largest, 7);
+    EXPECT_DOUBLE_EQ(losses[0].squares, 9 + 49 + 16);
+    EXPECT_EQ(losses[0].pixels, 3);
+    EXPECT_DOUBLE_EQ(losses[0].largest_metres, 4 * 2 * 0.01);
+    EXPECT_DOUBLE_EQ(losses[0].squares_metres, (36 + 64) * 1e-4);
+    EXPECT_EQ(losses[0].appeared, 1);
+    EXPECT_EQ(losses[0].disappeared, 0);
+    add_loss(a, c, scene, losses);
+    EXPECT_EQ(losses[0].disappeared, 1);
+}
+
+TEST(PlaneLoss, OfASmallerPictureIsThatOfEachPixelBefore) {
+    Scene scene;
+    scene.depth.near = 1;
+    scene.depth.far = 2;
+    const std::vector<std::uint8_t> before{10, 20, 30, 44}, now{20, 44};
+    RawFrame a, b;
+    a.depth = row_of(before);
+    b.depth = row_of(now);
+    PlaneLosses losses{};
+    add_loss(a, b, scene, losses);
+    EXPECT_EQ(losses[0].changed, 2);
+    EXPECT_EQ(losses[0].largest, 14);
+    EXPECT_DOUBLE_EQ(losses[0].rms(), std::sqrt((100 + 196) / 4.0));
+}
+
+TEST(Pace, IsToldInWholeWords) {
+    EXPECT_EQ(pace_in_words(50, 100, 0.9), "");
+    EXPECT_EQ(pace_in_words(0, 100, 2), "");
+    EXPECT_EQ(pace_in_words(50, 100, 2), ", 25/s, 2 s left");
+    EXPECT_EQ(pace_in_words(10, 100, 4), ", 2.5/s, 36 s left");
+    EXPECT_EQ(pace_in_words(10, 1000, 10), ", 1.0/s, 17 min left");
+    EXPECT_EQ(pace_in_words(10, 100'000, 10), ", 1.0/s, 28 h left");
+    EXPECT_EQ(pace_in_words(50, 0, 2), ", 25/s");
+    EXPECT_EQ(pace_in_words(100, 100, 2), ", 50/s");
+}
+
+// How the program names the settings that the rooms below it speak of.
+
+TEST(SettingWords, AnOptionStandsInForItsNameOrFollows) {
+    const std::pair<Error, const char*> cases[] = {
+        {usage_error("a.mkv: is empty"), "a.mkv: is empty"},
+        {usage_error("damping must be 0 to 100 N s/m", {{Setting::damping}}),
+         "--damping must be 0 to 100 N s/m"},
+        {usage_error("a.png: damping must be 0 to 100 N s/m", {{Setting::damping}}),
+         "a.png: damping must be 0 to 100 N s/m (--damping)"},
+        {usage_error("dampings differ", {{Setting::damping}}), "dampings differ (--damping)"},
+        {usage_error("CLIP is gone", {{Setting::clip}}), "CLIP is gone (CLIP)"},
+        {usage_error("camera needs a live run", {{Setting::camera}, {Setting::live}}),
+         "--camera needs a live run (--live)"},
+        {usage_error("say how long a stored 1 is", {{Setting::depth_unit, "0.001"}, {Setting::preset}}),
+         "say how long a stored 1 is (--depth-unit 0.001, --preset)"}};
+    for (const auto& [error, words] : cases) EXPECT_EQ(message_with_options(error), words);
+    const Error at_place = error_at("a.mkv", input_error("is empty", {{Setting::scene_file, "FILE"}}));
+    EXPECT_EQ(at_place.kind, ErrorKind::input);
+    EXPECT_EQ(message_with_options(at_place), "a.mkv: is empty (--scene FILE)");
+    const auto knows_none = [](const std::string&) { return false; };
+    EXPECT_EQ(message_with_options(at_place, knows_none), "a.mkv: is empty") << "a command without --scene";
+    EXPECT_EQ(message_with_options(usage_error("CLIP is gone", {{Setting::clip}}), knows_none),
+              "CLIP is gone (CLIP)");
+    const Error in_brackets = usage_error("none (there are 2)", {{Setting::scene_file, "FILE"}});
+    EXPECT_EQ(message_with_options(in_brackets), "none (there are 2; --scene FILE)");
+}
+
+TEST(SettingWords, AGuessNamesTheOptionsThatSayOtherwise) {
+    const std::pair<Remark, const char*> cases[] = {
+        {{"wide", true, "", {{Setting::field_of_view}, {Setting::intrinsics}}},
+         "guessed: wide (--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise)"},
+        {{"a code is 1 mm", true, "0.0001 m of a D405", {{Setting::depth_unit}}},
+         "guessed: a code is 1 mm (0.0001 m of a D405: --depth-unit METRES)"},
+        {{"wide", true, "a scene file's camera says otherwise"},
+         "guessed: wide (a scene file's camera says otherwise)"},
+        {{"wide", true}, "guessed: wide (--scene FILE says otherwise)"},
+        {{"as camera.json says", false, "", {{Setting::intrinsics}}},
+         "as camera.json says (--intrinsics FX,FY,CX,CY says otherwise)"},
+        {{"recorded by hand"}, "recorded by hand"}};
+    for (const auto& [remark, words] : cases) EXPECT_EQ(remark_with_options(remark), words);
+    EXPECT_EQ(remark_in_words(cases[0].first), "guessed: wide (a scene file says otherwise)");
+    EXPECT_EQ(remark_text(cases[0].first), "guessed: wide") << "as a scene file keeps it";
+}
+
+TEST(SettingWords, OptionsFollowACommandAsTheyAreTyped) {
+    EXPECT_EQ(typed_options({{Setting::intrinsics, "525,525"}, {Setting::headless}}),
+              " --intrinsics 525,525 --headless");
+    EXPECT_EQ(typed_options({}), "");
+}
+
+/// A program that is asked to stop by each of `signals`, the last one so much after the others.
+[[noreturn]] void be_asked(std::initializer_list<int> signals, std::chrono::milliseconds last_after) {
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+    catch_interrupts();
+    if (stop_requested()) std::_Exit(1);
+    int left = static_cast<int>(signals.size());
+    for (const int signal : signals) {
+        if (--left == 0) std::this_thread::sleep_for(last_after);
+        std::raise(signal);
+    }
+    std::_Exit(stop_requested() ? 0 : 1);
+}
+
+using std::chrono::milliseconds;
+
+TEST(InterruptDeathTest, SignalsAtOnceAskOnce) {
+    EXPECT_EXIT(be_asked({SIGINT}, milliseconds(0)), ::testing::ExitedWithCode(0), "");
+    EXPECT_EXIT(be_asked({SIGINT, SIGINT, SIGINT}, milliseconds(0)), ::testing::ExitedWithCode(0), "");
+    EXPECT_EXIT(be_asked({SIGINT, SIGTERM, SIGHUP}, milliseconds(0)), ::testing::ExitedWithCode(0), "");
+}
+
+TEST(InterruptDeathTest, OneThatComesLaterEndsTheProgram) {
+    EXPECT_EXIT(be_asked({SIGINT, SIGINT}, same_wish), ::testing::KilledBySignal(SIGINT), "");
+    EXPECT_EXIT(be_asked({SIGINT, SIGTERM}, same_wish), ::testing::KilledBySignal(SIGTERM), "");
+}
+
+// A hand that holds a device: where its goals are once forces push back. No clock takes part.
+
+/// Means its fingers to be 10 units apart, moved along by one unit at tick 100.
+class StillHand final : public Hand {
+public:
+    int fingers() const override { return 2; }
+    void goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) override {
+        const double along = tick < 100 ? 0 : 1;
+        goals[0] = {along, 0, -1000};
+        goals[1] = {along + 10, 0, -1000};
+    }
+};
+
+class HeldDevice : public ::testing::Test {
+protected:
+    HeldDevice() : content_(std::move(make_scene("plane", {.width = 16, .height = 12})).value()) {
+        content_->exact_frame(0, frame_);
+        pair_.prev = pair_.next = {0, 0, &frame_};
+        EXPECT_TRUE(device_.open());
+    }
+    bool read(std::int64_t tick) { return port_->read_goals(tick, {content_->scene(), pair_}, goals_); }
+
+    std::unique_ptr<AnalyticScene> content_;
+    SurfaceFrame frame_;
+    FramePair pair_;
+    StillHand hand_;
+    SimulatedDevice device_{
+        2, {.max_force = 8, .max_stiffness = 2000}, {.damping = 20, .hand_stiffness = 250}};
+    std::unique_ptr<HapticPort> port_ = make_port(hand_, device_, {0.001, {0, 0, -1000}});
+    std::array<glm::dvec3, 2> goals_{};
+};
+
+TEST_F(HeldDevice, BeginsWhereTheHandMeansItToBeAndFollowsIt) {
+    ASSERT_TRUE(read(0));
+    EXPECT_EQ(goals_[0], glm::dvec3(0, 0, -1000));
+    EXPECT_EQ(goals_[1], glm::dvec3(10, 0, -1000));
+    for (int tick = 1; tick <= 101; ++tick) ASSERT_TRUE(read(tick));
+    EXPECT_GT(goals_[0].x, 0) << "on its way";
+    EXPECT_LT(goals_[0].x, 0.1) << "but not there at once";
+    for (int tick = 102; tick <= 1500; ++tick) ASSERT_TRUE(read(tick));
+    EXPECT_NEAR(goals_[0].x, 1, 1e-6);
+    EXPECT_NEAR(goals_[1].x, 11, 1e-6);
+}
+
+TEST_F(HeldDevice, YieldsToTheForceOfItsFingerAlone) {
+    const std::array forces{glm::dvec3(0, 0, 0.5), glm::dvec3(0)};
+    for (int tick = 0; tick < 90; ++tick) {
+        ASSERT_TRUE(read(tick));
+        ASSERT_TRUE(port_->write_forces(forces));
+    }
+    // 2 mm in the end, of a hand of 250 N/m; on the way there.
+    EXPECT_GT(goals_[0].z, -999);
+    EXPECT_LT(goals_[0].z, -998);
+    EXPECT_EQ(goals_[1], glm::dvec3(10, 0, -1000));
+}
+
+TEST_F(HeldDevice, TicksThatWereSkippedPassForTheHandleToo) {
+    const std::array forces{glm::dvec3(0, 0, 0.5), glm::dvec3(0)};
+    ASSERT_TRUE(read(0));
+    ASSERT_TRUE(port_->write_forces(forces));
+    ASSERT_TRUE(read(30));
+    const double once = goals_[0].z;
+    SimulatedDevice other(2, device_.limits(), {.damping = 20, .hand_stiffness = 250});
+    ASSERT_TRUE(other.open());
+    const auto port = make_port(hand_, other, {0.001, {0, 0, -1000}});
+    for (int tick = 0; tick <= 30; ++tick) {
+        ASSERT_TRUE(port->read_goals(tick, {content_->scene(), pair_}, goals_));
+        ASSERT_TRUE(port->write_forces(forces));
+    }
+    EXPECT_EQ(goals_[0].z, once);
+}
+
+TEST_F(HeldDevice, ThatFailsSaysSo) {
+    ASSERT_TRUE(read(0));
+    device_.fail("was unplugged");
+    EXPECT_FALSE(read(1));
+    EXPECT_FALSE(port_->write_forces(goals_));
 }
 
 }  // namespace
