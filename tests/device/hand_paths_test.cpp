@@ -282,6 +282,22 @@ TEST(LocalRelief, AFoldOfATenthOfAMillimetreIsRough) {
     }
 }
 
+/// A wedge a millimetre high that reaches from beside the finger out into one of the directions that are
+/// looked at.
+TEST(LocalRelief, SeesBumpInEachDirection) {
+    constexpr int directions = 12;
+    const double pi = std::acos(-1.0);
+    for (int k = 0; k < directions; ++k) {
+        const FakeProbe probe = camera_view([&](double x, double y) -> std::optional<double> {
+            const double off = std::atan2(240 - y, x - 320) - 2 * pi * k / directions;
+            const bool is_centre = x == 320 && y == 240;
+            return !is_centre && std::cos(off) > std::cos(pi / directions) ? 799 : 800;
+        });
+        const LocalReliefSearch search(usual_reach, 0.001, middle_of(probe, 1));
+        EXPECT_EQ(search.about({320, 240}, 800, probe).kind, Kind::rough) << k;
+    }
+}
+
 TEST(LocalRelief, ARidgeIsSmoothBelowATenthOfAMillimetreHoweverSharp) {
     const auto ridge = [](double mm) {
         return [=](double right) { return std::fabs(right) > 0.1 ? 0 : 0.5 * mm; };

@@ -140,8 +140,11 @@ TEST(HapticLoop, StaysOnNamedCpu) {
     rig.port.fails_at = 20;
     rig.run_to_end();
     const RealtimeGrant& grant = rig.loop.facts().grant;
-    if (grant.cpu < 0)
+    cpu_set_t allowed;
+    ASSERT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);
+    if (CPU_COUNT(&allowed) < 2 || sched_setaffinity(0, sizeof(allowed), &allowed) != 0)
         GTEST_SKIP() << "this machine has one CPU, or lets no thread choose: " << grant.in_words();
+    ASSERT_GE(grant.cpu, 0) << grant.in_words();
     EXPECT_EQ(rig.port.cpus, std::vector<int>(20, grant.cpu));
     EXPECT_NE(grant.in_words().find("on CPU " + std::to_string(grant.cpu)), std::string::npos);
 }
@@ -386,6 +389,21 @@ TEST(Realtime, NamesMemoryLimit) {
     });
     if (said == not_here) GTEST_SKIP() << "this machine does not let the limit be set";
     EXPECT_EQ(said, right);
+}
+
+TEST(Realtime, NamesMemoryThatIsNotLocked) {
+    const auto words = [](RealtimeGrant::Memory memory, std::optional<std::uint64_t> limit) {
+        RealtimeGrant grant;
+        grant.memory = memory;
+        grant.memory_limit = limit;
+        return grant.in_words();
+    };
+    const auto has = [](const std::string& text, const char* part) { return text.find(part) != text.npos; };
+    using Memory = RealtimeGrant::Memory;
+    EXPECT_TRUE(has(words(Memory::none, 65536), ", memory not locked (RLIMIT_MEMLOCK is 64 KiB),"));
+    EXPECT_TRUE(has(words(Memory::none, std::nullopt), ", memory not locked (not permitted),"));
+    EXPECT_TRUE(has(words(Memory::present, 65536),
+                    ", memory locked but what came after the start (RLIMIT_MEMLOCK is 64 KiB),"));
 }
 
 }  // namespace

@@ -505,6 +505,16 @@ TEST_F(StaleSurface, WaitsUntilHandIsFree) {
     EXPECT_NEAR(fresh(4), 4, 1e-9);
 }
 
+TEST_F(StaleSurface, AgesByNewerFrame) {
+    begin();
+    for (int k = 0; k < 2 * stale_ticks; ++k, ++tick) {
+        FramePair pair = field.pair();
+        pair.prev.time_ns = newest_tick * 1'000'000;
+        pair.next.time_ns = tick * 1'000'000;
+        ASSERT_NEAR(run(tick, pair, {0, 0, -104}).forces[0].force.z, 4, 1e-9) << k;
+    }
+}
+
 TEST_F(StaleSurface, CountsSkippedTicks) {
     begin();
     become_stale();

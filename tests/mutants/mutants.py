@@ -344,8 +344,8 @@ def table(mutants, known, seconds):
     caught = sum(bool(m.caught_by) for m in mutants)
     lines.append(f"{'all':18} {len(mutants):7} {sum(bool(m.tests) for m in mutants):7} {caught:6}       {100 * caught / len(mutants):6.1f}")
     alive = [m for m in mutants if not m.caught_by]
-    lines += ["", "No test sees:"] + [f"{m}" + ("" if m.tests else " (no test reaches it)") + (f" ({known[m.key]})" if m.key in known else "")
-                                    for m in alive]
+    lines += ["", "No test sees:"]
+    lines += [f"{m}" + ("" if m.tests else " (no test reaches it)") + (f" ({known[m.key]})" if m.key in known else "") for m in alive]
     read = {m.module for m in mutants}
     gone = [key for key in known if os.path.dirname(key.split(" :: ")[0]) in read and key not in {m.key for m in alive}]
     lines += [f"survivors.txt names one that is caught, or gone: {key}" for key in gone]
@@ -377,7 +377,8 @@ def main(asked):
     if asked:
         linked = {name: {os.path.dirname(at) for at in program["inputs"] if at.endswith(".a")} for name, program in programs.items()}
         above = set().union(*(users()[module] for module in asked)) - set(asked)
-        near = sorted((name for name in programs if linked[name] & set(asked)), key=lambda name: (len(linked[name] & above), len(linked[name])))
+        near = sorted((name for name in programs if linked[name] & set(asked)),
+                      key=lambda name: (len(linked[name] & above), len(linked[name])))
         groups = [near[k:k + 2 * JOBS] for k in range(0, len(near), 2 * JOBS)]
     mutants, left, spent = [], [], 0.0
     with concurrent.futures.ThreadPoolExecutor(JOBS) as threads:

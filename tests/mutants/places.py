@@ -18,8 +18,8 @@ TOKEN = re.compile(r"""
   | (?P<sign><=>|->\*|\.\.\.|::|->|\+\+|--|&&|\|\||[-+*/%&|^=!<>]=|.)""", re.X | re.S)
 
 OPENS, CLOSES = "([{", ")]}"
-BEGINS_DECLARATION = set("""void const auto static constexpr thread_local unsigned signed int double bool float char long short using typedef
-    struct class enum union template static_assert typename extern volatile friend namespace inline""".split())
+BEGINS_DECLARATION = set("""void const auto static constexpr thread_local unsigned signed int double bool float char long short using
+    typedef struct class enum union template static_assert typename extern volatile friend namespace inline""".split())
 BEGINS_OTHER = set("throw break continue goto co_return delete new case default asm".split())
 UNSEEN = re.compile(r"\b\w*(?:reserve|shrink_to_fit|assert|mlock|prctl|sched|nice|advise|prefetch|yield|sleep|setvbuf|log|warn|remark|"
                     r"message|label|title|tooltip|hint|kill|remove_all|pid|process_|abort|_exit|epsilon|tolerance|static_cast<void>|"
@@ -321,7 +321,7 @@ class Source:
         if in_loop:
             return "+ 1 <" if word == "<" and self.tokens[k - 1].kind == "word" else TURNED[word]
         near = self.plain(k - 1, min(k + 8, len(self.tokens)))
-        is_whole = any(self.tokens[n].kind == "number" and re.fullmatch(r"\d+[uUlL]*", self.word(n)) and self.word(n) != "0" for n in (k - 1, k + 1))
+        is_whole = any(re.fullmatch(r"[1-9]\d*[uUlL]*", self.word(n)) for n in (k - 1, k + 1))
         return EDGED[word] if is_whole or re.search(r"^\S*\s*\S+ [^&|]*\b(size|count)\(", near) else TURNED[word]
 
     @staticmethod
@@ -332,7 +332,8 @@ class Source:
         return not one.isupper() and (one[:3] == other[:3] or one.rstrip("_")[-3:] == other.rstrip("_")[-3:])
 
     def swaps(self, k):
-        if self.word(k - 1) in COMMUTATIVE or self.word(k - 1).startswith("same_") or self.word(k - 1) in ("if", "while", "for", "switch", "sizeof", "decltype"):
+        called = self.word(k - 1)
+        if called in COMMUTATIVE or called.startswith("same_") or called in ("if", "while", "for", "switch", "sizeof", "decltype"):
             return
         end, parts, start = self.pair[k], [], k + 1
         for at in self.top(k + 1, end):
