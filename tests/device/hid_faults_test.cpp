@@ -17,7 +17,6 @@
 #include "device/drivers/safety_watchdog.hpp"
 #include "device/drivers/spacemouse_device.hpp"
 #include "device/drivers/woodenhaptics_device.hpp"
-#include "tests/device/fake_reports.hpp"
 #include "tests/device/fault_sessions.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/device/wooden_bench.hpp"

@@ -18,7 +18,6 @@
 
 #include "device/drivers/driven_device.hpp"
 #include "device/drivers/woodenhaptics_device.hpp"
-#include "tests/device/fake_reports.hpp"
 #include "tests/device/temporary_file.hpp"
 #include "tests/device/wooden_bench.hpp"
 

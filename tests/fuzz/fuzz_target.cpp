@@ -10,7 +10,6 @@
 #include <iterator>
 
 #include "engine/base/words.hpp"
-#include "tests/fuzz/live_memory.hpp"
 
 namespace touchable::fuzz {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/fuzz/live_memory.hpp"
+#include "tests/fuzz/fuzz_target.hpp"
 
 #include <atomic>
 #include <cerrno>

@@ -10,7 +10,7 @@
 #include "engine/content/seeded_noise.hpp"
 #include "haptics_cpu/slide.hpp"
 #include "tests/haptics/touch_rig.hpp"
-#include "tests/reference/surface.hpp"
+#include "tests/reference/solver.hpp"
 
 namespace touchable::test {
 namespace {

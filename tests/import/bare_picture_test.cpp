@@ -24,8 +24,6 @@
 #include "engine/scene/scene.hpp"
 #include "tests/import/kept_clips.hpp"
 #include "tests/opened_files.hpp"
-#include "tests/picture/encoded_picture.hpp"
-#include "tests/picture/npy_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 #include "tests/video/quicktime.hpp"

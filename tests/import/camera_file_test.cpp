@@ -5,7 +5,6 @@
 #include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/picture/npy_bytes.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

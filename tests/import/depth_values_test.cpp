@@ -13,7 +13,6 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/value_evidence.hpp"
 #include "engine/scene/frames.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

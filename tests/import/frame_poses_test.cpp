@@ -24,7 +24,6 @@
 #include "engine/scene/scene.hpp"
 #include "tests/import/kept_clips.hpp"
 #include "tests/opened_files.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

@@ -31,8 +31,6 @@
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/picture/encoded_picture.hpp"
-#include "tests/picture/npy_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 

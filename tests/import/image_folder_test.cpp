@@ -6,7 +6,6 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/picture/npy_bytes.hpp"
 #include "tests/picture/raw_png.hpp"
 #include "tests/picture/results.hpp"
 

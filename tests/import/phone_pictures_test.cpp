@@ -11,7 +11,6 @@
 #include "engine/scene/scene.hpp"
 #include "tests/import/heic_file.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 

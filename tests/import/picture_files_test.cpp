@@ -5,7 +5,6 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/picture/image.hpp"
 #include "tests/import/foreign_video.hpp"
-#include "tests/picture/npy_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/picture/tiff_pages.hpp"
 

@@ -1,4 +1,4 @@
-#include "tests/import/source_files.hpp"
+#include "tests/import/source_writer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,7 @@
 #include "tests/import/heic_file.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/import/ros2_messages.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/hdf5_file.hpp"
-#include "tests/picture/npy_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/video/quicktime.hpp"
 

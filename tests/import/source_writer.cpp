@@ -11,7 +11,6 @@
 #include <cmath>
 
 #include "tests/import/foreign_video.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

@@ -1,7 +1,5 @@
 #pragma once
 
-// A room of 160x120 pixels, and writers of its depth in the forms of other programs.
-
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -11,6 +9,7 @@
 #include <vector>
 
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable::test {
 
@@ -76,5 +75,22 @@ private:
     bool renames_;
     bool has_other_names_ = false;
 };
+
+/// The file of a source, and the clip that it has to give.
+struct Made {
+    std::filesystem::path file;  ///< what is typed
+    Depth metres{};              ///< as stored
+    Camera camera{};
+    int frames = 1;
+    double rate = 30;         ///< frames a second
+    bool has_colour = false;  ///< found, whichever that is
+    int width = wide, height = high;
+    int lost_codes = 0;  ///< at most, by the source's own codec
+    DepthSemantics semantics = DepthSemantics::planar;
+};
+
+using SourceMaker = Made (*)(Writer&);
+/// By the names of rows (DepthSource).
+const std::map<std::string, SourceMaker>& source_makers();
 
 }  // namespace touchable::test

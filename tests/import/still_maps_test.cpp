@@ -16,7 +16,6 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/sweep.hpp"
 

@@ -16,7 +16,6 @@
 
 #include "engine/picture/exr_layers.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

@@ -9,7 +9,6 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/picture/npy_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <gtest/gtest.h>
+#include <zip.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <source_location>
@@ -11,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -95,6 +100,51 @@ inline bool has_remark(const Scene& scene, const std::string& words) {
     return std::ranges::any_of(scene.remarks, [&](const Remark& remark) {
         return remark_in_words(remark).find(words) != std::string::npos;
     });
+}
+
+/// A picture of an FFmpeg format, encoded; `fill` sets its samples.
+template <class Fill>
+std::string encoded(const char* codec_name, AVPixelFormat format, int width, int height, Fill&& fill) {
+    const AVCodec* codec = avcodec_find_encoder_by_name(codec_name);
+    const CodecPtr encoder(avcodec_alloc_context3(codec));
+    const FramePtr frame(av_frame_alloc());
+    const PacketPtr packet(av_packet_alloc());
+    encoder->width = frame->width = width;
+    encoder->height = frame->height = height;
+    encoder->pix_fmt = format;
+    frame->format = format;
+    encoder->time_base = {1, 1};
+    encoder->flags |= AV_CODEC_FLAG_QSCALE;
+    frame->quality = encoder->global_quality = 2 * FF_QP2LAMBDA;
+    EXPECT_GE(avcodec_open2(encoder.get(), codec, nullptr), 0);
+    EXPECT_GE(av_frame_get_buffer(frame.get(), 0), 0);
+    fill(*frame);
+    EXPECT_GE(avcodec_send_frame(encoder.get(), frame.get()), 0);
+    EXPECT_GE(avcodec_send_frame(encoder.get(), nullptr), 0);
+    EXPECT_GE(avcodec_receive_packet(encoder.get(), packet.get()), 0);
+    return {reinterpret_cast<const char*>(packet->data), static_cast<std::size_t>(packet->size)};
+}
+
+/// The header of a .npy file, as NumPy writes it.
+inline std::string npy_header(const std::string& type, const std::string& shape) {
+    std::string text = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }";
+    text.resize(117, ' ');
+    return std::string("\x93NUMPY\1\0v\0", 10) + text + '\n';
+}
+
+/// A .npy file of floats of 32 bits.
+inline std::string npy_bytes(const std::string& shape, const std::vector<float>& numbers) {
+    return npy_header("<f4", shape).append(reinterpret_cast<const char*>(numbers.data()), 4 * numbers.size());
+}
+
+/// A .npz file of such arrays, packed.
+inline void write_npz(const std::filesystem::path& file,
+                      const std::vector<std::pair<std::string, std::string>>& arrays) {
+    zip_t* const archive = zip_open(file.c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
+    for (const auto& [name, bytes] : arrays)
+        zip_file_add(archive, (name + ".npy").c_str(),
+                     zip_source_buffer(archive, bytes.data(), bytes.size(), 0), ZIP_FL_OVERWRITE);
+    zip_close(archive);
 }
 
 }  // namespace touchable::test

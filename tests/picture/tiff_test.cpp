@@ -7,7 +7,6 @@
 #include "engine/picture/image.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/limited_memory.hpp"
-#include "tests/picture/encoded_picture.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/picture/tiff_pages.hpp"
 

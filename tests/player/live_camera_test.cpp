@@ -20,7 +20,7 @@
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/touched_camera.hpp"
+#include "tests/player/touched.hpp"
 
 namespace touchable::test {
 namespace {

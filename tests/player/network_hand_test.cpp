@@ -31,7 +31,6 @@
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/standstill.hpp"
 #include "tests/player/touched.hpp"
-#include "tests/player/touched_camera.hpp"
 #include "tests/stream/loopback_sender.hpp"
 
 namespace touchable::test {

@@ -1,4 +1,4 @@
-#include "tests/stress/stress_run.hpp"
+#include "tests/stress/suites.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,6 @@
 #include "player/run/terminal.hpp"
 #include "tests/stress/golden_runs.hpp"
 #include "tests/stress/soak.hpp"
-#include "tests/stress/tick_states.hpp"
 
 namespace {
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "tests/stress/drawn_scene.hpp"
-#include "tests/stress/stress_run.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/stress/stress_run.hpp"
+#include "tests/stress/suites.hpp"
 
 namespace touchable::stress {
 

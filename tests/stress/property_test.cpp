@@ -12,9 +12,9 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/reference/solver.hpp"
 #include "tests/stress/drawn_scene.hpp"
+#include "tests/stress/golden_runs.hpp"
 #include "tests/stress/picked_run.hpp"
-#include "tests/stress/stress_run.hpp"
-#include "tests/stress/tick_states.hpp"
+#include "tests/stress/suites.hpp"
 #include "tests/stress/watch.hpp"
 
 namespace rc {

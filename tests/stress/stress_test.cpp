@@ -13,7 +13,6 @@
 #include "tests/stress/golden_runs.hpp"
 #include "tests/stress/soak.hpp"
 #include "tests/stress/suites.hpp"
-#include "tests/stress/tick_states.hpp"
 #include "tests/stress/watch.hpp"
 
 namespace touchable::stress {

@@ -9,7 +9,6 @@
 
 #include "engine/base/same_bits.hpp"
 #include "engine/content/seeded_noise.hpp"
-#include "tests/stress/stress_run.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {

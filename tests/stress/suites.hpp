@@ -1,12 +1,117 @@
 #pragma once
 
+#include <glm/vec3.hpp>
+
+#include <algorithm>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
-#include "tests/stress/stress_run.hpp"
+#include "engine/content/seeded_noise.hpp"
+#include "engine/scene/frames.hpp"
+#include "haptics_cpu/force_guard.hpp"
+#include "haptics_cpu/touch_solver.hpp"
+#include "tests/stress/drawn_scene.hpp"
 
+/// Where the goals of the stress suites come from.
 namespace touchable::stress {
+
+/// Anywhere in the picture's frustum and a little beyond, on and off the surface, in steps and jumps.
+class Walk {
+public:
+    struct Reach {
+        double pixels = 1;        ///< a tick, at most, in x and in y
+        double depth = 0.02;      ///< a tick, at most, of the distance between the planes
+        double jumps = 1.0 / 50;  ///< share of ticks in which it jumps anywhere
+    };
+    Walk(const Scene& scene, std::uint64_t seed) : Walk(scene, seed, Reach{}) {}
+    Walk(const Scene& scene, std::uint64_t seed, const Reach& reach);
+    glm::dvec3 next();
+
+private:
+    void jump();
+    Camera camera_;
+    glm::dvec3 low_, high_;  // of column, row, planar depth
+    glm::dvec3 reach_;
+    double jumps_;
+    SplitMix64 random_;
+    glm::dvec3 at_{0};
+};
+
+/// Over the surface on a winding path, in and out of it: what a hand does that feels its way.
+class Skim {
+public:
+    struct Pace {
+        double pixels = 0.5;  ///< a tick
+        double under = 0.04;  ///< how deep it presses, of the distance between the planes
+        double period = 400;  ///< ticks from one time out of the surface to the next
+    };
+    Skim(const Scene& scene, std::uint64_t seed) : Skim(scene, seed, Pace{}) {}
+    Skim(const Scene& scene, std::uint64_t seed, const Pace& pace);
+    /// `frame`: what is under the hand now; over an invalid pixel it keeps its depth.
+    glm::dvec3 next(const SurfaceFrame& frame);
+
+private:
+    const Scene& scene_;
+    Pace pace_;
+    SplitMix64 random_;
+    double x_, y_, heading_, depth_;
+    std::int64_t tick_ = 0;
+};
+
+inline constexpr std::int64_t tick_ns = 1'000'000;
+
+/// Something to touch and the hand that does: frames and goals tick by tick, the same from the same seed.
+class StressRun {
+public:
+    explicit StressRun(Scene scene) : scene_(std::move(scene)) {
+        touch_.metres_per_scene_unit = scene_.device_metres_per_unit.value_or(0.001);
+    }
+    virtual ~StressRun() = default;
+    StressRun(const StressRun&) = delete;
+    StressRun& operator=(const StressRun&) = delete;
+
+    const Scene& scene() const { return scene_; }
+    const TouchSettings& touch() const { return touch_; }
+    const GuardSettings& guard() const { return guard_; }
+    virtual std::size_t fingers() const { return 1; }
+
+    /// Frames and goals of the next tick; ticks come as 0, 1, 2, ... The frames stay until the next call.
+    virtual void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) = 0;
+
+    /// The promise of this run beyond the invariants of all runs that a tick breaks; empty where it is kept.
+    virtual std::string broken_promise(std::int64_t /*tick*/, std::span<const Contact> /*contacts*/,
+                                       std::span<const GuardedForce> /*forces*/) {
+        return {};
+    }
+    /// Impossible input that was given and refused so far.
+    virtual int refusals() const { return 0; }
+
+protected:
+    Scene scene_;
+    TouchSettings touch_;
+    GuardSettings guard_;
+};
+
+/// One picture that stands still, and a hand that is up to the suite. All fingers have the same goal.
+class StillRun : public StressRun {
+public:
+    StillRun(const Scene& scene, const DrawnPlanes& planes) : StillRun(scene) { show(planes); }
+    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) final {
+        pair.prev = pair.next = {0, 0, &frame_};
+        pair.blend = 0;
+        std::fill(goals.begin(), goals.end(), goal(tick));
+    }
+
+protected:
+    /// Without a picture yet.
+    explicit StillRun(const Scene& scene) : StressRun(scene) {}
+    void show(const DrawnPlanes& planes) { FrameMaker(scene_).build(planes, frame_); }
+    virtual glm::dvec3 goal(std::int64_t tick) = 0;
+
+    SurfaceFrame frame_;
+};
 
 /// Coverage that a suite needs to be a test at all; share of all finger-ticks, or whether there has to be
 /// any.

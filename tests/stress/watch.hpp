@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "haptics_cpu/touch_step.hpp"
-#include "tests/stress/stress_run.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {

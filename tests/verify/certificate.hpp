@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "tests/verify/exported_frame.hpp"
-#include "tests/verify/surface.hpp"
 
 namespace touchable::verify {
 

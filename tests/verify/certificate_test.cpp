@@ -6,7 +6,7 @@
 
 #include "tests/temporary_folder.hpp"
 #include "tests/verify/certificate.hpp"
-#include "tests/verify/surface.hpp"
+#include "tests/verify/exported_frame.hpp"
 #include "tests/verify/synthetic.hpp"
 
 namespace touchable::verify {

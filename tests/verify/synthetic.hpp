@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/verify/surface.hpp"
+#include "tests/verify/exported_frame.hpp"
 
 namespace touchable::verify {
 

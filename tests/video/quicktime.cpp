@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "tests/picture/encoded_picture.hpp"
+#include "tests/picture/results.hpp"
 
 namespace touchable::test {
 
