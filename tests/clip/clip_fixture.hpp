@@ -2,12 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +19,7 @@
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/formats/open_clip.hpp"
+#include "engine/scene/scene.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
@@ -25,6 +30,12 @@ inline std::string read_bytes(const std::filesystem::path& file) {
 }
 inline void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// Some file systems flush a file that is cut and rewritten.
+inline void write_anew(const std::filesystem::path& file, const std::string& bytes) {
+    std::filesystem::remove(file);
+    write_bytes(file, bytes);
 }
 
 inline Scene small_scene(int width, int height, int depth_bits = 8) {
@@ -38,6 +49,12 @@ inline Scene small_scene(int width, int height, int depth_bits = 8) {
     scene.depth_bits = depth_bits;
     scene.depth.code_max = static_cast<std::uint16_t>((1 << depth_bits) - 1);
     derive_valid_range(scene.depth);
+    return scene;
+}
+
+inline Scene scene_with_heights(int width, int height, int depth_bits, int height_bits) {
+    Scene scene = small_scene(width, height, depth_bits);
+    scene.height_coding = {1.5, HeightUnits::levels, static_cast<std::uint16_t>((1 << height_bits) - 1)};
     return scene;
 }
 
@@ -106,16 +123,35 @@ inline RawFrame test_frame(const Scene& scene, std::int64_t number, const Planes
     return frame;
 }
 
+inline std::vector<RawFrame> test_frames(const Scene& scene, int count, const Planes& planes) {
+    std::vector<RawFrame> frames;
+    for (int n = 0; n < count; ++n) frames.push_back(test_frame(scene, n, planes));
+    return frames;
+}
+
+/// From one to several milliseconds apart, at no whole ones.
+inline std::vector<std::int64_t> uneven_times(int frames) {
+    std::vector<std::int64_t> times_ns;
+    for (std::int64_t n = 0; n < frames; ++n)
+        times_ns.push_back(1'000'001 * n + 300'000'000 * (n / 7) + n * n * 777);
+    return times_ns;
+}
+
 /// Colour too comes back as it was.
 inline const ClipStorage exact_clip{Archive::fast, true};
 
+/// A whole clip of such frames, by a writer that was just created.
+inline Result<void> write_all(Result<std::unique_ptr<ClipWriter>> writer,
+                              const std::vector<RawFrame>& frames) {
+    if (!writer) return writer.error();
+    for (const RawFrame& frame : frames)
+        if (auto written = (*writer)->write(frame); !written) return written;
+    return (*writer)->finish();
+}
+
 inline Result<void> write_clip(const std::filesystem::path& file, const Scene& scene, int frames,
                                const Planes& planes, const ClipStorage& storage = exact_clip) {
-    auto writer = create_clip(file, scene, storage);
-    if (!writer) return writer.error();
-    for (int n = 0; n < frames; ++n)
-        if (auto written = (*writer)->write(test_frame(scene, n, planes)); !written) return written;
-    return (*writer)->finish();
+    return write_all(create_clip(file, scene, storage), test_frames(scene, frames, planes));
 }
 
 inline bool same_plane(const PlaneView& a, const PlaneView& b) {
@@ -130,9 +166,26 @@ inline bool same_plane(const PlaneView& a, const PlaneView& b) {
     return true;
 }
 
+/// Of planes of the same form.
+inline double mean_difference(const PlaneView& a, const PlaneView& b) {
+    double sum = 0;
+    for (int y = 0; y < a.height; ++y)
+        for (int x = 0; x < a.width; ++x)
+            for (int c = 0; c < a.channels; ++c) sum += std::abs(a.sample(x, y, c) - b.sample(x, y, c));
+    return sum / (a.width * a.height * a.channels);
+}
+
 inline bool same_frame(const RawFrame& a, const RawFrame& b) {
     return a.number == b.number && a.time_ns == b.time_ns && same_plane(a.depth, b.depth) &&
            same_plane(a.colour, b.colour) && same_plane(a.haptic, b.haptic) && same_plane(a.height, b.height);
+}
+
+inline ::testing::AssertionResult same_frames(const std::vector<RawFrame>& a,
+                                              const std::vector<RawFrame>& b) {
+    if (a.size() != b.size()) return ::testing::AssertionFailure() << a.size() << " frames, not " << b.size();
+    for (std::size_t n = 0; n < a.size(); ++n)
+        if (!same_frame(a[n], b[n])) return ::testing::AssertionFailure() << "frame " << n << " differs";
+    return ::testing::AssertionSuccess();
 }
 
 /// All frames, which stay alive after the reader; or the first error.
@@ -144,6 +197,14 @@ inline Result<std::vector<RawFrame>> read_all(ClipReader& reader) {
         if (!*frame) return frames;
         frames.push_back(std::move(**frame));
     }
+}
+
+/// With another scene than its own, by a scene file.
+inline Result<std::unique_ptr<ClipReader>> open_as(const std::filesystem::path& clip,
+                                                   const SceneDescription& described) {
+    const auto file = clip.parent_path() / "scene.json";
+    write_bytes(file, scene_to_json(described));
+    return open_clip(clip, file);
 }
 
 /// Frames of a clip, or the error that came first.
@@ -165,16 +226,65 @@ inline ::testing::AssertionResult is_noted(const ClipReader& clip, const std::st
     return has_words(all, words);
 }
 
-/// What is wrong, or "" where nothing is.
+/// The error's message; "" without an error.
 template <class T>
 std::string message(const Result<T>& result) {
     return result ? "" : result.error().message;
 }
 
-/// Whether it is an error with these words.
+/// The value; where there is none, the test fails with the reason.
 template <class T>
-::testing::AssertionResult is_refused(const Result<T>& result, const std::string& words) {
+T value_of(Result<T> result) {
+    if (!result) throw std::runtime_error(result.error().message);
+    return std::move(*result);
+}
+
+/// Whether it is an error with these words, and of this kind.
+template <class T>
+::testing::AssertionResult is_refused(const Result<T>& result, const std::string& words,
+                                      std::optional<ErrorKind> kind = {}) {
+    if (result) return ::testing::AssertionFailure() << "no error";
+    if (kind && result.error().kind != *kind)
+        return ::testing::AssertionFailure() << "another kind of error: " << message(result);
     return has_words(message(result), words);
+}
+
+/// Whether it is an error of one line about this file.
+template <class T>
+::testing::AssertionResult is_one_line_about(const std::filesystem::path& file, const Result<T>& result) {
+    const std::string why = message(result);
+    const bool is_so = why.starts_with(file.string() + ": ") && why.find('\n') == std::string::npos;
+    return (is_so ? ::testing::AssertionSuccess() : ::testing::AssertionFailure()) << why;
+}
+
+/// The next frame, which must come.
+inline RawFrame next_of(ClipReader& reader) {
+    auto frame = value_of(reader.next());
+    if (!frame) throw std::runtime_error("no frame comes any more");
+    return std::move(*frame);
+}
+
+/// The file has exactly these frames, and this scene.
+inline void expect_clip(const std::filesystem::path& file, const Scene& scene,
+                        const std::vector<RawFrame>& frames, bool says_lossless = true) {
+    auto reader = value_of(open_clip(file));
+    EXPECT_EQ(reader->frame_count(), std::ssize(frames));
+    Scene found = reader->scene();
+    found.folder.reset();
+    EXPECT_EQ(scene_to_json(found), scene_to_json(scene));
+    for (const TrackInfo& track : reader->tracks())
+        EXPECT_TRUE(track.lossless || !says_lossless) << track.role;
+    const auto read = value_of(read_all(*reader));
+    reader.reset();  // the frames' storage keeps their planes
+    EXPECT_TRUE(same_frames(read, frames))
+        << scene.width << 'x' << scene.height << ", " << scene.depth_bits << " bits";
+}
+
+/// A seek leads to `from`: that frame comes, then the next.
+inline void expect_seek_to(ClipReader& reader, int from, const std::vector<RawFrame>& frames) {
+    ASSERT_EQ(message(reader.seek(from)), "") << from;
+    for (int n = from; n < std::min(from + 2, static_cast<int>(frames.size())); ++n)
+        EXPECT_TRUE(same_frame(next_of(reader), frames[static_cast<std::size_t>(n)])) << from << ' ' << n;
 }
 
 }  // namespace touchable::test
