@@ -1,9 +1,6 @@
 #include "tests/video/film_reader.hpp"
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
-}
+#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable::test {
 namespace {
@@ -23,29 +20,27 @@ std::vector<SeenPicture> seen_in_film(const std::filesystem::path& file) {
     AVFormatContext* demuxer = nullptr;
     if (avformat_open_input(&demuxer, file.c_str(), nullptr, nullptr) < 0) return pictures;
     const AVCodec* codec = nullptr;
-    AVCodecContext* decoder = nullptr;
+    CodecPtr decoder;
     if (avformat_find_stream_info(demuxer, nullptr) >= 0 &&
         av_find_best_stream(demuxer, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0) == 0) {
-        decoder = avcodec_alloc_context3(codec);
-        avcodec_parameters_to_context(decoder, demuxer->streams[0]->codecpar);
-        if (avcodec_open2(decoder, codec, nullptr) < 0) avcodec_free_context(&decoder);
+        decoder.reset(avcodec_alloc_context3(codec));
+        avcodec_parameters_to_context(decoder.get(), demuxer->streams[0]->codecpar);
+        if (avcodec_open2(decoder.get(), codec, nullptr) < 0) decoder.reset();
     }
-    AVPacket* packet = av_packet_alloc();
-    AVFrame* frame = av_frame_alloc();
+    const PacketPtr packet(av_packet_alloc());
+    const FramePtr frame(av_frame_alloc());
     const auto take = [&] {
-        while (avcodec_receive_frame(decoder, frame) >= 0)
+        while (avcodec_receive_frame(decoder.get(), frame.get()) >= 0)
             pictures.push_back(seen_in(*frame, demuxer->streams[0]->time_base));
     };
-    while (decoder && av_read_frame(demuxer, packet) >= 0) {
-        if (packet->stream_index == 0) avcodec_send_packet(decoder, packet);
-        av_packet_unref(packet);
+    for (; decoder && av_read_frame(demuxer, packet.get()) >= 0; av_packet_unref(packet.get())) {
+        if (packet->stream_index == 0) avcodec_send_packet(decoder.get(), packet.get());
         take();
     }
-    if (decoder) avcodec_send_packet(decoder, nullptr);
-    if (decoder) take();
-    av_frame_free(&frame);
-    av_packet_free(&packet);
-    avcodec_free_context(&decoder);
+    if (decoder) {
+        avcodec_send_packet(decoder.get(), nullptr);
+        take();
+    }
     avformat_close_input(&demuxer);
     return pictures;
 }

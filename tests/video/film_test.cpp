@@ -1,17 +1,8 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <string>
-#include <vector>
 
-#include "engine/clip/clip_file.hpp"
 #include "engine/picture/image.hpp"
-#include "engine/picture/sound.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
-#include "tests/temporary_folder.hpp"
 #include "tests/video/film_reader.hpp"
 #include "tests/video/sounding_clip.hpp"
 
@@ -24,17 +15,16 @@ Image grey(int width, int height, int level) {
                                       static_cast<std::uint8_t>(level))};
 }
 
-TEST(Film, ShowsEachPictureFromItsPlaceOnAtThirtyASecond) {
+TEST(Film, ShowsPicturesFromTheirPlaces) {
     for (const char* name : {"film.mp4", "film.mkv"}) {
         const TemporaryFolder folder;
-        auto film = FilmWriter::create(folder / name, Existing::keep);
-        ASSERT_TRUE(film) << film.error().message;
+        auto film = value_of(FilmWriter::create(folder / name, Existing::keep));
         const auto dark = grey(65, 48, 0), light = grey(65, 48, 255), wide = grey(128, 48, 255);
-        ASSERT_TRUE((*film)->add(dark.view(), 0));
-        ASSERT_TRUE((*film)->add(light.view(), 5));
-        ASSERT_TRUE((*film)->add(wide.view(), 7));
+        ASSERT_TRUE(film->add(dark.view(), 0));
+        ASSERT_TRUE(film->add(light.view(), 5));
+        ASSERT_TRUE(film->add(wide.view(), 7));
         EXPECT_FALSE(std::filesystem::exists(folder / name)) << "it has its name before it is complete";
-        ASSERT_TRUE((*film)->finish(12));
+        ASSERT_TRUE(film->finish(12));
         const auto seen = seen_in_film(folder / name);
         ASSERT_EQ(seen.size(), 12U) << name;
         for (std::size_t k = 0; k < seen.size(); ++k) {
@@ -50,28 +40,24 @@ TEST(Film, ShowsEachPictureFromItsPlaceOnAtThirtyASecond) {
 
 /// Root of the mean square of the left channel.
 double loudness(SoundTrack& track, double from_s, double to_s) {
-    std::vector<StereoSample> samples(static_cast<std::size_t>((to_s - from_s) * SoundTrack::rate));
-    track.seek(std::lround(from_s * SoundTrack::rate));
-    track.read(samples);
+    const auto samples = heard_in(track, std::lround(from_s * SoundTrack::rate),
+                                  static_cast<std::size_t>((to_s - from_s) * SoundTrack::rate));
     double sum = 0;
     for (const StereoSample& sample : samples) sum += static_cast<double>(sample.left * sample.left);
     return std::sqrt(sum / static_cast<double>(samples.size()));
 }
 
-TEST(Film, SoundsWhereItsSoundWasPlacedHoweverLatePicturesAre) {
+TEST(Film, PlacesSoundIndependentlyOfPictures) {
     for (const char* name : {"film.mp4", "film.MKV"}) {
         const TemporaryFolder folder;
-        auto film = FilmWriter::create(folder / name, Existing::keep);
-        ASSERT_TRUE(film) << film.error().message;
-        std::vector<StereoSample> tone(9600);  // 0.2 s
-        for (std::size_t k = 0; k < tone.size(); ++k)
-            tone[k].left = tone[k].right = 0.5F * static_cast<float>(std::sin(0.06 * static_cast<double>(k)));
-        EXPECT_FALSE((*film)->add_sound(0, tone)) << "before its first picture";
-        ASSERT_TRUE((*film)->add(grey(64, 48, 128).view(), 0));
-        ASSERT_TRUE((*film)->add_sound(24'000, tone));
-        ASSERT_TRUE((*film)->add_sound(14'400, tone)) << "is left out";
-        ASSERT_TRUE((*film)->add_sound(48'000 * 6, tone));
-        ASSERT_TRUE((*film)->finish(200));
+        auto film = value_of(FilmWriter::create(folder / name, Existing::keep));
+        const auto sound = tone(458.4, 0.2);
+        EXPECT_FALSE(film->add_sound(0, sound)) << "before its first picture";
+        ASSERT_TRUE(film->add(grey(64, 48, 128).view(), 0));
+        ASSERT_TRUE(film->add_sound(24'000, sound));
+        ASSERT_TRUE(film->add_sound(14'400, sound)) << "is left out";
+        ASSERT_TRUE(film->add_sound(48'000 * 6, sound));
+        ASSERT_TRUE(film->finish(200));
         EXPECT_EQ(seen_in_film(folder / name).size(), 200U);
         auto track = SoundTrack::open(folder / name);
         ASSERT_TRUE(track && *track) << name;
@@ -102,21 +88,18 @@ void expect_plays_up_to_a_full_disk(const std::string& name, rlim_t room) {
         heard[k].left = heard[k].right = static_cast<float>(k * k % 1009) / 1009.0F;
     {
         const FullDisk full(room);
-        auto film = FilmWriter::create(folder / name, Existing::keep);
-        ASSERT_TRUE(film) << film.error().message;
+        auto film = value_of(FilmWriter::create(folder / name, Existing::keep));
         Result<void> done;
         while (done) {
             ASSERT_LT(shown, 1000) << "the disk is larger than it is";
-            done = (*film)->add(noisy_picture(static_cast<int>(shown)).view(), shown);
-            if (done && shown % 30 == 0) done = (*film)->add_sound(shown * 1600, heard);
+            done = film->add(noisy_picture(static_cast<int>(shown)).view(), shown);
+            if (done && shown % 30 == 0) done = film->add_sound(shown * 1600, heard);
             ++shown;
         }
-        EXPECT_NE(done.error().message.find("the disk is full"), std::string::npos) << done.error().message;
-        EXPECT_FALSE((*film)->add(noisy_picture(0).view(), shown))
-            << "a picture behind one that is not there";
-        const auto ended = (*film)->finish(shown);
-        ASSERT_FALSE(ended);
-        EXPECT_EQ(ended.error().kind, ErrorKind::input);
+        EXPECT_TRUE(is_refused(done, "the disk is full"));
+        EXPECT_FALSE(film->add(noisy_picture(0).view(), shown)) << "a picture behind one that is not there";
+        const auto ended = film->finish(shown);
+        EXPECT_TRUE(is_refused(ended, "", ErrorKind::input));
         EXPECT_TRUE(ended.error().message.ends_with("the disk is full; it is kept up to there"))
             << ended.error().message;
     }
@@ -129,24 +112,23 @@ void expect_plays_up_to_a_full_disk(const std::string& name, rlim_t room) {
     EXPECT_TRUE(track && *track) << name;
 }
 
-TEST(Film, IsKeptUpToWhereItsDiskBecameFull) {
+TEST(Film, IsKeptOnFullDisk) {
     // At any byte of a picture, of its sound, of what the muxer holds.
     for (const char* name : {"film.mp4", "film.mkv"})
         for (rlim_t room = 400'000; room < 700'000; room += 43'403)
             expect_plays_up_to_a_full_disk(name, room);
 }
 
-TEST(Film, WithRoomForNoPictureIsNotKept) {
+TEST(Film, IsRemovedWithoutAnyPicture) {
     const TemporaryFolder folder;
     const FullDisk full(1000);
-    auto film = FilmWriter::create(folder / "film.mkv", Existing::keep);
-    ASSERT_TRUE(film) << film.error().message;
-    (void)(*film)->add(noisy_picture(0).view(), 0);
-    EXPECT_FALSE((*film)->finish(3));
+    auto film = value_of(FilmWriter::create(folder / "film.mkv", Existing::keep));
+    (void)film->add(noisy_picture(0).view(), 0);
+    EXPECT_FALSE(film->finish(3));
     EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
 }
 
-TEST(Film, IsRefusedUnderOtherNamesAndWhereOneIs) {
+TEST(Film, RejectsInvalidOutputs) {
     const TemporaryFolder folder;
     EXPECT_EQ(FilmWriter::create(folder / "film.avi", Existing::keep).error().kind, ErrorKind::usage);
     EXPECT_FALSE(FilmWriter::create(folder / "nowhere/film.mkv", Existing::keep));
@@ -158,18 +140,20 @@ TEST(Film, IsRefusedUnderOtherNamesAndWhereOneIs) {
 
 // The sound a clip has beside its pictures.
 
-class Sounding : public ::testing::Test {
+class ClipSound : public ::testing::Test {
 protected:
     std::filesystem::path file() const { return folder_ / "sound.mkv"; }
     /// `count` samples from `first` on.
-    std::vector<StereoSample> heard(std::int64_t first, std::size_t count) {
-        auto track = SoundTrack::open(file());
-        EXPECT_EQ(message(track), "");
-        std::vector<StereoSample> samples(count);
-        if (!track || !*track) return samples;
-        (*track)->seek(first);
-        (*track)->read(samples);
-        return samples;
+    std::vector<StereoSample> heard(std::int64_t first, std::size_t count) const {
+        const auto track = value_of(SoundTrack::open(file()));
+        EXPECT_TRUE(track);
+        return track ? heard_in(*track, first, count) : std::vector<StereoSample>(count);
+    }
+    /// A clip of 20 frames without sound.
+    std::filesystem::path mute_clip() const {
+        const auto pictures = folder_ / "clip.mkv";
+        EXPECT_EQ(message(write_clip(pictures, small_scene(40, 30, 16), 20, {true, true, true, false})), "");
+        return pictures;
     }
     static double difference(const std::vector<StereoSample>& heard, const std::vector<StereoSample>& wanted,
                              std::int64_t first) {
@@ -186,36 +170,32 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(Sounding, IsTheSameFromAnywhereSilentBeforeAndAfter) {
+TEST_F(ClipSound, ReadsFromAnywhere) {
     const auto sound = tone(440, 1.5);
     write_sounding_clip(file(), sound);
     for (const std::int64_t first : {0, 30'000, 1, 999, 71'000, 60'123, 90'000, -500})
         EXPECT_EQ(difference(heard(first, 3000), sound, first), 0) << first;
 }
 
-TEST_F(Sounding, GoesOnWhereItWasRead) {
+TEST_F(ClipSound, ReadsOn) {
     const auto sound = tone(300, 1);
     write_sounding_clip(file(), sound);
-    auto track = SoundTrack::open(file());
-    ASSERT_EQ(message(track), "");
+    auto track = value_of(SoundTrack::open(file()));
     std::vector<StereoSample> samples(777);
     for (std::int64_t first = 0; first < 50'000; first += 777) {
-        (*track)->read(samples);
+        track->read(samples);
         ASSERT_EQ(difference(samples, sound, first), 0) << first;
     }
 }
 
-TEST_F(Sounding, OfAnotherRateIsResampled) {
+TEST_F(ClipSound, ResamplesOtherRates) {
     write_sounding_clip(file(), tone(440, 1, 44'100), {}, 44'100);
     EXPECT_LT(difference(heard(4800, 20'000), tone(440, 1), 4800), 0.01);
     EXPECT_LT(difference(heard(20'000, 20'000), tone(440, 1), 20'000), 0.01);
 }
 
-TEST_F(Sounding, BeginsWithTheFirstPicture) {
-    const auto pictures = folder_ / "clip.mkv";
-    ASSERT_EQ(message(write_clip(pictures, small_scene(40, 30, 16), 20, {true, true, true, false},
-                                 {Archive::fast, true})),
-              "");
+TEST_F(ClipSound, BeginsWithTheFirstPicture) {
+    const auto pictures = mute_clip();
     const auto sound = tone(440, 0.6);
     write_sounding_clip(file(), sound, pictures, SoundTrack::rate, 100,
                         0);  // sound is a tenth of a second late
@@ -225,45 +205,37 @@ TEST_F(Sounding, BeginsWithTheFirstPicture) {
     EXPECT_TRUE(open_clip(file())) << "a clip with sound is a clip";
 }
 
-TEST_F(Sounding, LongerThanThePicturesMakesAClipNoLonger) {
-    const auto pictures = folder_ / "clip.mkv";
-    ASSERT_EQ(message(write_clip(pictures, small_scene(40, 30, 16), 20, {true, true, true, false},
-                                 {Archive::fast, true})),
-              "");
+TEST_F(ClipSound, DoesNotLengthenTheClip) {
+    const auto pictures = mute_clip();
     write_sounding_clip(file(), tone(440, 2), pictures);
-    auto reader = open_clip(file());
-    ASSERT_EQ(message(reader), "");
-    EXPECT_EQ((*reader)->frame_count(), 20);
-    const auto frames = read_all(**reader);
-    ASSERT_EQ(message(frames), "");
-    EXPECT_EQ(frames->size(), 20U);
+    auto reader = value_of(open_clip(file()));
+    EXPECT_EQ(reader->frame_count(), 20);
+    const auto frames = value_of(read_all(*reader));
+    EXPECT_EQ(frames.size(), 20U);
 }
 
-TEST_F(Sounding, IsNotThereWhereThereIsNone) {
-    ASSERT_EQ(message(write_clip(file(), small_scene(40, 30, 16), 2, {true, true, true, false},
-                                 {Archive::fast, true})),
-              "");
-    std::ofstream(folder_ / "words.mkv") << "this is no film";
-    for (const auto& path : {file(), folder_ / "words.mkv", folder_ / "missing", folder_.path()}) {
+TEST_F(ClipSound, IsOptional) {
+    write_bytes(folder_ / "words.mkv", "this is no film");
+    for (const auto& path : {mute_clip(), folder_ / "words.mkv", folder_ / "missing", folder_.path()}) {
         const auto track = SoundTrack::open(path);
         ASSERT_EQ(message(track), "") << path;
         EXPECT_EQ(*track, nullptr) << path;
     }
 }
 
-TEST_F(Sounding, OfAnImpossibleRateIsRefusedBeforeItTakesMemory) {
+TEST_F(ClipSound, RejectsImpossibleRate) {
     std::string wav =
         read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/sound/s16.wav");
     const auto with_rate = [&](std::uint32_t rate) {
         std::memcpy(wav.data() + 24, &rate, sizeof rate);
-        std::ofstream(file(), std::ios::binary) << wav;
+        write_bytes(file(), wav);
         return message(SoundTrack::open(file()));
     };
     EXPECT_EQ(with_rate(768'000), "");
-    EXPECT_NE(with_rate(100'000'007).find("it has 100000007 samples a second"), std::string::npos);
+    EXPECT_TRUE(has_words(with_rate(100'000'007), "it has 100000007 samples a second"));
 }
 
-TEST_F(Sounding, ThatIsCutIsSilentFromThere) {
+TEST_F(ClipSound, IsSilentWhereCut) {
     const auto sound = tone(440, 1);
     write_sounding_clip(file(), sound);
     std::filesystem::resize_file(file(), std::filesystem::file_size(file()) / 2);
@@ -276,22 +248,16 @@ TEST_F(Sounding, ThatIsCutIsSilentFromThere) {
 /// Frames `first` to `last` of a sounding clip of 30, with their sound.
 void write_stretch(const std::filesystem::path& from, const std::filesystem::path& to, std::int64_t first,
                    std::int64_t last) {
-    const auto frames = read_clip(from);
-    ASSERT_EQ(message(frames), "");
+    const auto frames = value_of(read_clip(from));
     auto reader = open_clip(from);
     const Scene scene = (*reader)->scene();
     const SoundPart sound{from, scene.rate.time_ns(first), scene.rate.time_ns(last + 1)};
-    auto writer = create_clip(to, scene, exact_clip, Existing::keep, sound);
-    ASSERT_EQ(message(writer), "");
-    for (std::int64_t n = first; n <= last; ++n) {
-        RawFrame frame = (*frames)[static_cast<std::size_t>(n)];
-        frame.number = n - first;
-        ASSERT_EQ(message((*writer)->write(frame)), "");
-    }
-    ASSERT_EQ(message((*writer)->finish()), "");
+    std::vector<RawFrame> stretch(frames.begin() + first, frames.begin() + last + 1);
+    for (RawFrame& frame : stretch) frame.number -= first;
+    ASSERT_EQ(message(write_all(create_clip(to, scene, exact_clip, Existing::keep, sound), stretch)), "");
 }
 
-TEST(StoredSound, IsHeardWithTheSameFrames) {
+TEST(StoredSound, StaysInStepWithFrames) {
     const TemporaryFolder folder;
     const Scene scene = small_scene(16, 12);
     ASSERT_EQ(message(write_clip(folder / "mute.mkv", scene, 30, {})), "");
@@ -303,27 +269,21 @@ TEST(StoredSound, IsHeardWithTheSameFrames) {
     for (const auto& [first, last] : {std::pair<std::int64_t, std::int64_t>{0, 29}, {12, 23}}) {
         const auto file = folder / ("part" + std::to_string(first) + ".mkv");
         write_stretch(folder / "clip.mkv", file, first, last);
-        const auto frames = read_clip(file);
-        ASSERT_EQ(message(frames), "");
-        EXPECT_EQ(std::ssize(*frames), last - first + 1);
-        auto track = SoundTrack::open(file);
-        ASSERT_EQ(message(track), "");
-        ASSERT_TRUE(*track);
+        const auto frames = value_of(read_clip(file));
+        EXPECT_EQ(std::ssize(frames), last - first + 1);
+        auto track = value_of(SoundTrack::open(file));
+        ASSERT_TRUE(track);
         // All but the packets at the ends, which begin before or end after.
-        const std::int64_t offset = first * SoundTrack::rate / 30;
-        std::vector<StereoSample> heard(static_cast<std::size_t>((last - first + 1) * SoundTrack::rate / 30));
-        (*track)->read(heard);
-        double largest = 0;
+        const auto count = static_cast<std::size_t>((last - first + 1) * SoundTrack::rate / 30);
+        const auto wanted = std::span(sound).subspan(static_cast<std::size_t>(first * SoundTrack::rate / 30));
         constexpr std::size_t packet = 2048;
-        for (std::size_t k = packet; k + packet < heard.size(); ++k)
-            largest = std::max<double>(
-                largest, std::abs(heard[k].left - sound[k + static_cast<std::size_t>(offset)].left));
+        const double largest = largest_difference(heard_in(*track, 0, count), wanted, packet, packet);
         // Matroska's times are whole milliseconds: half of one, of 20 Hz.
         EXPECT_LE(largest, 2 * 3.15 * 20 * 0.0005) << first;
     }
 }
 
-TEST(StoredSound, IsRefusedWhereThereIsNone) {
+TEST(StoredSound, RejectsSilentClip) {
     const TemporaryFolder folder;
     ASSERT_EQ(message(write_clip(folder / "mute.mkv", small_scene(16, 12), 2, {})), "");
     EXPECT_FALSE(sound_of(folder / "mute.mkv").has_value());

@@ -1,9 +1,5 @@
 #include "tests/video/mp4_boxes.hpp"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 namespace touchable::test {
 
 std::uint64_t number_in(const std::string& file, std::size_t at, int bytes) {
@@ -100,9 +96,20 @@ std::string without_in_movie(const std::string& file, const std::vector<std::str
         left_out += stays ? 0 : 1;
     }
     EXPECT_GT(left_out, 0U);
-    std::string made = file.substr(0, movie.at);
-    for (int shift = 24; shift >= 0; shift -= 8) made += static_cast<char>((content.size() + 8) >> shift);
-    return made + "moov" + content;
+    return file.substr(0, movie.at) + word(content.size() + 8) + "moov" + content;
+}
+
+std::string word(std::size_t value) {
+    std::string bytes;
+    for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(value >> shift);
+    return bytes;
+}
+
+Result<void> write_mp4(const std::filesystem::path& file, const SceneDescription& described, int frames,
+                       const Planes& planes, const ClipStorage& storage,
+                       const std::optional<SoundPart>& sound) {
+    return write_all(create_mp4_clip(file, described, storage, Existing::replace, sound),
+                     test_frames(described.scene, frames, planes));
 }
 
 }  // namespace touchable::test

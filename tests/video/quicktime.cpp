@@ -1,6 +1,5 @@
 #include "tests/video/quicktime.hpp"
 
-#include <cstdint>
 #include <cstring>
 
 #include "tests/picture/results.hpp"

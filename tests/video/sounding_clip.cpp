@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 
+#include "engine/clip/clip_file.hpp"
 #include "engine/picture/ffmpeg.hpp"
 
 namespace touchable::test {
@@ -108,6 +109,31 @@ std::vector<StereoSample> tone(double hertz, double seconds, int rate) {
         sound[k] = {static_cast<float>(value), static_cast<float>(0.5 * value)};
     }
     return sound;
+}
+
+void write_sounding_film(const std::filesystem::path& file, const std::vector<StereoSample>& sound) {
+    auto film = FilmWriter::create(file, Existing::keep);
+    ASSERT_TRUE(film) << film.error().message;
+    const std::vector<std::uint8_t> grey(3 * 64 * 48, 99);
+    EXPECT_TRUE((*film)->add({grey.data(), 3 * 64, 64, 48, 1, 3}, 0));
+    EXPECT_TRUE((*film)->add_sound(0, sound));
+    EXPECT_TRUE((*film)->finish(std::ssize(sound) * 30 / SoundTrack::rate));
+}
+
+std::vector<StereoSample> heard_in(SoundTrack& track, std::int64_t from, std::size_t count) {
+    std::vector<StereoSample> samples(count);
+    track.seek(from);
+    track.read(samples);
+    return samples;
+}
+
+double largest_difference(std::span<const StereoSample> heard, std::span<const StereoSample> wanted,
+                          std::size_t without_first, std::size_t without_last) {
+    EXPECT_GE(wanted.size(), heard.size());
+    double largest = 0;
+    for (std::size_t k = without_first; k + without_last < heard.size(); ++k)
+        largest = std::max<double>(largest, std::abs(heard[k].left - wanted[k].left));
+    return largest;
 }
 
 }  // namespace touchable::test

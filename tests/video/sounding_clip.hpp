@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "engine/picture/sound.hpp"
@@ -15,5 +16,15 @@ void write_sounding_clip(const std::filesystem::path& file, const std::vector<St
 
 /// A sine of so many hertz.
 std::vector<StereoSample> tone(double hertz, double seconds, int rate = SoundTrack::rate);
+
+/// A film of one grey picture with this sound, as long as it: AAC in MP4, FLAC in Matroska.
+void write_sounding_film(const std::filesystem::path& file, const std::vector<StereoSample>& sound);
+
+/// So many samples from one on.
+std::vector<StereoSample> heard_in(SoundTrack& track, std::int64_t from, std::size_t count);
+
+/// The largest difference of their left channels, without the first and the last samples.
+double largest_difference(std::span<const StereoSample> heard, std::span<const StereoSample> wanted,
+                          std::size_t without_first, std::size_t without_last);
 
 }  // namespace touchable::test
