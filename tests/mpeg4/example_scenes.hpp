@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -74,13 +76,23 @@ inline constexpr std::string_view depth_image_still_bytes =
 inline constexpr std::string_view nameless_depth_image_still_bytes =
     "c005a0000364cda81726d40a9434800009fb333331f999999920";
 
-inline SceneTree scene_from(std::string_view text) {
-    auto scene = parse_scene_text(text);
-    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-    return scene ? std::move(*scene) : SceneTree();
+/// The value; where there is none, the test fails with the reason.
+template <class T>
+T value_of(Result<T> result) {
+    if (!result) throw std::runtime_error(result.error().message);
+    return std::move(*result);
+}
+/// "": it is no error.
+template <class T>
+std::string message(const Result<T>& result) {
+    return result ? "" : result.error().message;
 }
 
-inline std::string hex(const std::vector<std::uint8_t>& bytes) {
+inline SceneTree scene_from(std::string_view text) {
+    return value_of(parse_scene_text(text));
+}
+
+inline std::string hex(std::span<const std::uint8_t> bytes) {
     constexpr std::string_view digits = "0123456789abcdef";
     std::string text;
     for (const std::uint8_t byte : bytes) {

@@ -1,16 +1,10 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <optional>
-#include <string>
 
 #include "engine/base/files.hpp"
 #include "engine/mpeg4/bifs.hpp"
 #include "engine/mpeg4/boxes.hpp"
-#include "engine/mpeg4/clip_scene.hpp"
 #include "tests/mpeg4/example_scenes.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -62,9 +56,7 @@ SceneStream stream() {
 }
 
 std::vector<Box> parsed(BytesView bytes) {
-    auto boxes = boxes_in(bytes);
-    EXPECT_TRUE(boxes);
-    return boxes ? *boxes : std::vector<Box>();
+    return value_of(boxes_in(bytes));
 }
 
 std::vector<std::string> types(BytesView bytes) {
@@ -73,17 +65,12 @@ std::vector<std::string> types(BytesView bytes) {
     return names;
 }
 
-std::string hex_of(BytesView bytes) {
-    return hex({bytes.begin(), bytes.end()});
-}
-
-class Written : public ::testing::Test {
+class SceneBoxes : public ::testing::Test {
 protected:
     void SetUp() override {
         const Bytes before = movie();
-        auto made = with_scene_stream(before, stream(), 1, moov_at);
-        ASSERT_TRUE(made) << made.error().message;
-        bytes = std::move(*made);
+        auto made = value_of(with_scene_stream(before, stream(), 1, moov_at));
+        bytes = std::move(made);
         boxes = parsed(bytes);
         ASSERT_EQ(boxes.size(), 2);
         moov = boxes[1].content;
@@ -104,23 +91,23 @@ protected:
     BytesView moov;
 };
 
-TEST_F(Written, BoxesStandAsMpeg4HasThem) {
+TEST_F(SceneBoxes, FollowMpeg4) {
     EXPECT_EQ(types(bytes), (std::vector<std::string>{"mdat", "moov"}));
     EXPECT_EQ(types(moov), (std::vector<std::string>{"mvhd", "iods", "trak", "trak", "trak", "trak", "trak",
                                                      "trak", "trak", "udta"}));
-    EXPECT_EQ(hex_of(content_at(moov, {"iods"})), "000000001013004fffffffffff0e04000000060e0400000007");
+    EXPECT_EQ(hex(content_at(moov, {"iods"})), "000000001013004fffffffffff0e04000000060e0400000007");
     EXPECT_EQ(number_at(content_at(moov, {"mvhd"}), 96, 4), 8);
     const auto parts = parsed(moov);
     const BytesView scene = parts[7].content, objects = parts[8].content;
     EXPECT_EQ(types(scene), (std::vector<std::string>{"tkhd", "mdia"}));
     EXPECT_EQ(types(objects), (std::vector<std::string>{"tkhd", "tref", "mdia"}));
-    EXPECT_EQ(hex_of(content_at(objects, {"tref", "mpod"})), "00000001000000020000000300000004");
+    EXPECT_EQ(hex(content_at(objects, {"tref", "mpod"})), "00000001000000020000000300000004");
     EXPECT_EQ(types(content_at(scene, {"mdia", "minf", "stbl"})),
               (std::vector<std::string>{"stsd", "stts", "stsc", "stsz", "co64"}));
 }
 
-TEST_F(Written, SamplesAreTheSceneAndItsObjects) {
-    const std::string samples = hex_of(boxes[0].content);
+TEST_F(SceneBoxes, HoldSceneAndObjects) {
+    const std::string samples = hex(boxes[0].content);
     EXPECT_EQ(samples, std::string(prototype_bytes) + "00" +
                            "0120"
                            "1106029f0f020001"
@@ -129,13 +116,13 @@ TEST_F(Written, SamplesAreTheSceneAndItsObjects) {
                            "1106035f0f020004");
     const auto parts = parsed(moov);
     const std::string esds =
-        hex_of(content_at(content_at(parts[7].content, {"mdia", "minf", "stbl", "stsd"}).subspan(8), {"mp4s"})
-                   .subspan(16));
+        hex(content_at(content_at(parts[7].content, {"mdia", "minf", "stbl", "stsd"}).subspan(8), {"mp4s"})
+                .subspan(16));
     EXPECT_NE(esds.find("020d000184"), std::string::npos) << esds;  // BIFS of version 2, a scene, 388 bytes
     EXPECT_NE(esds.find("050702017004000300"), std::string::npos) << esds;  // its configuration
 }
 
-TEST_F(Written, OtherPicturesAreMarkedAsAuxiliary) {
+TEST_F(SceneBoxes, MarkOtherPicturesAsAuxiliary) {
     const auto parts = parsed(moov);
     const auto handler = [](const Box& trak) {
         const BytesView box = content_at(trak.content, {"mdia", "hdlr"});
@@ -145,24 +132,23 @@ TEST_F(Written, OtherPicturesAreMarkedAsAuxiliary) {
     EXPECT_TRUE(content_at(parts[2].content, {"tref"}).empty());
     for (const std::size_t k : {3, 4, 5}) {
         EXPECT_EQ(handler(parts[k]), "auxv");
-        EXPECT_EQ(hex_of(content_at(parts[k].content, {"tref", "vdep"})), "00000001");
+        EXPECT_EQ(hex(content_at(parts[k].content, {"tref", "vdep"})), "00000001");
     }
     EXPECT_EQ(handler(parts[6]), "soun");
 }
 
 /// MPEG-4 Systems know no object whose track is not.
-TEST_F(Written, ObjectsAreEnabled) {
+TEST_F(SceneBoxes, EnableObjects) {
     const auto parts = parsed(moov);
     for (std::size_t k = 2; k < parts.size() - 1; ++k)
         EXPECT_EQ(number_at(content_at(parts[k].content, {"tkhd"}), 0, 4), k == 6 ? 0U : 1U) << k;
 }
 
-TEST_F(Written, FindsFirstSamples) {
-    const auto scene = first_sample_of(moov, 6);
-    ASSERT_TRUE(scene) << scene.error().message;
-    EXPECT_EQ(scene->at, moov_at + 8);
-    EXPECT_EQ(scene->bytes, prototype_bytes.size() / 2 + 1);
-    EXPECT_EQ(scene->count, 1);
+TEST_F(SceneBoxes, FindFirstSamples) {
+    const auto scene = value_of(first_sample_of(moov, 6));
+    EXPECT_EQ(scene.at, moov_at + 8);
+    EXPECT_EQ(scene.bytes, prototype_bytes.size() / 2 + 1);
+    EXPECT_EQ(scene.count, 1);
     for (const auto& [track, words] :
          {std::pair{1, "track 1 (\"vide\") has no sample"}, {9, "has no track 9"}}) {
         const auto none = first_sample_of(moov, static_cast<std::uint32_t>(track));
@@ -171,18 +157,16 @@ TEST_F(Written, FindsFirstSamples) {
     }
 }
 
-TEST_F(Written, ComesBack) {
-    const auto again = read_again(moov);
-    ASSERT_TRUE(again) << again.error().message;
-    ASSERT_TRUE(again->has_value());
-    EXPECT_EQ((*again)->objects, stream().objects);
-    EXPECT_EQ(encode_config((*again)->config), encode_config(stream().config));
-    const auto scene = decode_scene((*again)->scene, (*again)->config);
-    ASSERT_TRUE(scene) << scene.error().message;
-    EXPECT_EQ(scene_text(*scene), scene_text(scene_from(prototype_scene)));
+TEST_F(SceneBoxes, RoundTrip) {
+    const auto again = value_of(read_again(moov));
+    ASSERT_TRUE(again.has_value());
+    EXPECT_EQ(again->objects, stream().objects);
+    EXPECT_EQ(encode_config(again->config), encode_config(stream().config));
+    const auto scene = value_of(decode_scene(again->scene, again->config));
+    EXPECT_EQ(scene_text(scene), scene_text(scene_from(prototype_scene)));
 }
 
-TEST_F(Written, DamageIsRefusedOrLeavesAScene) {
+TEST_F(SceneBoxes, SurviveDamage) {
     int refused = 0;
     for (std::size_t at = 0; at < moov.size(); ++at) {
         Bytes damaged(moov.begin(), moov.end());
@@ -199,7 +183,7 @@ TEST_F(Written, DamageIsRefusedOrLeavesAScene) {
     }
 }
 
-TEST(SceneStream, AMovieWithoutOneHasNone) {
+TEST(SceneStream, IsAbsentInPlainMovie) {
     const auto none = read_scene_stream(
         movie(), [](std::uint64_t, std::uint64_t) { return Result<Bytes>(input_error("nothing")); });
     ASSERT_TRUE(none);
@@ -207,35 +191,31 @@ TEST(SceneStream, AMovieWithoutOneHasNone) {
 }
 
 std::vector<std::uint8_t> encoded(const SceneTree& scene) {
-    auto bytes = encode_scene(scene, config_for(scene, 64, 48));
-    EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().message);
-    return bytes ? *bytes : std::vector<std::uint8_t>();
+    return value_of(encode_scene(scene, config_for(scene, 64, 48)));
 }
 
 /// Encoded, decoded and written again.
 std::string through_bits(std::string_view text) {
     const SceneTree scene = scene_from(text);
-    const auto decoded = decode_scene(encoded(scene), config_for(scene, 64, 48));
-    EXPECT_TRUE(decoded) << (decoded ? "" : decoded.error().message);
-    return decoded ? scene_text(*decoded) : "";
+    return scene_text(value_of(decode_scene(encoded(scene), config_for(scene, 64, 48))));
 }
 std::string as_written(std::string_view text) {
     return scene_text(scene_from(text));
 }
 
-TEST(Bifs, PrototypesAreTheBytesOfGpacsEncoder) {
+TEST(Bifs, EncodesPrototypesAsGpac) {
     const SceneTree scene = scene_from(prototype_scene);
     EXPECT_EQ(hex(encoded(scene)), prototype_bytes);
     EXPECT_EQ(hex(encode_config(config_for(scene, 64, 48))), "02017004000300");
 }
 
-TEST(Bifs, ADepthImageIsTheBytesOfGpacsEncoder) {
+TEST(Bifs, EncodesDepthImageAsGpac) {
     const SceneTree scene = scene_from(depth_image_scene);
     EXPECT_EQ(hex(encoded(scene)), depth_image_bytes);
     EXPECT_EQ(hex(encode_config(config_for(scene, 64, 48))), "083802000180");
 }
 
-TEST(Bifs, StillsAreTheBytesOfGpacsEncoder) {
+TEST(Bifs, EncodesStillsAsGpac) {
     const SceneTree still = scene_from(still_scene), image = scene_from(depth_image_still_scene);
     EXPECT_EQ(hex(encoded(still)), still_bytes);
     EXPECT_EQ(hex(encode_config(config_for(still, 720, 480))), "0201702d001e00");
@@ -246,9 +226,7 @@ TEST(Bifs, StillsAreTheBytesOfGpacsEncoder) {
 /// As GPAC encodes the same two without names.
 TEST(Bifs, NamesPrototypesByTheirFields) {
     const auto decoded = [](std::string_view bytes, const BifsConfig& config) {
-        auto scene = decode_scene(bytes_of_hex(bytes), config);
-        EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
-        return scene ? *scene : SceneTree();
+        return value_of(decode_scene(bytes_of_hex(bytes), config));
     };
     const BifsConfig still{.prototype_id_bits = 2}, image{.version = 1};
     EXPECT_FALSE(decoded(nameless_still_bytes, still).has_names);
@@ -257,7 +235,7 @@ TEST(Bifs, NamesPrototypesByTheirFields) {
               scene_text(decoded(depth_image_still_bytes, image)));
 }
 
-TEST(Bifs, ScenesComeBack) {
+TEST(Bifs, RoundTripsScenes) {
     EXPECT_EQ(through_bits(prototype_scene), as_written(prototype_scene));
     for (
         const std::string_view text : {
@@ -281,11 +259,10 @@ TEST(Bifs, ScenesComeBack) {
         EXPECT_EQ(through_bits(text), as_written(text));
 }
 
-TEST(Bifs, WhatIsThePapersOwnHasNoBinaryForm) {
+TEST(Bifs, RejectsNodesOfThePaper) {
     const auto refusal = [](std::string_view text) {
         const SceneTree scene = scene_from(text);
-        const auto bytes = encode_scene(scene, config_for(scene, 64, 48));
-        return bytes ? std::string("no error") : bytes.error().message;
+        return message(encode_scene(scene, config_for(scene, 64, 48)));
     };
     EXPECT_EQ(refusal("Group { children [ Shape { geometry Depth {} } ] }"),
               "Group: Shape: Depth: MPEG-4 has no such node; a PROTO could define it");
@@ -295,7 +272,7 @@ TEST(Bifs, WhatIsThePapersOwnHasNoBinaryForm) {
     EXPECT_EQ(refusal("Shape {}"), "Shape: MPEG-4 has no such node there");
 }
 
-TEST(Bifs, ASceneThatIsCutIsRefused) {
+TEST(Bifs, RejectsCutScene) {
     const SceneTree scene = scene_from(prototype_scene);
     const auto bytes = encoded(scene);
     for (std::size_t length = 0; length + 1 < bytes.size(); ++length) {
@@ -329,11 +306,10 @@ TEST(Bifs, DamageNamesItsBit) {
     EXPECT_GT(opened, 100);  // another number, another letter
 }
 
-/// A scene of prototypes and fields as somebody may write it who wants to do harm.
+/// A scene of prototypes and fields that is written to do harm.
 TEST(Bifs, LimitsHold) {
     const auto refusal = [](std::vector<std::uint8_t> bytes, BifsConfig config = {.prototype_id_bits = 2}) {
-        const auto decoded = decode_scene(bytes, config);
-        return decoded ? std::string("no error") : decoded.error().message;
+        return message(decode_scene(bytes, config));
     };
     EXPECT_EQ(refusal(std::vector<std::uint8_t>(70'000)),
               "the scene has 70000 bytes: must be 64 KiB at most");
@@ -345,34 +321,16 @@ TEST(Bifs, LimitsHold) {
     EXPECT_NE(text.error().message.find("more than 32 deep"), std::string::npos) << text.error().message;
     // Group { children [ Group { children [ ..., each 13 bits: new, 3D, 17, unnamed, mask, children, list,
     // value.
-    std::string bits =
-        "11000000"
-        "1"
-        "0"
-        "0"
-        "001"
-        "0"
-        "1"
-        "1"
-        "0"
-        "1";
-    for (int k = 0; k < 40; ++k)
-        bits +=
-            "0"
-            "0"
-            "010001"
-            "0"
-            "1"
-            "1"
-            "0"
-            "1";
+    std::string bits = "11000000 1 0 0 001 0 1 1 0 1";
+    for (int k = 0; k < 40; ++k) bits += "0 0 010001 0 1 1 0 1";
+    std::erase(bits, ' ');
     std::vector<std::uint8_t> bytes((bits.size() + 7) / 8);
     for (std::size_t k = 0; k < bits.size(); ++k)
         if (bits[k] == '1') bytes[k / 8] = static_cast<std::uint8_t>(bytes[k / 8] | (128 >> k % 8));
     EXPECT_NE(refusal(bytes).find("more than 32 deep"), std::string::npos) << refusal(bytes);
 }
 
-TEST(Bifs, NumbersThatFourBytesCannotHoldAreRefused) {
+TEST(Bifs, RejectsNumbersBeyondFourBytes) {
     SceneTree scene = scene_from("Shape { geometry Rectangle { size 3 4 } }");
     auto& size = std::get<NodePtr>(scene.root->fields[0].values[0])->fields[0].values[0];
     size = std::array{1.0F, std::numeric_limits<float>::infinity()};
@@ -382,20 +340,19 @@ TEST(Bifs, NumbersThatFourBytesCannotHoldAreRefused) {
     EXPECT_EQ(refused.error().message, "Group: Shape: Rectangle: has a number that four bytes cannot hold");
 }
 
-TEST(Bifs, NodesWithNamesMayStandInPrototypesFields) {
+TEST(Bifs, AllowsNamedNodesInPrototypes) {
     constexpr std::string_view scene =
         "PROTO Held [ exposedField SFNode inner DEF kept WorldInfo { title \"a\" } ] { WorldInfo {} }\n"
         "Group { children [ Held {} DEF kept WorldInfo { title \"b\" } USE kept ] }";
     EXPECT_EQ(through_bits(scene), as_written(scene));
 }
 
-TEST(Bifs, ConfigurationsComeBack) {
+TEST(Bifs, RoundTripsConfigurations) {
     for (const BifsConfig& config :
          {BifsConfig{.version = 1, .node_id_bits = 3, .width = 640, .height = 480},
           BifsConfig{.node_id_bits = 9, .route_id_bits = 2, .prototype_id_bits = 4}}) {
-        const auto read = decode_config(encode_config(config), config.object_type());
-        ASSERT_TRUE(read) << read.error().message;
-        EXPECT_EQ(encode_config(*read), encode_config(config));
+        const auto read = value_of(decode_config(encode_config(config), config.object_type()));
+        EXPECT_EQ(encode_config(read), encode_config(config));
     }
     EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{1}, 2));
     EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{8, 0x38, 2, 0, 1, 0x80}, 3));
@@ -436,9 +393,8 @@ TEST(Gpac, EncodesTheSameBytes) {
         const auto gpac = by_gpac(text);
         ASSERT_TRUE(gpac) << text;
         const SceneTree scene = scene_from(text);
-        const auto ours = encode_scene(scene, config_for(scene, 64, 48));
-        ASSERT_TRUE(ours) << ours.error().message;
-        EXPECT_EQ(hex(gpac->scene), hex(*ours)) << text;
+        const auto ours = value_of(encode_scene(scene, config_for(scene, 64, 48)));
+        EXPECT_EQ(hex(gpac->scene), hex(ours)) << text;
     }
 }
 
