@@ -184,7 +184,7 @@ int FakeVideo::answer(Device& device, int descriptor, unsigned long request, voi
         case VIDIOC_DQBUF: {
             auto& buffer = *static_cast<v4l2_buffer*>(argument);
             if (!of_owner || buffer.type != V4L2_BUF_TYPE_VIDEO_CAPTURE || buffer.memory != V4L2_MEMORY_MMAP)
-                return misused("a buffer of another kind, or of somebody else", EINVAL);
+                return misused("a buffer of another kind, or of another owner", EINVAL);
             return request == VIDIOC_QBUF ? queue(device, buffer) : dequeue(device, buffer);
         }
         case VIDIOC_STREAMON:

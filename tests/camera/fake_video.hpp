@@ -16,7 +16,7 @@
 
 namespace touchable::test {
 
-/// What becomes of a picture that a fake camera takes.
+/// The fate of a picture that a fake camera takes.
 enum class Fate { good, lost, damaged, cut, io_error, unplugged, stalled, nameless_error };
 
 struct FakeMode {
@@ -37,11 +37,11 @@ struct FakeNode {
     std::uint32_t row_padding = 0;          ///< bytes behind each row
     std::uint32_t buffers = 0;              ///< that it gives, 0: as asked
     std::uint32_t buffer_bytes = 0;         ///< 0: as large as a picture
-    std::optional<FakeMode> settles_for;    ///< whatever size is asked for
+    std::optional<FakeMode> settles_for;    ///< at any size that is asked for
     std::uint32_t timestamps = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
     std::int64_t period_ns = 0;  ///< by the clock; 0: at every poll
     std::function<Fate(std::uint32_t)> fate = [](std::uint32_t) { return Fate::good; };
-    /// What the driver counts a picture as.
+    /// The driver's count of a picture.
     std::function<std::uint32_t(std::uint32_t)> sequence = [](std::uint32_t number) { return number; };
     /// Row by row without padding; by default all zero.
     std::function<std::vector<std::uint8_t>(std::uint32_t)> paint;
@@ -60,7 +60,7 @@ public:
     void unplug(const std::string& node);
     /// Every third call is broken off by a signal.
     void set_signals(bool on) { signals_ = on; }
-    /// What a program did that it may not; and what it has left open, mapped or streaming.
+    /// Calls of the program that V4L2 forbids; and nodes, buffers and streams that it left open.
     std::vector<std::string> misuse() const;
     std::vector<std::string> left_over() const;
 
