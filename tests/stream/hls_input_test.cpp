@@ -1,14 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <array>
-#include <chrono>
-#include <string>
-#include <vector>
 
 #include "engine/base/threads.hpp"
 #include "engine/stream/hls.hpp"
-#include "engine/stream/sending.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/web_server.hpp"
 #include "tests/sweep.hpp"
@@ -18,7 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-constexpr std::int64_t hls_test_second = 1'000'000'000;
 
 /// A stream of `frames`, ten a second, in segments of a second.
 struct WebStream {
@@ -31,10 +23,8 @@ struct WebStream {
                        bool has_low = false) {
         scene = small_scene(32, 24, 16);
         scene.rate = {10, 1};
-        auto opened =
-            HlsWriter::open({folder / "web", hls_test_second, window_s * hls_test_second, has_low}, scene);
-        EXPECT_EQ(message(opened), "");
-        writer = std::move(*opened);
+        writer =
+            value_of(HlsWriter::open({folder / "web", a_second_ns, window_s * a_second_ns, has_low}, scene));
         add(count, planes);
         if (window_s == 0) finish();
     }
@@ -58,7 +48,7 @@ struct WebStream {
     }
 };
 
-/// What a receiver has of it.
+/// All that a receiver got.
 struct HlsReceived {
     std::string error;
     Came came{};
@@ -90,9 +80,7 @@ HlsReceived received_from(HlsInput& input, const std::vector<RawFrame>& frames, 
             if (!track) continue;  // its header is damaged
             tracks[which] = *track;
         }
-        auto pictures = decoder.add(tracks[which], *(*packet)->packet);
-        EXPECT_EQ(message(pictures), "");
-        take_pictures(*pictures, frames, all.came);
+        take_pictures(value_of(decoder.add(tracks[which], *(*packet)->packet)), frames, all.came);
     }
     all.segments_lost = input.segments_lost();
     all.remarks = input.remarks();
@@ -119,7 +107,7 @@ struct LinkedServer {
     WebServer server;
 };
 
-/// Of a segment's file name.
+/// The number in a segment's file name.
 int number_of(const std::string& path) {
     return std::stoi(path.substr(path.rfind('-') + 1));
 }
@@ -139,19 +127,29 @@ Came depth_in(const Came& all) {
     return depth;
 }
 
+/// The same without an error.
+HlsReceived received_whole(HlsInput& input, const std::vector<RawFrame>& frames) {
+    HlsReceived all = received_from(input, frames);
+    EXPECT_EQ(all.error, "");
+    return all;
+}
+
 HlsReceived received_at(const std::string& place, const std::vector<RawFrame>& frames) {
     auto input = HlsInput::open(place);
     if (!input) return {.error = input.error().message};
     return received_from(**input, frames);
 }
 
-TEST(HlsInput, AStreamComesBackExactly) {
+HlsReceived whole_at(const std::string& place, const std::vector<RawFrame>& frames) {
+    return received_whole(*value_of(HlsInput::open(place)), frames);
+}
+
+TEST(HlsInput, ReceivesStreamExactly) {
     const WebStream stream(25);
     WebServer server([&](const std::string& path) { return stream.reply(path); });
     for (const std::string& place :
          {server.url("/master.m3u8"), (stream.folder / "web/master.m3u8").string()}) {
-        const HlsReceived all = received_at(place, stream.frames);
-        EXPECT_EQ(all.error, "");
+        const HlsReceived all = whole_at(place, stream.frames);
         EXPECT_EQ(all.came.size(), 75U) << place;
         for (const auto& [which, count] : all.came) EXPECT_EQ(count, 1);
         EXPECT_EQ(all.remarks.size(), 0U);
@@ -161,17 +159,15 @@ TEST(HlsInput, AStreamComesBackExactly) {
 }
 
 /// The link is narrow from segment 3 to 7: that one takes too long, and four that came well lead up again.
-TEST(HlsInput, GoesOverToTheLowLevelAndBack) {
+TEST(HlsInput, SwitchesLevels) {
     const WebStream stream(200, 0, {true, true}, true);
     LinkedServer link(stream);
     link.rate_of = [](const std::string& path) {
         const int number = number_of(path);
         return number >= 3 && number < 8 ? 1000 : 1e6;
     };
-    auto input = link.open();
-    ASSERT_EQ(message(input), "");
-    const HlsReceived all = received_from(**input, stream.frames);
-    EXPECT_EQ(all.error, "");
+    auto input = value_of(link.open());
+    const HlsReceived all = received_whole(*input, stream.frames);
     EXPECT_EQ(all.segments_lost, 0);
     std::vector<int> low;
     for (const std::string& path : link.server.requests())
@@ -185,7 +181,7 @@ TEST(HlsInput, GoesOverToTheLowLevelAndBack) {
     EXPECT_EQ(depth_in(all.came), depth_of_segments(20, [&](int n) { return n >= 4 && n <= low.back(); }));
     EXPECT_EQ(all.of(PlaneRole::colour), 200U);
     for (const auto& [which, count] : all.came) EXPECT_EQ(count, 1) << which.second;
-    const auto levels = (*input)->levels();
+    const auto levels = input->levels();
     ASSERT_TRUE(levels);
     EXPECT_EQ(levels->changes, 2);
     EXPECT_FALSE(levels->is_low);
@@ -193,7 +189,7 @@ TEST(HlsInput, GoesOverToTheLowLevelAndBack) {
     EXPECT_DOUBLE_EQ(levels->full_s + levels->low_s, 20);
 }
 
-TEST(HlsInput, OneLevelIsReadAsBefore) {
+TEST(HlsInput, ReadsSingleLevel) {
     for (const bool has_low : {false, true}) {
         const WebStream stream(60, 0, {true, true}, has_low);
         LinkedServer link(stream);
@@ -209,7 +205,7 @@ TEST(HlsInput, OneLevelIsReadAsBefore) {
 }
 
 /// Its playlist is missing, or ends before the segment where it is needed.
-TEST(HlsInput, StaysWhereTheOtherLevelIsNot) {
+TEST(HlsInput, StaysWithoutOtherLevel) {
     for (const bool is_short : {false, true}) {
         const WebStream stream(60, 0, {true, true}, true);
         std::string text = stream.text("touch-low.m3u8");
@@ -220,18 +216,16 @@ TEST(HlsInput, StaysWhereTheOtherLevelIsNot) {
             if (path != "/touch-low.m3u8") return stream.reply(path);
             return is_short ? WebReply{.body = text} : WebReply{.status = 404};
         };
-        auto input = link.open();
-        ASSERT_EQ(message(input), "");
-        const HlsReceived all = received_from(**input, stream.frames);
-        EXPECT_EQ(all.error, "");
+        auto input = value_of(link.open());
+        const HlsReceived all = received_whole(*input, stream.frames);
         EXPECT_EQ(depth_in(all.came), depth_of_segments(6, [](int) { return false; }));
-        ASSERT_TRUE((*input)->levels());
-        EXPECT_EQ((*input)->levels()->changes, 0);
+        ASSERT_TRUE(input->levels());
+        EXPECT_EQ(input->levels()->changes, 0);
     }
 }
 
 /// From the segment where it is, not from where a live stream is begun.
-TEST(HlsInput, GoesOverInALiveStream) {
+TEST(HlsInput, SwitchesLevelsLive) {
     WebStream stream(65, 30, {true, true}, true);
     int reloads = 0;
     LinkedServer link(stream);
@@ -240,11 +234,9 @@ TEST(HlsInput, GoesOverInALiveStream) {
         return stream.reply(path);
     };
     link.rate_of = [](const std::string&) { return 1000; };
-    auto input = link.open();
-    ASSERT_EQ(message(input), "");
+    auto input = value_of(link.open());
     std::vector<RawFrame> frames = stream.frames;
-    const HlsReceived all = received_from(**input, frames);
-    EXPECT_EQ(all.error, "");
+    const HlsReceived all = received_whole(*input, frames);
     // The third but last one, 3, is read in full; from 4 on each second frame.
     Came right;
     for (int n = 30; n < 65; ++n)
@@ -252,16 +244,15 @@ TEST(HlsInput, GoesOverInALiveStream) {
     EXPECT_EQ(depth_in(all.came), right);
 }
 
-TEST(HlsInput, AMediaPlaylistAloneIsOneRendition) {
+TEST(HlsInput, ReadsMediaPlaylistAlone) {
     const WebStream stream(12);
     WebServer server([&](const std::string& path) { return stream.reply(path); });
-    const HlsReceived all = received_at(server.url("/touch.m3u8"), stream.frames);
-    EXPECT_EQ(all.error, "");
+    const HlsReceived all = whole_at(server.url("/touch.m3u8"), stream.frames);
     EXPECT_EQ(all.of(PlaneRole::depth), 12U);
     EXPECT_EQ(all.of(PlaneRole::colour), 0U);
 }
 
-TEST(HlsInput, ALiveStreamIsFollowedToItsEnd) {
+TEST(HlsInput, FollowsLiveStreamToEnd) {
     WebStream stream(45, 8);
     int reloads = 0;
     WebServer server([&](const std::string& path) {
@@ -269,13 +260,11 @@ TEST(HlsInput, ALiveStreamIsFollowedToItsEnd) {
         if (path == "/touch.m3u8" && reloads == 3) stream.finish();
         return stream.reply(path);
     });
-    auto input = HlsInput::open(server.url("/master.m3u8"));
-    ASSERT_EQ(message(input), "");
-    EXPECT_TRUE((*input)->is_live());
+    auto input = value_of(HlsInput::open(server.url("/master.m3u8")));
+    EXPECT_TRUE(input->is_live());
     std::vector<RawFrame> frames;
     for (int n = 0; n < 65; ++n) frames.push_back(test_frame(stream.scene, n, {true, true}));
-    const HlsReceived all = received_from(**input, frames);
-    EXPECT_EQ(all.error, "");
+    const HlsReceived all = received_whole(*input, frames);
     EXPECT_EQ(all.came.begin()->first.second, 10) << "three segments before the newest";
     EXPECT_EQ(all.of(PlaneRole::depth), 55U);
     EXPECT_EQ(all.of(PlaneRole::colour), 55U);
@@ -284,7 +273,7 @@ TEST(HlsInput, ALiveStreamIsFollowedToItsEnd) {
         EXPECT_TRUE(!header.ends_with("init.mp4") || std::ranges::count(server.requests(), header) == 1);
 }
 
-TEST(HlsInput, SegmentsThatAreMissingOrCutAreLeftOut) {
+TEST(HlsInput, SkipsMissingAndCutSegments) {
     const WebStream stream(40);
     const std::string missing = stream.segment("touch", 1), cut = stream.segment("colour", 1),
                       torn = stream.segment("touch", 2);
@@ -295,26 +284,24 @@ TEST(HlsInput, SegmentsThatAreMissingOrCutAreLeftOut) {
         if (path == torn) reply.body.resize(reply.body.size() - 100);  // and the server knows no better
         return reply;
     });
-    const HlsReceived all = received_at(server.url("/master.m3u8"), stream.frames);
-    EXPECT_EQ(all.error, "");
+    const HlsReceived all = whole_at(server.url("/master.m3u8"), stream.frames);
     EXPECT_EQ(all.segments_lost, 3);
     EXPECT_EQ(all.of(PlaneRole::depth), 20U);
     EXPECT_EQ(all.of(PlaneRole::colour), 30U);
     EXPECT_TRUE(all.came.contains({PlaneRole::depth, 39}));
 }
 
-TEST(HlsInput, ColourThatCannotBeHadIsLeftOut) {
+TEST(HlsInput, SkipsMissingColour) {
     const WebStream stream(12);
     WebServer server(
         [&](const std::string& path) { return path == "/colour.m3u8" ? WebReply{500} : stream.reply(path); });
-    const HlsReceived all = received_at(server.url("/master.m3u8"), stream.frames);
-    EXPECT_EQ(all.error, "");
+    const HlsReceived all = whole_at(server.url("/master.m3u8"), stream.frames);
     EXPECT_EQ(all.of(PlaneRole::depth), 12U);
     EXPECT_EQ(all.remarks.size(), 1U);
 }
 
 /// A cache may have an older playlist; one that stays older is of a sender that began anew.
-TEST(HlsInput, AnOlderPlaylistIsHeldForAWhile) {
+TEST(HlsInput, ToleratesOlderPlaylistBriefly) {
     WebStream stream(45, 8);
     std::vector<std::string> texts{stream.text("touch.m3u8")};
     stream.add(10);
@@ -336,7 +323,7 @@ TEST(HlsInput, AnOlderPlaylistIsHeldForAWhile) {
     }
 }
 
-TEST(HlsInput, AServerThatIsGoneForAMomentIsWaitedFor) {
+TEST(HlsInput, WaitsForReturningServer) {
     WebStream stream(45, 8);
     int reloads = 0;
     WebServer server([&](const std::string& path) {
@@ -344,12 +331,11 @@ TEST(HlsInput, AServerThatIsGoneForAMomentIsWaitedFor) {
         if (path == "/touch.m3u8" && reloads == 5) stream.finish();
         return stream.reply(path);
     });
-    const HlsReceived all = received_at(server.url("/touch.m3u8"), stream.frames);
-    EXPECT_EQ(all.error, "");
+    const HlsReceived all = whole_at(server.url("/touch.m3u8"), stream.frames);
     EXPECT_TRUE(all.came.contains({PlaneRole::depth, 44}));
 }
 
-TEST(HlsInput, AnotherBeginningEndsTheOldOne) {
+TEST(HlsInput, EndsWhenStreamRestarts) {
     WebStream stream(45, 8);
     int reloads = 0;
     WebServer server([&](const std::string& path) {
@@ -360,11 +346,10 @@ TEST(HlsInput, AnotherBeginningEndsTheOldOne) {
         }
         return reply;
     });
-    EXPECT_NE(received_at(server.url("/touch.m3u8"), stream.frames).error.find("began anew"),
-              std::string::npos);
+    EXPECT_TRUE(has_words(received_at(server.url("/touch.m3u8"), stream.frames).error, "began anew"));
 }
 
-TEST(HlsInput, NobodyIsAskedForWhatIsElsewhere) {
+TEST(HlsInput, FetchesFromItsServerOnly) {
     const WebStream stream(12);
     int asked = 0;
     WebServer other([&](const std::string& path) {
@@ -388,7 +373,7 @@ TEST(HlsInput, NobodyIsAskedForWhatIsElsewhere) {
     EXPECT_EQ(asked, 0);
 }
 
-TEST(HlsInput, AWaitEndsWhenItIsToldTo) {
+TEST(HlsInput, StopsWaitingOnRequest) {
     const WebStream stream(12);
     for (const char* const silent : {"/master.m3u8", "/touch.m3u8", "segment"}) {
         std::stop_source told;
@@ -402,12 +387,12 @@ TEST(HlsInput, AWaitEndsWhenItIsToldTo) {
         const StopScope until(told.get_token());
         const HlsReceived all = received_at(server.url("/master.m3u8"), stream.frames);
         EXPECT_NE(all.error, "") << silent;
-        EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8)) << silent;  // 10 where nobody tells it
+        EXPECT_LT(Clock::now() - begin, std::chrono::seconds(8)) << silent;  // 10 without the request
     }
 }
 
 /// On which FFmpeg counts for a minute.
-TEST(HlsInput, TracksWithoutANumberAreRefused) {
+TEST(HlsInput, RejectsTracksWithoutNumber) {
     const WebStream stream(12);
     WebServer server([&](const std::string& path) {
         WebReply reply = stream.reply(path);
@@ -420,7 +405,7 @@ TEST(HlsInput, TracksWithoutANumberAreRefused) {
 }
 
 /// Bytes of segments changed at random: what comes is what was sent.
-TEST(HlsInput, DamagedSegmentsNeverGiveOtherSamples) {
+TEST(HlsInput, DamageNeverChangesSamples) {
     const WebStream stream(30);
     std::size_t lost = 0;
     for (std::uint64_t seed = 0; seed < 70; seed += sweep_step()) {
@@ -447,6 +432,9 @@ TEST(HlsInput, DamagedSegmentsNeverGiveOtherSamples) {
 namespace touchable {
 namespace {
 
+using test::is_refused;
+using test::value_of;
+
 const std::string web = "http://host:8080/live/clip/master.m3u8?token=1";
 const std::string home = "file:/srv/a b/master.m3u8";
 
@@ -455,7 +443,7 @@ std::string resolved(const std::string& base, const std::string& named) {
     return place ? *place : "refused";
 }
 
-TEST(HlsPlaylist, PlacesBesideIt) {
+TEST(HlsPlaylist, ResolvesPlacesBesideIt) {
     EXPECT_EQ(resolved(web, "touch.m3u8"), "http://host:8080/live/clip/touch.m3u8");
     EXPECT_EQ(resolved(web, "a/b.m4s?x=1"), "http://host:8080/live/clip/a/b.m4s?x=1");
     EXPECT_EQ(resolved(web, "/b.m4s"), "http://host:8080/b.m4s");
@@ -472,7 +460,7 @@ TEST(HlsPlaylist, PlacesBesideIt) {
     EXPECT_EQ(resolved(home, "sub/x 1.m4s"), "file:/srv/a b/sub/x 1.m4s");
 }
 
-TEST(HlsPlaylist, PlacesElsewhereAreRefused) {
+TEST(HlsPlaylist, RejectsPlacesElsewhere) {
     for (const char* const named :
          {"http://other/b", "http://host:8081/b", "https://host:8080/b", "file:/etc/passwd",
           "file:///etc/passwd", "data:text/plain,x", "concat:a|b", "//other/b", "tcp://host:8080", "a b",
@@ -486,12 +474,11 @@ TEST(HlsPlaylist, PlacesElsewhereAreRefused) {
     EXPECT_EQ(resolved(home, "http://other/b"), "refused");
 }
 
-TEST(HlsPlaylist, OurMasterLeadsToBoth) {
+TEST(HlsPlaylist, MasterLeadsToBoth) {
     const std::string text = master_text({"colour.m3u8", 1000, "avc1.64001f", 640, 480, 30});
-    const auto places = places_in_playlist(text, web);
-    ASSERT_TRUE(places) << places.error().message;
-    EXPECT_EQ(places->touch, "http://host:8080/live/clip/touch.m3u8");
-    EXPECT_EQ(places->colour, "http://host:8080/live/clip/colour.m3u8");
+    const auto places = value_of(places_in_playlist(text, web));
+    EXPECT_EQ(places.touch, "http://host:8080/live/clip/touch.m3u8");
+    EXPECT_EQ(places.colour, "http://host:8080/live/clip/colour.m3u8");
     const auto alone =
         places_in_playlist(master_text({"touch.m3u8", 1000, "avc1.64001f", 640, 480, 30}), web);
     ASSERT_TRUE(alone);
@@ -501,23 +488,20 @@ TEST(HlsPlaylist, OurMasterLeadsToBoth) {
 TEST(HlsPlaylist, MasterLeadsToLowLevel) {
     const HlsShown full{"colour.m3u8", 2000, "avc1.64001f", 640, 480, 30},
         low{"low.m3u8", 1000, "", 640, 480, 30};
-    const auto places = places_in_playlist(master_text(full, low), web);
-    ASSERT_TRUE(places) << places.error().message;
-    EXPECT_EQ(places->colour, "http://host:8080/live/clip/colour.m3u8");
-    EXPECT_EQ(places->low_touch, "http://host:8080/live/clip/touch-low.m3u8");
-    EXPECT_EQ(places->low_colour, "http://host:8080/live/clip/low.m3u8");
+    const auto places = value_of(places_in_playlist(master_text(full, low), web));
+    EXPECT_EQ(places.colour, "http://host:8080/live/clip/colour.m3u8");
+    EXPECT_EQ(places.low_touch, "http://host:8080/live/clip/touch-low.m3u8");
+    EXPECT_EQ(places.low_colour, "http://host:8080/live/clip/low.m3u8");
     // A second variant alone is no low level.
-    const auto others =
-        places_in_playlist(master_text(full) + "#EXT-X-STREAM-INF:BANDWIDTH=1\nhttp://other/c.m3u8\n", web);
-    ASSERT_TRUE(others) << others.error().message;
-    EXPECT_EQ(others->low_touch + others->low_colour, "");
+    const auto others = value_of(
+        places_in_playlist(master_text(full) + "#EXT-X-STREAM-INF:BANDWIDTH=1\nhttp://other/c.m3u8\n", web));
+    EXPECT_EQ(others.low_touch + others.low_colour, "");
     // Without colour its variants are the planes.
     const HlsShown grey{"touch.m3u8", 2000, "", 640, 480, 30},
         low_grey{"touch-low.m3u8", 1000, "", 640, 480, 15};
-    const auto planes = places_in_playlist(master_text(grey, low_grey), web);
-    ASSERT_TRUE(planes) << planes.error().message;
-    EXPECT_EQ(planes->low_touch, "http://host:8080/live/clip/touch-low.m3u8");
-    EXPECT_EQ(planes->colour + planes->low_colour, "");
+    const auto planes = value_of(places_in_playlist(master_text(grey, low_grey), web));
+    EXPECT_EQ(planes.low_touch, "http://host:8080/live/clip/touch-low.m3u8");
+    EXPECT_EQ(planes.colour + planes.low_colour, "");
 }
 
 std::string numbered_playlist() {
@@ -540,14 +524,14 @@ TEST(HlsPlaylist, FindsSegments) {
     EXPECT_FALSE(segment_in(text, web, "http://host:8080/live/clip/c.m4s", 0));
 }
 
-TEST(HlsPlaylist, BeginsFromASegment) {
+TEST(HlsPlaylist, BeginsAtSegment) {
     EXPECT_EQ(playlist_from(numbered_playlist(), 8),
               "#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:8\n#EXT-X-TARGETDURATION:1\n#EXT-X-MAP:URI=\"i.mp4\"\n"
               "#EXT-X-DISCONTINUITY\n#EXTINF:0.5,\nb.m4s\n#EXTINF:x,\na.m4s\n#EXT-X-ENDLIST\n");
     EXPECT_FALSE(playlist_from(numbered_playlist(), 10));
 }
 
-TEST(HlsPlaylist, AMediaPlaylistLeadsToItself) {
+TEST(HlsPlaylist, MediaPlaylistLeadsToItself) {
     HlsMedia media;
     media.header = "init.mp4";
     media.first = 5;
@@ -555,14 +539,13 @@ TEST(HlsPlaylist, AMediaPlaylistLeadsToItself) {
     const auto places = places_in_playlist(text_of(media), web);
     ASSERT_TRUE(places);
     EXPECT_EQ(places->touch, web);
-    const auto facts = check_hls_media(text_of(media), web);
-    ASSERT_TRUE(facts) << facts.error().message;
-    EXPECT_EQ(facts->next_segment, 7);
-    EXPECT_EQ(facts->header, "http://host:8080/live/clip/init.mp4");
-    EXPECT_FALSE(facts->has_ended);
+    const auto facts = value_of(check_hls_media(text_of(media), web));
+    EXPECT_EQ(facts.next_segment, 7);
+    EXPECT_EQ(facts.header, "http://host:8080/live/clip/init.mp4");
+    EXPECT_FALSE(facts.has_ended);
 }
 
-TEST(HlsPlaylist, HostileMastersAreRefused) {
+TEST(HlsPlaylist, RejectsHostileMasters) {
     const std::string head = "#EXTM3U\n#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"";
     const std::string colour = "\"\n#EXT-X-STREAM-INF:BANDWIDTH=1\n",
                       low = "t.m3u8\"\n#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes.low\",VALUE=\"";
@@ -578,13 +561,11 @@ TEST(HlsPlaylist, HostileMastersAreRefused) {
           head + low + "l.m3u8" + colour + "c.m3u8\n#EXT-X-STREAM-INF:BANDWIDTH=1\nfile:/etc/passwd\n",
           head + "t.m3u8" + colour + "c.m3u8\n" + std::string(largest_hls_playlist, '\n'),
           head + "t.m3u8" + colour + "c.m3u8\n" + std::string(1, '\0')}) {
-        const auto places = places_in_playlist(text, web);
-        ASSERT_FALSE(places) << text.substr(0, 200);
-        EXPECT_EQ(places.error().kind, ErrorKind::input);
+        EXPECT_TRUE(is_refused(places_in_playlist(text, web), "", ErrorKind::input)) << text.substr(0, 200);
     }
 }
 
-TEST(HlsPlaylist, HostileMediaPlaylistsAreRefused) {
+TEST(HlsPlaylist, RejectsHostileMediaPlaylists) {
     const std::string head = "#EXTM3U\n#EXT-X-TARGETDURATION:1\n", end = "#EXTINF:1,\na.m4s\n";
     ASSERT_TRUE(check_hls_media(head + end, web));
     for (const std::string& line :
@@ -599,7 +580,7 @@ TEST(HlsPlaylist, HostileMediaPlaylistsAreRefused) {
     EXPECT_FALSE(check_hls_media(head, web)) << "no segment";
 }
 
-TEST(HlsText, AWindowOfALiveStream) {
+TEST(HlsText, WritesLiveWindow) {
     HlsMedia media;
     media.target_s = 1;
     media.first = 7;
@@ -619,13 +600,13 @@ TEST(HlsText, AWindowOfALiveStream) {
     EXPECT_EQ(text_of(media), head + "#EXT-X-PLAYLIST-TYPE:VOD\n" + rest + "#EXT-X-ENDLIST\n");
 }
 
-TEST(HlsText, NextSegmentOfNoPlaylistIsTheFirst) {
+TEST(HlsText, CountsFromZeroWithoutPlaylist) {
     EXPECT_EQ(next_segment_of(""), 0);
     EXPECT_EQ(next_segment_of("#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:-5\n"), 0);
     EXPECT_EQ(next_segment_of("#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:99999999999999999999\n"), 0);
 }
 
-TEST(HlsText, AMasterNamesWhatPlayersShowAndWhereTouchIs) {
+TEST(HlsText, MasterNamesColourAndTouch) {
     EXPECT_EQ(master_text({"colour.m3u8", 2'500'000, "avc1.64001f,mp4a.40.2", 640, 480, 30000.0 / 1001}),
               "#EXTM3U\n#EXT-X-VERSION:7\n## written by touchable\n#EXT-X-INDEPENDENT-SEGMENTS\n"
               "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\"\n"
@@ -646,7 +627,7 @@ TEST(HlsText, MasterNamesTheLowLevel) {
               "FRAME-RATE=30.000\ncolour-low.m3u8\n");
 }
 
-TEST(HlsText, NamesOfCodecs) {
+TEST(HlsText, NamesCodecs) {
     constexpr std::array<std::uint8_t, 12> header{0, 0, 0, 1, 0x67, 0x64, 0x00, 0x1f, 0xac, 0, 0, 1};
     EXPECT_EQ(avc_codec_name(header), "avc1.64001f");
     EXPECT_FALSE(avc_codec_name(std::span(header).first(7)));

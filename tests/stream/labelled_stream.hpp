@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -12,12 +13,16 @@
 #include <vector>
 
 #include "engine/clip/clip.hpp"
+#include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/input.hpp"
 #include "engine/stream/labelled_codec.hpp"
 #include "engine/stream/receiver.hpp"
 #include "engine/stream/sending.hpp"
 #include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
+
+inline constexpr std::int64_t a_second_ns = 1'000'000'000;
 
 inline PictureLabel sent_label(std::int64_t number) {
     return {1000 + number, 1'700'000'000'000'000'000 + number * 33'000'000};
@@ -41,19 +46,16 @@ inline LabelledClip labelled_clip(const Scene& scene, int frames, const Planes& 
     for (int n = 0; n < frames; ++n) {
         clip.frames.push_back(test_frame(scene, n, planes));
         if (!encoder) {
-            auto opened = LabelledEncoder::open(clip.frames[0], scene, TrackCoding::h264_quick);
-            EXPECT_EQ(message(opened), "");
-            encoder.emplace(std::move(*opened));
+            encoder.emplace(value_of(LabelledEncoder::open(clip.frames[0], scene, TrackCoding::h264_quick)));
             for (std::size_t k = 0; k < encoder->tracks(); ++k) {
                 AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
                 EXPECT_EQ(message(encoder->describe(k, *stream->codecpar)), "");
                 stream->time_base = {1, 1000};
             }
         }
-        auto packets = encoder->encode(clip.frames.back(), sent_label(n), n % keys_apart == 0);
-        EXPECT_EQ(message(packets), "");
-        for (const auto& packet : *packets) packet->pts = packet->dts = 33 * n;
-        clip.packets.push_back(std::move(*packets));
+        auto packets = value_of(encoder->encode(clip.frames.back(), sent_label(n), n % keys_apart == 0));
+        for (const auto& packet : packets) packet->pts = packet->dts = 33 * n;
+        clip.packets.push_back(std::move(packets));
     }
     return clip;
 }
@@ -92,34 +94,84 @@ struct StreamOfFrames {
     std::vector<std::string> blocks;
     std::vector<RawFrame> frames;
 
-    std::string bytes() const {
+    /// As a listener has it that was there from a block on.
+    std::string bytes(std::size_t from = 0) const {
         std::string all = header;
-        for (const std::string& block : blocks) all += block;
+        for (; from < blocks.size(); ++from) all += blocks[from];
         return all;
     }
 };
 
 inline constexpr std::int64_t labelled_from_ns = 1'700'000'000'000'000'000, labelled_step_ns = 33'333'333;
 
-/// Frame n has number first + n. Every fifth is a key. Frames of a number in `without_colour` go without it,
-/// as a narrow link gets them.
-inline StreamOfFrames make_stream(const Scene& scene, int frames, const Planes& planes,
-                                  std::int64_t first = 0, const std::set<int>& without_colour = {}) {
-    StreamOfFrames made;
-    auto muxer = open_matroska_stream(scene);
-    EXPECT_EQ(message(muxer), "");
-    if (!muxer) return made;
+inline PictureLabel stream_label(std::int64_t number) {
+    return {number, labelled_from_ns + number * labelled_step_ns};
+}
+
+struct StreamMaking {
+    int keys_apart = 5;
+    std::function<PictureLabel(std::int64_t)> label = stream_label;
+    std::set<int> without_colour{};     ///< these go without it, as a narrow link gets them
+    std::vector<std::int64_t> times{};  ///< of the frames; empty: the scene's
+};
+
+inline StreamOfFrames stream_by(Result<std::unique_ptr<StreamMuxer>> opened, const Scene& scene, int frames,
+                                const Planes& planes, const StreamMaking& making = {}) {
+    const auto muxer = value_of(std::move(opened));
     const auto text = [](const auto& bytes) { return std::string(bytes.begin(), bytes.end()); };
+    StreamOfFrames made{{}, {}, test_frames(scene, frames, planes)};
     for (int n = 0; n < frames; ++n) {
-        made.frames.push_back(test_frame(scene, n, planes));
-        const PictureLabel label{first + n, labelled_from_ns + (first + n) * labelled_step_ns};
-        const auto block = (*muxer)->add(made.frames.back(), label, scene.rate.time_ns(n), n % 5 == 0);
-        EXPECT_EQ(message(block), "");
-        if (!block) return made;
-        if (n == 0) made.header = text((*muxer)->header());
-        made.blocks.push_back(text(block->given(!without_colour.contains(n))));
+        const auto at = static_cast<std::size_t>(n);
+        const bool is_key = n % making.keys_apart == 0;
+        const std::int64_t time_ns = making.times.empty() ? scene.rate.time_ns(n) : making.times[at];
+        const auto block = value_of(muxer->add(made.frames[at], making.label(n), time_ns, is_key));
+        EXPECT_EQ(block.frame, making.label(n).frame);
+        EXPECT_EQ(block.is_key, is_key);
+        if (n == 0) made.header = text(muxer->header());
+        made.blocks.push_back(text(block.given(!making.without_colour.contains(n))));
     }
     return made;
+}
+
+/// Frame n has number first + n.
+inline StreamOfFrames make_stream(const Scene& scene, int frames, const Planes& planes,
+                                  std::int64_t first = 0, const std::set<int>& without_colour = {}) {
+    const auto label = [first](std::int64_t n) { return stream_label(first + n); };
+    return stream_by(open_matroska_stream(scene), scene, frames, planes,
+                     {.label = label, .without_colour = without_colour});
+}
+
+inline StreamOfFrames make_transport_stream(const Scene& scene, int frames, const Planes& planes,
+                                            const StreamMaking& making = {}) {
+    return stream_by(make_mpegts_muxer(scene), scene, frames, planes, making);
+}
+
+/// What FFmpeg's demuxer and our decoder make of bytes that have labels of `sent_label`.
+struct DemuxedPictures {
+    Came came;
+    PictureFaults faults;
+    int tracks = 0, sounds = 0;
+};
+
+inline DemuxedPictures demuxed(const std::string& bytes, const char* format,
+                               const std::vector<RawFrame>& frames) {
+    DemuxedPictures all;
+    const auto input =
+        value_of(open_input(bytes_in_memory(bytes), bytes.size(), "stream", {.format = format}));
+    LabelledDecoder decoder(1 << 22);
+    std::map<int, std::size_t> tracks;
+    const PacketPtr packet(av_packet_alloc());
+    for (; av_read_frame(input.get(), packet.get()) >= 0; av_packet_unref(packet.get())) {
+        const AVStream& stream = *input->streams[packet->stream_index];
+        all.sounds += stream.codecpar->codec_type == AVMEDIA_TYPE_AUDIO;
+        if (stream.codecpar->codec_id != AV_CODEC_ID_H264) continue;
+        if (!tracks.contains(stream.index)) tracks[stream.index] = *decoder.add_track(stream, "stream");
+        take_pictures(value_of(decoder.add(tracks[stream.index], *packet)), frames, all.came);
+    }
+    take_pictures(value_of(decoder.end()), frames, all.came);
+    all.faults = decoder.faults();
+    all.tracks = static_cast<int>(tracks.size());
+    return all;
 }
 
 /// All that is felt as it was sent, and colour where there was any.
@@ -127,12 +179,17 @@ inline bool is_as_sent(const RawFrame& frame, const RawFrame& sent) {
     return same_touch_planes(frame, sent) && frame.colour.empty() == sent.colour.empty();
 }
 
+inline void expect_as_sent(const std::vector<RawFrame>& read, const std::vector<RawFrame>& sent) {
+    ASSERT_EQ(read.size(), sent.size());
+    for (std::size_t n = 0; n < read.size(); ++n) {
+        EXPECT_EQ(read[n].number, static_cast<std::int64_t>(n));
+        EXPECT_EQ(read[n].time_ns, sent[n].time_ns);
+        EXPECT_TRUE(is_as_sent(read[n], sent[n])) << n;
+    }
+}
+
 inline StreamSource source_of(const std::string& url) {
-    StreamSource source;
-    const auto read = read_stream_url(url);
-    EXPECT_EQ(message(read), "");
-    if (read) source.url = *read;
-    return source;
+    return {.url = value_of(read_stream_url(url))};
 }
 
 }  // namespace touchable::test

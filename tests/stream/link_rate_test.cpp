@@ -72,7 +72,11 @@ struct FullLink {
     }
 };
 
-TEST(LinkRate, GrowsToWhatALongWayTakes) {
+void expect_window(const LinkRate& rate, double bytes, double within) {
+    EXPECT_NEAR(static_cast<double>(rate.window_bytes()), bytes, within);
+}
+
+TEST(LinkRate, FillsLongLink) {
     FullLink link(4'000'000, 400 * ms);
     link.go_on(4 * second);
     const std::int64_t before = link.now.arrived_bytes;
@@ -80,10 +84,10 @@ TEST(LinkRate, GrowsToWhatALongWayTakes) {
     EXPECT_GT(link.now.arrived_bytes - before, 4 * 3'900'000);
     EXPECT_FALSE(link.rate.is_growing());
     EXPECT_LT(link.most_on_its_way, 3 * 1'600'000) << "three times what fits on the way";
-    EXPECT_NEAR(static_cast<double>(link.rate.window_bytes()), 4e6 * 0.5, 1e5);
+    expect_window(link.rate, 4e6 * 0.5, 1e5);
 }
 
-TEST(LinkRate, ANarrowLinkIsNotFlooded) {
+TEST(LinkRate, SparesNarrowLink) {
     FullLink link(200'000, 20 * ms);
     link.go_on(8 * second);
     EXPECT_FALSE(link.rate.is_growing());
@@ -91,7 +95,7 @@ TEST(LinkRate, ANarrowLinkIsNotFlooded) {
     EXPECT_EQ(link.rate.window_bytes(), LinkRate::least_window_bytes);
 }
 
-TEST(LinkRate, BeginsWithAWindowOfItsOwn) {
+TEST(LinkRate, BeginsWithFirstWindow) {
     Link link;
     EXPECT_EQ(link.rate.window_bytes(), LinkRate::first_window_bytes);
     link.go_on(second / 2, 0, 100 * ms);
@@ -100,44 +104,43 @@ TEST(LinkRate, BeginsWithAWindowOfItsOwn) {
     EXPECT_EQ(link.rate.window_bytes(), LinkRate::least_window_bytes);
 }
 
-TEST(LinkRate, WindowIsRateTimesRoundTripAndSlack) {
+TEST(LinkRate, SizesWindowByRoundTrip) {
     Link link;
     link.go_on(second, 4'000'000, 100 * ms);
-    EXPECT_NEAR(static_cast<double>(link.rate.window_bytes()), 4e6 * 0.28, 2e4)
-        << "twice the way while it grows";
+    expect_window(link.rate, 4e6 * 0.28, 2e4);  // twice the way while it grows
     link.fill(4'000'000, 100 * ms);
     EXPECT_NEAR(static_cast<double>(link.rate.bytes_per_second()), 4e6, 1e5);
-    EXPECT_NEAR(static_cast<double>(link.rate.window_bytes()), 4e6 * 0.18, 2e4);
+    expect_window(link.rate, 4e6 * 0.18, 2e4);
 }
 
-/// What waits in front of a full link counts in the round trip as it is measured.
-TEST(LinkRate, QueueDoesNotWidenTheWindow) {
+/// The queue in front of a full link counts in the measured round trip.
+TEST(LinkRate, QueueWidensNoWindow) {
     Link link;
     link.fill(4'000'000, 20 * ms);
     const auto before = static_cast<double>(link.rate.window_bytes());
     link.is_full = true;
     for (std::int64_t rtt = 100 * ms; rtt < 2 * second; rtt += 100 * ms)
         link.go_on(10 * second, 4'000'000, rtt);
-    EXPECT_NEAR(static_cast<double>(link.rate.window_bytes()), before, 1e4);
+    expect_window(link.rate, before, 1e4);
 }
 
-TEST(LinkRate, FollowsAWayThatBecomesLonger) {
+TEST(LinkRate, FollowsLongerRoundTrip) {
     Link link;
     link.fill(4'000'000, 20 * ms);
     link.go_on(3 * second, 4'000'000, 800 * ms);
-    EXPECT_NEAR(static_cast<double>(link.rate.window_bytes()), 4e6 * 1.0, 5e4) << "a quarter of the way more";
+    expect_window(link.rate, 4e6 * 1.0, 5e4);  // a quarter of the way more
 }
 
-TEST(LinkRate, LossWidensTheWindowByRetransmission) {
+TEST(LinkRate, LossWidensTheWindow) {
     Link link;
     link.fill(4'000'000, 100 * ms);
     link.go_on(3 * second, 4'000'000, 100 * ms, 20);
-    EXPECT_NEAR(static_cast<double>(link.rate.window_bytes()), 4e6 * 0.68, 5e4);
+    expect_window(link.rate, 4e6 * 0.68, 5e4);
     link.go_on(3 * second, 4'000'000, 100 * ms);
-    EXPECT_NEAR(static_cast<double>(link.rate.window_bytes()), 4e6 * 0.18, 2e4);
+    expect_window(link.rate, 4e6 * 0.18, 2e4);
 }
 
-TEST(LinkRate, FollowsALinkThatNarrows) {
+TEST(LinkRate, FollowsNarrowingLink) {
     Link link;
     link.go_on(3 * second, 4'000'000, 20 * ms);
     link.go_on(3 * second, 1'000'000, 20 * ms);
@@ -146,15 +149,13 @@ TEST(LinkRate, FollowsALinkThatNarrows) {
     EXPECT_EQ(link.rate.window_bytes(), LinkRate::least_window_bytes);
 }
 
-TEST(LinkRate, CountsThatFallAreNoRate) {
+TEST(LinkRate, IgnoresFallingCounts) {
     LinkRate rate;
     for (int k = 0; k < 100; ++k)
         rate.look({.now_ns = k * 50 * ms, .arrived_bytes = 1'000'000 - k, .rtt_ns = 10 * ms});
     EXPECT_EQ(rate.bytes_per_second(), 0) << "no rate is below 0";
     EXPECT_EQ(rate.window_bytes(), LinkRate::least_window_bytes);
 }
-
-constexpr std::int64_t level_second = 1'000'000'000;
 
 /// A stream of segments of a second, of 800 + 200 KB or half of that, over a link of `rate` KB/s.
 struct SlowSegments {
@@ -168,7 +169,7 @@ struct SlowSegments {
             for (const bool touch : {false, true}) {
                 const std::int64_t bytes = (touch ? 800'000 : 200'000) / (is_low ? 2 : 1);
                 const double took_s = static_cast<double>(bytes) / (1000 * rate);
-                choice.add({touch, is_low, bytes, static_cast<std::int64_t>(took_s * 1e9), level_second});
+                choice.add({touch, is_low, bytes, static_cast<std::int64_t>(took_s * 1e9), second});
             }
         }
         return low;
@@ -177,7 +178,7 @@ struct SlowSegments {
 
 using LevelsRead = std::vector<bool>;
 
-TEST(LevelChoice, StaysFullWhereTheLinkCarriesIt) {
+TEST(LevelChoice, StaysFullOnGoodLink) {
     SlowSegments link;
     EXPECT_EQ(link.read(20, 1100), LevelsRead(20, false));
     EXPECT_NEAR(link.choice.need(false), 1e6, 1);
@@ -191,7 +192,7 @@ TEST(LevelChoice, GoesDownAtOnce) {
     EXPECT_EQ(link.read(3, 900), LevelsRead({false, true, true}));
 }
 
-TEST(LevelChoice, GoesUpWithTwiceTheRateOnly) {
+TEST(LevelChoice, GoesUpAtTwiceRate) {
     SlowSegments link;
     link.read(2, 600);
     EXPECT_EQ(link.read(50, 1900), LevelsRead(50, true));
@@ -218,13 +219,13 @@ TEST(LevelChoice, DoesNotFlap) {
     EXPECT_EQ(changes, 1);
 }
 
-TEST(LevelChoice, MissingFilesTellNothing) {
+TEST(LevelChoice, IgnoresMissingFiles) {
     LevelChoice choice;
-    choice.add({.bytes = 0, .fetch_ns = level_second / 10, .duration_ns = level_second});
-    choice.add({.bytes = 1000, .fetch_ns = level_second, .duration_ns = 0});
+    choice.add({.bytes = 0, .fetch_ns = second / 10, .duration_ns = second});
+    choice.add({.bytes = 1000, .fetch_ns = second, .duration_ns = 0});
     EXPECT_FALSE(choice.is_low());
     EXPECT_EQ(choice.rate(), 0);
-    choice.add({.bytes = 0, .fetch_ns = 10 * level_second, .duration_ns = level_second});
+    choice.add({.bytes = 0, .fetch_ns = 10 * second, .duration_ns = second});
     EXPECT_TRUE(choice.is_low());
 }
 
@@ -233,66 +234,62 @@ TEST(LevelChoice, ColourLeftOutNeedsNothing) {
     link.read(3, 1100);
     link.choice.leave_out_colour();
     EXPECT_NEAR(link.choice.need(false), 8e5, 1);
-    link.choice.add({true, false, 800'000, 9 * level_second / 10, level_second});
+    link.choice.add({true, false, 800'000, 9 * second / 10, second});
     EXPECT_FALSE(link.choice.is_low());
 }
-
-constexpr std::int64_t narrow_ms = 1'000'000, narrow_second = 1'000 * narrow_ms;
 
 /// Behind from one moment to another, asked every 5 ms: how often colour is left out from then on.
 int stays_behind(NarrowLink& link, std::int64_t from_ns, std::int64_t to_ns) {
     int losses = 0;
-    for (std::int64_t now = from_ns; now < to_ns; now += 5 * narrow_ms) losses += link.is_behind(now) ? 1 : 0;
+    for (std::int64_t now = from_ns; now < to_ns; now += 5 * ms) losses += link.is_behind(now) ? 1 : 0;
     return losses;
 }
 
-TEST(NarrowLink, ColourGoesBeforeFramesets) {
+TEST(NarrowLink, DropsColourBeforeFramesets) {
     NarrowLink link;
     EXPECT_TRUE(link.gives_colour(false, 0));
-    EXPECT_EQ(stays_behind(link, 0, narrow_second), 0) << "it joins";
+    EXPECT_EQ(stays_behind(link, 0, second), 0) << "it joins";
     link.has_caught_up();
-    EXPECT_EQ(stays_behind(link, 2 * narrow_second, 2 * narrow_second + 150 * narrow_ms), 0);
-    EXPECT_FALSE(link.is_far_behind(2 * narrow_second + 150 * narrow_ms));
-    EXPECT_EQ(stays_behind(link, 2 * narrow_second + 150 * narrow_ms, 2 * narrow_second + 300 * narrow_ms), 1)
-        << "told once";
-    EXPECT_FALSE(link.gives_colour(true, 2 * narrow_second + 200 * narrow_ms));
-    EXPECT_FALSE(link.is_far_behind(2 * narrow_second + 300 * narrow_ms));
-    EXPECT_TRUE(link.is_far_behind(2 * narrow_second + 301 * narrow_ms));
+    EXPECT_EQ(stays_behind(link, 2 * second, 2 * second + 150 * ms), 0);
+    EXPECT_FALSE(link.is_far_behind(2 * second + 150 * ms));
+    EXPECT_EQ(stays_behind(link, 2 * second + 150 * ms, 2 * second + 300 * ms), 1) << "told once";
+    EXPECT_FALSE(link.gives_colour(true, 2 * second + 200 * ms));
+    EXPECT_FALSE(link.is_far_behind(2 * second + 300 * ms));
+    EXPECT_TRUE(link.is_far_behind(2 * second + 301 * ms));
     link.has_caught_up();
-    EXPECT_FALSE(link.is_far_behind(4 * narrow_second));
+    EXPECT_FALSE(link.is_far_behind(4 * second));
 }
 
-TEST(NarrowLink, KeepsItsColourWhileItsLinkIsTried) {
+TEST(NarrowLink, KeepsColourWhileProbing) {
     NarrowLink link;
-    for (std::int64_t now = 0; now < 5 * narrow_second; now += 5 * narrow_ms)
-        EXPECT_FALSE(link.is_behind(now, true));
-    EXPECT_TRUE(link.is_far_behind(5 * narrow_second)) << "framesets are left out all the same";
-    EXPECT_TRUE(link.gives_colour(false, 5 * narrow_second));
-    EXPECT_TRUE(link.is_behind(5 * narrow_second));
+    for (std::int64_t now = 0; now < 5 * second; now += 5 * ms) EXPECT_FALSE(link.is_behind(now, true));
+    EXPECT_TRUE(link.is_far_behind(5 * second)) << "framesets are left out all the same";
+    EXPECT_TRUE(link.gives_colour(false, 5 * second));
+    EXPECT_TRUE(link.is_behind(5 * second));
 }
 
-TEST(NarrowLink, ShortStopsCostNothing) {
+TEST(NarrowLink, ToleratesShortStops) {
     NarrowLink link;
     for (std::int64_t n = 0; n < 100; ++n) {
-        EXPECT_EQ(stays_behind(link, n * narrow_second, n * narrow_second + 140 * narrow_ms), 0);
+        EXPECT_EQ(stays_behind(link, n * second, n * second + 140 * ms), 0);
         link.has_caught_up();
-        EXPECT_TRUE(link.gives_colour(false, n * narrow_second + 500 * narrow_ms));
+        EXPECT_TRUE(link.gives_colour(false, n * second + 500 * ms));
     }
 }
 
 /// Each time in vain: after 5 s, 10 s, 20 s.
-TEST(NarrowLink, ColourComesBackWithAKeyAndLessOften) {
+TEST(NarrowLink, RetriesColourEverLessOften) {
     NarrowLink link;
-    EXPECT_EQ(stays_behind(link, 0, narrow_second + 200 * narrow_ms), 1);
-    std::int64_t now = narrow_second + 195 * narrow_ms;  // when it was behind last
-    for (const std::int64_t trial : {5 * narrow_second, 10 * narrow_second, 20 * narrow_second}) {
+    EXPECT_EQ(stays_behind(link, 0, second + 200 * ms), 1);
+    std::int64_t now = second + 195 * ms;  // when it was behind last
+    for (const std::int64_t trial : {5 * second, 10 * second, 20 * second}) {
         link.has_caught_up();
-        EXPECT_FALSE(link.gives_colour(true, now + trial - narrow_ms));
+        EXPECT_FALSE(link.gives_colour(true, now + trial - ms));
         EXPECT_FALSE(link.gives_colour(false, now + trial)) << "colour begins with a key";
         EXPECT_TRUE(link.gives_colour(true, now + trial));
         now += trial;
-        EXPECT_EQ(stays_behind(link, now, now + 155 * narrow_ms), 1);
-        now += 150 * narrow_ms;
+        EXPECT_EQ(stays_behind(link, now, now + 155 * ms), 1);
+        now += 150 * ms;
     }
 }
 

@@ -11,17 +11,17 @@
 
 namespace touchable::test {
 
-/// Somebody on this machine who listens at a free port, and to each who connects, one after the other, says
-/// what it is told to. It ends when this does.
+/// A server on this machine, at a free port, for as long as it lives. It serves its clients one after the
+/// other by a function that the test gives.
 class LoopbackSender {
 public:
-    /// One who connected.
+    /// A client that connected.
     class Listener {
     public:
         Listener(int socket, const std::atomic<bool>& stopping) : socket_(socket), stopping_(stopping) {}
         /// False where it is gone, or the sender ends.
         bool send(std::string_view bytes) const;
-        /// What it asked, up to an empty line, as of HTTP.
+        /// Its request, up to an empty line, as in HTTP.
         std::string request() const;
         /// Waits, but not beyond the sender's end; false there.
         bool wait(std::chrono::milliseconds time) const;
@@ -39,7 +39,7 @@ public:
     /// `number`: of the connection, from 0. When it returns the connection is closed.
     using Say = std::function<void(const Listener&, int number)>;
     explicit LoopbackSender(Say say, int port = 0);
-    /// These bytes to everybody.
+    /// These bytes to every client.
     explicit LoopbackSender(std::string bytes)
         : LoopbackSender([bytes = std::move(bytes)](const Listener& to, int) { (void)to.send(bytes); }) {}
     ~LoopbackSender();

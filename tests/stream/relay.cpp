@@ -2,11 +2,8 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -15,7 +12,6 @@
 #include <deque>
 #include <list>
 #include <optional>
-#include <random>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -133,7 +129,7 @@ private:
     std::jthread thread_;
 };
 
-/// What may be read at once, and what may wait on the way.
+/// Bytes that may be read at once, and that may wait on the way.
 constexpr std::size_t chunk_bytes = 1U << 16, most_on_the_way = 1U << 20;
 
 class TcpRelay final : public ThreadedRelay {

@@ -7,7 +7,7 @@
 
 namespace touchable::test {
 
-/// What happens to what passes, in both directions. As random as it says, and the same for the same seed and
+/// Faults of the network, in both directions. They are random, and the same for the same seed and
 /// the same traffic.
 struct NetworkFaults {
     double loss = 0;              ///< share of datagrams that never arrive, 0 to below 1
@@ -18,8 +18,8 @@ struct NetworkFaults {
     std::uint64_t seed = 1;
 };
 
-/// A network between a listener on this machine and whoever connects to `port`, on the loopback alone. Of a
-/// connection (TCP), which repairs loss by itself, a lost segment of 1448 bytes stops all behind it for a
+/// A network between a listener on this machine and clients that connect to `port`, on the loopback alone. Of
+/// a connection (TCP), which repairs loss by itself, a lost segment of 1448 bytes stops all behind it for a
 /// round trip and 10 ms, as a quick retransmission does. Of datagrams (UDP) each client has its own path.
 class Relay {
 public:

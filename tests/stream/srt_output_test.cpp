@@ -1,29 +1,23 @@
 #include <arpa/inet.h>
-#include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <srt/access_control.h>
 #include <srt/srt.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <memory>
 #include <mutex>
 #include <span>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "engine/stream/sending.hpp"
 #include "engine/stream/srt.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/stream/relay.hpp"
 #include "tests/stream/srt_peer.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {
+namespace {
 
 /// A stream of bytes that goes out by an SrtOutput.
 struct SentOut {
@@ -42,10 +36,10 @@ struct SentOut {
             ring.add({n, n % 5 == 0, std::move(bytes)});
         }
     }
-    void wait_for_somebody() const {
-        while (audience.there() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    void wait_for_callers(int count = 1) const {
+        while (audience.there() < count) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    void wait_for_nobody() const {
+    void wait_until_all_left() const {
         while (audience.there() > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     bool has_said(const std::string& what) {
@@ -62,10 +56,9 @@ struct SentOut {
         while (!has_said(what)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     std::unique_ptr<SrtOutput> open(const std::string& url) {
-        auto output = SrtOutput::create(*read_stream_url(url), ring, audience);
-        EXPECT_TRUE(output);
-        EXPECT_TRUE((*output)->start());
-        return std::move(*output);
+        auto output = std::move(*SrtOutput::create(*read_stream_url(url), ring, audience));
+        EXPECT_TRUE(output->start());
+        return output;
     }
 
     std::vector<std::uint8_t> padding;
@@ -79,11 +72,6 @@ struct SentOut {
     std::string all;
 };
 
-}  // namespace touchable::test
-
-namespace touchable::test {
-namespace {
-
 // A stream by SRT. The other end is libsrt's plain calls, or our own receiver.
 
 using Kind = SrtPeer::Kind;
@@ -93,21 +81,32 @@ std::string place_of(int port) {
     return "srt://127.0.0.1:" + std::to_string(port);
 }
 
-TEST(SrtOutput, GivesAllToSeveralCallers) {
-    SentOut sent;
+/// Our receiver at that place, or why it has no connection.
+Result<std::shared_ptr<StreamBytes>> connected(const std::string& url) {
+    const auto wait = std::make_shared<StreamWait>();
+    wait->at_most(std::chrono::minutes(1));
+    return wait->in_time([&] { return connect_by_srt(*read_stream_url(url), wait); });
+}
+
+struct SrtSender : ::testing::Test {
     const int port = unused_port();
-    const auto output = sent.open(place_of(port) + "?latency=60");
+    const std::string place = place_of(port);
+    SentOut sent;
+};
+
+TEST_F(SrtSender, GivesAllToSeveralCallers) {
+    const auto output = sent.open(place + "?latency=60");
     EXPECT_FALSE(output->calls());
     std::vector<std::string> heard(3);
     std::vector<std::thread> callers;
     for (std::string& each : heard)
-        callers.emplace_back([&each, port] { each = SrtPeer(Kind::calls, port).hear_all(); });
-    while (sent.audience.there() < 3) std::this_thread::sleep_for(a_moment);
+        callers.emplace_back([&each, this] { each = SrtPeer(Kind::calls, port).hear_all(); });
+    sent.wait_for_callers(3);
     sent.add_all();
     sent.ring.end();
     for (std::thread& caller : callers) caller.join();
     for (const std::string& each : heard) EXPECT_TRUE(each == sent.all) << each.size();
-    sent.wait_for_nobody();
+    sent.wait_until_all_left();
     for (const StreamAudience::Listener& figures : sent.audience.gone()) {
         EXPECT_EQ(figures.sent, 20);
         EXPECT_EQ(figures.dropped, 0);
@@ -117,48 +116,43 @@ TEST(SrtOutput, GivesAllToSeveralCallers) {
     }
 }
 
-TEST(SrtOutput, LateCallerBeginsWithNewestKey) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto output = sent.open(place_of(port));
+TEST_F(SrtSender, LateCallerBeginsAtKey) {
+    const auto output = sent.open(place);
     std::thread early([&] { EXPECT_EQ(SrtPeer(Kind::calls, port).hear_all(6), "HEADER"); });
-    sent.wait_for_somebody();
+    sent.wait_for_callers();
     sent.add_all();
     early.join();
-    sent.wait_for_nobody();
+    sent.wait_until_all_left();
     sent.ring.add({20, true, {'X'}});
     std::string heard;
     std::thread late([&] { heard = SrtPeer(Kind::calls, port).hear_all(); });
-    sent.wait_for_somebody();
+    sent.wait_for_callers();
     sent.ring.add({21, false, {'Y'}});
     sent.ring.end();
     late.join();
     EXPECT_EQ(heard, "HEADERXY");
-    sent.wait_for_nobody();
+    sent.wait_until_all_left();
     EXPECT_TRUE(sent.has_said("has gone"));
     EXPECT_TRUE(sent.has_said("has all of it: 2 framesets sent"));
 }
 
-/// What one caller cannot take costs another nothing.
-TEST(SrtOutput, LeavesFramesetsOutForNarrowCallerAlone) {
+/// A narrow caller costs another one nothing.
+TEST_F(SrtSender, DropsFramesetsForNarrowCaller) {
     constexpr std::size_t frameset_bytes = 20'000;
     constexpr std::int64_t most_framesets = 3000, far_behind = 100;
-    SentOut sent;
-    const int port = unused_port();
-    const auto relay = Relay::open(Relay::Kind::udp, port, {.bytes_per_second = 100'000});
-    ASSERT_TRUE(relay);
-    const auto output = sent.open(place_of(port));
+    const auto relay = value_of(Relay::open(Relay::Kind::udp, port, {.bytes_per_second = 100'000}));
+    const auto output = sent.open(place);
     std::string narrow_heard;
     std::atomic<std::size_t> narrow_heard_bytes{0}, wide_heard{0};
     std::thread narrow([&] {
-        const SrtPeer caller(Kind::calls, (*relay)->port());
+        const SrtPeer caller(Kind::calls, relay->port());
         while (const auto some = caller.hear()) narrow_heard_bytes = (narrow_heard += *some).size();
     });
     std::thread wide([&] {
         const SrtPeer caller(Kind::calls, port);
         while (const auto some = caller.hear()) wide_heard += some->size();
     });
-    while (sent.audience.there() < 2) std::this_thread::sleep_for(a_moment);
+    sent.wait_for_callers(2);
     sent.ring.begin(sent.header());
     // At the pace of the wide caller, however slow this machine is, until the narrow one is far behind: what
     // is on its way to it and what waits for it are then less than that.
@@ -173,7 +167,7 @@ TEST(SrtOutput, LeavesFramesetsOutForNarrowCallerAlone) {
     sent.ring.end();
     narrow.join();
     wide.join();
-    sent.wait_for_nobody();
+    sent.wait_until_all_left();
     const auto gone = sent.audience.gone();
     ASSERT_EQ(gone.size(), 2U);
     const bool is_first_narrow = gone[0].dropped > gone[1].dropped;
@@ -191,30 +185,27 @@ TEST(SrtOutput, LeavesFramesetsOutForNarrowCallerAlone) {
     EXPECT_EQ(whole, few.sent);
 }
 
-TEST(SrtOutput, CallsUntilSomebodyAnswers) {
-    SentOut sent;
-    const int port = unused_port();
+TEST_F(SrtSender, CallsUntilAnswered) {
     const std::string secret = "a-secret-of-two";
-    const auto output = sent.open(place_of(port) + "?mode=caller&passphrase=" + secret);
+    const auto output = sent.open(place + "?mode=caller&passphrase=" + secret);
     EXPECT_TRUE(output->calls());
-    EXPECT_EQ(output->address(), place_of(port) + "?mode=caller&passphrase=...");
+    EXPECT_EQ(output->address(), place + "?mode=caller&passphrase=...");
     std::string heard;
     std::thread listener([&] { heard = SrtPeer(Kind::listens, port, secret).hear_all(); });
-    sent.wait_for_somebody();
+    sent.wait_for_callers();
     sent.add_all();
     sent.ring.end();
     listener.join();
     EXPECT_TRUE(heard == sent.all) << heard.size() << " of " << sent.all.size();
-    sent.wait_for_nobody();
+    sent.wait_until_all_left();
     EXPECT_EQ(sent.audience.gone().front().sent, 20);
     EXPECT_EQ(sent.audience.gone().front().dropped, 0);
     for (const std::string& line : sent.lines) EXPECT_EQ(line.find(secret), std::string::npos) << line;
 }
 
-/// Whoever listens there closes each connection at once.
-TEST(SrtOutput, CallsLessOftenWhereNobodyStays) {
+/// The listener there closes each connection at once.
+TEST_F(SrtSender, CallsLessOftenWhenRefused) {
     using Clock = std::chrono::steady_clock;
-    const int port = unused_port();
     std::atomic<bool> is_said{false}, stop{false};
     std::vector<std::pair<std::string, Clock::time_point>> lines;
     StreamRing ring;
@@ -225,13 +216,12 @@ TEST(SrtOutput, CallsLessOftenWhereNobodyStays) {
     std::thread peer([&] {
         auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::receives));
         std::function<bool()> always = [] { return true; };
-        EXPECT_TRUE(door.listen(*own_address(*read_stream_url(place_of(port))), always));
+        EXPECT_TRUE(door.listen(*own_address(*read_stream_url(place)), always));
         while (!stop)
             if (!door.accept()) std::this_thread::sleep_for(a_moment);
     });
     ring.begin(SentOut::header());
-    auto output =
-        std::move(*SrtOutput::create(*read_stream_url(place_of(port) + "?mode=caller"), ring, audience));
+    auto output = std::move(*SrtOutput::create(*read_stream_url(place + "?mode=caller"), ring, audience));
     ASSERT_TRUE(output->start());
     constexpr int most_connections = 20;
     for (std::int64_t n = 0; audience.all() < (is_said ? 2 : most_connections); ++n) {
@@ -248,41 +238,25 @@ TEST(SrtOutput, CallsLessOftenWhereNobodyStays) {
         }
 }
 
-TEST(SrtOutput, RefusesWrongPassphrase) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto output = sent.open(place_of(port) + "?passphrase=0123456789abc");
+TEST_F(SrtSender, RejectsWrongPassphrase) {
+    const auto output = sent.open(place + "?passphrase=0123456789abc");
     EXPECT_TRUE(output->is_encrypted());
     EXPECT_EQ(SrtPeer(Kind::calls, port, "another-passphrase").refusal(), SRT_REJ_BADSECRET);
     EXPECT_EQ(SrtPeer(Kind::calls, port).refusal(), SRT_REJ_UNSECURE);
     EXPECT_TRUE(SrtPeer(Kind::calls, port, "0123456789abc").is_connected());
-    const auto wait = std::make_shared<StreamWait>();
-    wait->at_most(std::chrono::minutes(1));
-    const auto bytes = wait->in_time([&] {
-        return connect_by_srt(*read_stream_url(place_of(port) + "?passphrase=another-passphrase"), wait);
-    });
-    ASSERT_FALSE(bytes);
-    EXPECT_NE(bytes.error().message.find("passphrase"), std::string::npos) << bytes.error().message;
+    EXPECT_TRUE(is_refused(connected(place + "?passphrase=another-passphrase"), "passphrase"));
 }
 
-TEST(SrtOutput, RefusesCallersBeyondTheLimit) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto output = sent.open(place_of(port));
-    for (int n = 0; n < StreamAudience::most_listeners; ++n) sent.audience.came("somebody else");
+TEST_F(SrtSender, RejectsCallersBeyondTheLimit) {
+    const auto output = sent.open(place);
+    for (int n = 0; n < StreamAudience::most_listeners; ++n) sent.audience.came("another");
     EXPECT_EQ(SrtPeer(Kind::calls, port).refusal(), SRT_REJX_OVERLOAD);
     sent.wait_until_said("1 caller is refused");
-    const auto wait = std::make_shared<StreamWait>();
-    wait->at_most(std::chrono::minutes(1));
-    const auto bytes = wait->in_time([&] { return connect_by_srt(*read_stream_url(place_of(port)), wait); });
-    ASSERT_FALSE(bytes);
-    EXPECT_NE(bytes.error().message.find("as many listeners"), std::string::npos) << bytes.error().message;
+    EXPECT_TRUE(is_refused(connected(place), "as many listeners"));
 }
 
-TEST(SrtOutput, LetsGoOfCallerThatSends) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto output = sent.open(place_of(port));
+TEST_F(SrtSender, DropsCallerThatSends) {
+    const auto output = sent.open(place);
     const SrtPeer caller(Kind::calls, port);
     const std::string much(std::size_t{1} << 16U, 'x');
     while (caller.say(much)) continue;
@@ -290,31 +264,26 @@ TEST(SrtOutput, LetsGoOfCallerThatSends) {
 }
 
 /// The last datagrams of a stream are lost, and none behind them tells the receiver.
-TEST(SrtOutput, LastDatagramsAreSentAgain) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto relay = Relay::open(Relay::Kind::udp, port);
-    ASSERT_TRUE(relay);
-    const auto output = sent.open(place_of(port));
+TEST_F(SrtSender, ResendsLastDatagrams) {
+    const auto relay = value_of(Relay::open(Relay::Kind::udp, port));
+    const auto output = sent.open(place);
     std::string heard;
-    std::thread caller([&] { heard = SrtPeer(Kind::calls, (*relay)->port()).hear_all(); });
-    sent.wait_for_somebody();
-    (*relay)->stall(true);
+    std::thread caller([&] { heard = SrtPeer(Kind::calls, relay->port()).hear_all(); });
+    sent.wait_for_callers();
+    relay->stall(true);
     sent.padding = {'.'};
     sent.add_all();
     sent.ring.end();
-    while ((*relay)->lost() < 40) std::this_thread::sleep_for(a_moment);
-    (*relay)->stall(false);
+    while (relay->lost() < 40) std::this_thread::sleep_for(a_moment);
+    relay->stall(false);
     caller.join();
     std::erase(heard, '.');  // which says nothing
     EXPECT_TRUE(heard == sent.all) << heard.size() << " of " << sent.all.size();
 }
 
 /// However many datagrams come that are no SRT, a person reads little of it.
-TEST(SrtOutput, LogsLittleOfAFlood) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto output = sent.open(place_of(port));
+TEST_F(SrtSender, LogsLittleOfFlood) {
+    const auto output = sent.open(place);
     const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     const sockaddr_in at = loopback(port);
     std::string datagram(64, '\0');
@@ -325,16 +294,16 @@ TEST(SrtOutput, LogsLittleOfAFlood) {
                        sizeof at);
     }
     ::close(socket);
-    // The output is still there for whoever calls.
+    // The output is still there for callers.
     const SrtPeer caller(Kind::calls, port);
     EXPECT_TRUE(caller.is_connected());
-    sent.wait_for_somebody();
+    sent.wait_for_callers();
     const std::lock_guard lock(sent.mutex);
     EXPECT_LE(sent.lines.size(), 4U);
 }
 
 /// The log's own clock: this test's moments are later than all others.
-TEST(SrtOutput, LogsNothingWhileNobodyCalls) {
+TEST_F(SrtSender, LogsNothingWithoutCallers) {
     constexpr std::int64_t late_ns = std::int64_t{1} << 60U;
     auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::sends));
     std::function<bool()> always = [] { return true; };
@@ -346,11 +315,10 @@ TEST(SrtOutput, LogsNothingWhileNobodyCalls) {
 }
 
 /// On a busy machine the first accept comes after the first caller.
-TEST(SrtOutput, AcceptsCallerThatCameEarlier) {
+TEST_F(SrtSender, AcceptsCallerThatCameEarlier) {
     auto door = std::move(*SrtSocket::create({}, SrtSocket::Direction::sends));
     std::function<bool()> always = [] { return true; };
-    const int port = unused_port();
-    ASSERT_TRUE(door.listen(*own_address(*read_stream_url(place_of(port))), always));
+    ASSERT_TRUE(door.listen(*own_address(*read_stream_url(place)), always));
     const SrtPeer caller(Kind::calls, port);
     ASSERT_TRUE(caller.is_connected());
     // libsrt answers the caller a moment before it reports it.
@@ -362,56 +330,43 @@ TEST(SrtOutput, AcceptsCallerThatCameEarlier) {
     EXPECT_TRUE(accepted);
 }
 
-TEST(SrtOutput, FirstCallIsTriedAgain) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto relay = Relay::open(Relay::Kind::udp, port);
-    ASSERT_TRUE(relay);
-    (*relay)->stall(true);
-    const auto output = sent.open(place_of(port));
-    const auto wait = std::make_shared<StreamWait>();
-    wait->at_most(std::chrono::minutes(1));
+TEST_F(SrtSender, RetriesFirstCall) {
+    const auto relay = value_of(Relay::open(Relay::Kind::udp, port));
+    relay->stall(true);
+    const auto output = sent.open(place);
     std::thread later([&] {
-        while ((*relay)->lost() < 10) std::this_thread::sleep_for(a_moment);
-        (*relay)->stall(false);
+        while (relay->lost() < 10) std::this_thread::sleep_for(a_moment);
+        relay->stall(false);
     });
-    const auto bytes =
-        wait->in_time([&] { return connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait); });
+    const auto bytes = connected(place_of(relay->port()));
     later.join();
     EXPECT_TRUE(bytes);
 }
 
-TEST(SrtOutput, ConnectsThroughLoss) {
+TEST_F(SrtSender, ConnectsThroughLoss) {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-        SentOut sent;
-        const int port = unused_port();
-        const auto relay = Relay::open(Relay::Kind::udp, port, {.loss = 0.2, .seed = seed});
-        ASSERT_TRUE(relay);
-        const auto output = sent.open(place_of(port));
-        sent.padding = {'.'};
-        sent.add_all();
-        const auto wait = std::make_shared<StreamWait>();
-        wait->at_most(std::chrono::minutes(1));
-        const auto bytes =
-            wait->in_time([&] { return connect_by_srt(*read_stream_url(place_of((*relay)->port())), wait); });
-        ASSERT_TRUE(bytes);
-        (*bytes)->allow(6);
+        SentOut stream;
+        const int target = unused_port();
+        const auto relay = value_of(Relay::open(Relay::Kind::udp, target, {.loss = 0.2, .seed = seed}));
+        const auto output = stream.open(place_of(target));
+        stream.padding = {'.'};
+        stream.add_all();
+        const auto bytes = value_of(connected(place_of(relay->port())));
+        bytes->allow(6);
         std::string header(6, '\0');
         for (std::size_t at = 0; at < header.size();) {
-            const auto got =
-                (*bytes)->read(reinterpret_cast<std::uint8_t*>(header.data()) + at, header.size() - at);
-            ASSERT_TRUE(got);
-            ASSERT_GT(*got, 0U) << "seed " << seed << ": " << (*bytes)->how_it_ended() << "; "
-                                << sent.newest_line() << "; passed " << (*relay)->passed() << ", lost "
-                                << (*relay)->lost();
-            at += *got;
+            const std::size_t got = value_of(
+                bytes->read(reinterpret_cast<std::uint8_t*>(header.data()) + at, header.size() - at));
+            ASSERT_GT(got, 0U) << "seed " << seed << ": " << bytes->how_it_ended() << "; "
+                               << stream.newest_line() << "; passed " << relay->passed() << ", lost "
+                               << relay->lost();
+            at += got;
         }
         EXPECT_EQ(header, "HEADER");
     }
 }
 
-TEST(SrtOutput, EndsThoughNobodyCalled) {
-    SentOut sent;
+TEST_F(SrtSender, EndsWithoutCallers) {
     const auto over = sent.open(place_of(unused_port()));
     sent.add_all();
     sent.ring.end();
@@ -422,7 +377,7 @@ TEST(SrtOutput, EndsThoughNobodyCalled) {
     EXPECT_TRUE(asked.lines.empty());
 }
 
-TEST(SrtOutput, WaitsTwiceAsLongEachTime) {
+TEST_F(SrtSender, DoublesItsBackOff) {
     constexpr std::chrono::milliseconds half_a_second{500};
     EXPECT_EQ(back_off(half_a_second, 0), half_a_second);
     EXPECT_EQ(back_off(half_a_second, 1), 2 * half_a_second);
@@ -430,10 +385,8 @@ TEST(SrtOutput, WaitsTwiceAsLongEachTime) {
     EXPECT_EQ(back_off(half_a_second, 999), 16 * half_a_second);
 }
 
-TEST(SrtOutput, RefusesPortThatIsTaken) {
-    SentOut sent;
-    const int port = unused_port();
-    const auto output = sent.open(place_of(port));
+TEST_F(SrtSender, RejectsTakenPort) {
+    const auto output = sent.open(place);
     const int taken = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     sockaddr_in at = loopback(0);
     socklen_t length = sizeof at;
@@ -446,8 +399,7 @@ TEST(SrtOutput, RefusesPortThatIsTaken) {
     EXPECT_EQ(refused.error().kind, ErrorKind::input);
 }
 
-TEST(SrtOutput, RefusesSettings) {
-    SentOut sent;
+TEST_F(SrtSender, RejectsInvalidSettings) {
     for (const char* const query :
          {"?latency=-1", "?latency=60001", "?latency=1s", "?mode=both", "?pbkeylen=17"}) {
         const auto refused = SrtOutput::create(*read_stream_url("srt://127.0.0.1:7000" + std::string(query)),

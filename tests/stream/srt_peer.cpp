@@ -2,7 +2,6 @@
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <srt/srt.h>
 
 #include <algorithm>
@@ -20,7 +19,7 @@ constexpr std::size_t most_in_a_message = 1316;
 int make_socket(const std::string& passphrase) {
     start_srt();  // the library is started once per process
     const int socket = srt_create_socket();
-    // Nothing is dropped because it is late: a test reads when it is told to. With SRTO_TLPKTDROP alone off,
+    // Nothing is dropped because it is late: a test reads when it wants to. With SRTO_TLPKTDROP alone off,
     // libsrt 1.5.1 may never return from srt_recv.
     const bool no = false;
     const int ten_seconds = 10'000;

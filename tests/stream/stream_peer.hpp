@@ -6,7 +6,7 @@
 
 namespace touchable::test {
 
-/// Who connects to a server on this machine.
+/// A client of a server on this machine.
 class StreamPeer {
 public:
     /// `address`: "tcp://127.0.0.1:7000", "http://127.0.0.1:7000/live.mkv".
