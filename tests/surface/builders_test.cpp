@@ -50,7 +50,7 @@ struct FullFrame {
     }
 };
 
-TEST(Builders, CopyHapticAndHeightPlanesUnfiltered) {
+TEST(Builders, CopyTouchPlanesUnfiltered) {
     const Scene scene = depth_scene(19, 7, 16, Marking::zero, {5, 2});
     FullFrame full(19, 7);
     for (const auto& builder : all_builders(scene)) {
@@ -65,7 +65,7 @@ TEST(Builders, CopyHapticAndHeightPlanesUnfiltered) {
     }
 }
 
-TEST(Builders, RefusePlanesThatAreNotTheScenes) {
+TEST(Builders, RejectMismatchedPlanes) {
     const Scene scene = depth_scene(19, 7, 16, Marking::zero);
     const auto expect_refused = [&](const char* what, auto&& spoil) {
         for (const auto& builder : all_builders(scene)) {
@@ -98,7 +98,7 @@ TEST(Builders, RefusePlanesThatAreNotTheScenes) {
     expect_refused("height plane is 1x7", [](RawFrame& raw) { raw.height.width = 1; });
 }
 
-TEST(Builders, ReuseASlotOfAnyBuilderAndSize) {
+TEST(Builders, ReuseAnySlot) {
     Random random(3);
     SurfaceFrame slot;
     std::string last;
@@ -259,7 +259,7 @@ constexpr CpuPlan in_part{.threads = 1, .break_even = 1e9};
 
 class ChangedFrames : public testing::TestWithParam<FilterSettings> {};
 
-TEST_P(ChangedFrames, HaveTheBitsOfWholeOnes) {
+TEST_P(ChangedFrames, EqualWholeBuilds) {
     for (int kind = 0; kind < edit_count; ++kind)
         for (const Marking marking : {Marking::zero, Marking::largest}) {
             const Scene scene = depth_scene(107, 70, 8, marking, GetParam());
@@ -290,8 +290,20 @@ Slots fresh_slots() {
     return slots;
 }
 
-/// Slots come back in any order, after any number of frames, and between times others build into them.
-TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
+/// The slot to build a frame into next: mostly the one before last, as a timeline does. Between times other
+/// builders use slots, or one is replaced, and a frame may never be seen: then there is none.
+SurfaceFrame* next_slot(Film& film, Slots& slots, int n, const RawFrame& raw, SurfaceBuilder& twin,
+                        SurfaceBuilder& other) {
+    std::unique_ptr<SurfaceFrame>& slot =
+        slots[static_cast<std::size_t>(film.below(3) > 0 ? n % 2 : film.below(4))];
+    const int what = film.below(20);
+    EXPECT_TRUE(what > 1 || (what == 0 ? twin : other).build(raw, *slot));
+    if (what == 2) slot = std::make_unique<SurfaceFrame>();
+    if (what == 4) std::swap(slots[0], slots[1]);
+    return what == 3 ? nullptr : slot.get();
+}
+
+TEST_P(ChangedFrames, EqualWholeInOldSlots) {
     int patched = 0, whole_again = 0;
     for (const auto& [width, height] : {std::pair{171, 130}, {33, 17}, {64, 90}})
         for (const int threads : {1, 2}) {
@@ -308,15 +320,8 @@ TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
                 if (film.below(12) == 0) raw.storage = nullptr;  // and the memory is gone after this round
                 const RawFrame held = film.frame();
                 if (!raw.storage) raw.depth = held.depth, raw.haptic = held.haptic, raw.height = held.height;
-                // As a timeline does, mostly the slot before last.
-                std::unique_ptr<SurfaceFrame>& slot =
-                    slots[static_cast<std::size_t>(film.below(3) > 0 ? n % 2 : film.below(4))];
-                const int other = film.below(20);
-                ASSERT_TRUE(other != 0 || twin->build(raw, *slot));
-                ASSERT_TRUE(other != 1 || make_lazy_builder(scene)->build(raw, *slot));
-                if (other == 2) slot = std::make_unique<SurfaceFrame>();
-                if (other == 4) std::swap(slots[0], slots[1]);
-                if (other == 3) continue;  // a frame that this builder never sees
+                SurfaceFrame* const slot = next_slot(film, slots, n, raw, *twin, *make_lazy_builder(scene));
+                if (!slot) continue;
                 ASSERT_TRUE(builder->build(raw, *slot));
                 SurfaceFrame whole;
                 ASSERT_TRUE(make_cpu_builder(scene, {1})->build(raw, whole));
@@ -331,7 +336,7 @@ TEST_P(ChangedFrames, HaveThemInSlotsOfAnyAge) {
 }
 
 /// Planes are uploaded as a whole or in part; and what kernels leave for the next frame is of another slot.
-TEST(ChangedFramesByVulkan, HaveTheBitsOfWholeOnes) {
+TEST(VulkanChangedFrames, EqualWholeBuilds) {
     int patched = 0, whole_again = 0, nothing = 0;
     for (const int median : {0, 3, 5})
         for (const auto& [width, height] : {std::pair{171, 130}, {64, 70}})
@@ -346,14 +351,9 @@ TEST(ChangedFramesByVulkan, HaveTheBitsOfWholeOnes) {
                 for (int n = 0; n < 25; ++n) {
                     film.edit(film.any_edit());
                     const RawFrame raw = film.frame();
-                    std::unique_ptr<SurfaceFrame>& slot =
-                        slots[static_cast<std::size_t>(film.below(3) > 0 ? n % 2 : film.below(4))];
-                    const int other = film.below(20);
-                    ASSERT_TRUE(other != 0 || (*twin)->build(raw, *slot));
-                    ASSERT_TRUE(other != 1 || make_cpu_builder(scene, in_part)->build(raw, *slot));
-                    if (other == 2) slot = std::make_unique<SurfaceFrame>();
-                    if (other == 4) std::swap(slots[0], slots[1]);
-                    if (other == 3) continue;
+                    SurfaceFrame* const slot =
+                        next_slot(film, slots, n, raw, **twin, *make_cpu_builder(scene, in_part));
+                    if (!slot) continue;
                     ASSERT_TRUE((*builder)->build(raw, *slot));
                     SurfaceFrame whole;
                     ASSERT_TRUE(make_cpu_builder(scene, {1})->build(raw, whole));
@@ -372,7 +372,7 @@ TEST(ChangedFramesByVulkan, HaveTheBitsOfWholeOnes) {
 }
 
 /// Rows are uploaded in part from planes of whatever stride, over what was uploaded from another.
-TEST(ChangedFramesByVulkan, ReadNoRowThatIsOlderThanTheSlot) {
+TEST(VulkanChangedFrames, ReadNoStaleRows) {
     const Scene scene = depth_scene(64, 70, 16, Marking::zero, {3, 0});
     Random random(1);
     std::vector<std::uint16_t> codes = fill_picture(scene, Fill::random, random);
@@ -402,7 +402,7 @@ INSTANTIATE_TEST_SUITE_P(Filters, ChangedFrames, testing::ValuesIn(filters), [](
            (test.param.terrace_reach > 16 ? std::to_string(test.param.terrace_reach) : "");
 });
 
-TEST(ChangedHue, HasTheBitsOfTheWholeFrame) {
+TEST(ChangedHue, EqualsWholeBuild) {
     Scene scene = depth_scene(130, 70, 8, Marking::none, {3, 1});
     scene.depth.kind = DepthCodingKind::hue;
     scene.depth.code_max = 1535;
@@ -428,23 +428,6 @@ TEST(ChangedHue, HasTheBitsOfTheWholeFrame) {
     }
 }
 
-/// Fails at one frame; until then it gives what another builder gives.
-class FailingBuilder final : public SurfaceBuilder {
-public:
-    FailingBuilder(const Scene& scene, std::int64_t at, Error error)
-        : builder_(make_cpu_builder(scene)), at_(at), error_(std::move(error)) {}
-    std::string_view name() const override { return "failing"; }
-    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
-        if (raw.number >= at_) return error_;
-        return builder_->build(raw, out);
-    }
-
-private:
-    std::unique_ptr<SurfaceBuilder> builder_;
-    std::int64_t at_;
-    Error error_;
-};
-
 // Rows are whole texels, so that a software Vulkan reads planes where they lie.
 const Scene scene = depth_scene(72, 45, 16, Marking::zero, {3, 1});
 
@@ -469,11 +452,30 @@ void expect_built(SurfaceBuilder& builder, std::int64_t number, SurfaceFrame& sl
     EXPECT_EQ(first_vertex_difference(reference, *slot.vertices), "") << number;
 }
 
-TEST(FallbackBuilder, BuildsTheFrameThatFailedAndAllLaterOnesWithTheSecond) {
+class FallbackBuilder : public testing::Test {
+protected:
+    /// With the CPU builder as second.
+    void use(std::unique_ptr<SurfaceBuilder> first) {
+        builder = make_fallback_builder(std::move(first), make_cpu_builder(scene),
+                                        [this](const std::string& line) { told.push_back(line); });
+    }
+    void expect_told_of_frame_4() const {
+        ASSERT_EQ(told.size(), 1U);
+        EXPECT_EQ(told[0].rfind("frame 4: ", 0), 0U) << told[0];
+    }
+
     std::vector<std::string> told;
-    const auto builder = make_fallback_builder(
-        std::make_unique<FailingBuilder>(scene, 3, Error{ErrorKind::gpu, "the cable is out"}),
-        make_cpu_builder(scene), [&](const std::string& line) { told.push_back(line); });
+    std::unique_ptr<SurfaceBuilder> builder;
+};
+
+void expect_reference(std::int64_t number, const SurfaceFrame& slot) {
+    SurfaceFrame reference;
+    ASSERT_TRUE(make_reference_builder(scene)->build(stored(number), reference));
+    EXPECT_EQ(first_difference(reference, slot), "") << number;
+}
+
+TEST_F(FallbackBuilder, SwitchesAtFailedFrame) {
+    use(std::make_unique<FailingBuilder>(scene, 3, Error{ErrorKind::gpu, "the cable is out"}));
     SurfaceFrame slots[2];
     for (std::int64_t number = 0; number < 8; ++number) {
         EXPECT_EQ(builder->name(), number <= 3 ? "failing" : "cpu");
@@ -482,76 +484,52 @@ TEST(FallbackBuilder, BuildsTheFrameThatFailedAndAllLaterOnesWithTheSecond) {
     EXPECT_EQ(told, std::vector<std::string>{"frame 3: the cable is out; the cpu builder goes on"});
 }
 
-TEST(FallbackBuilder, PassesOtherErrorsOn) {
-    const auto builder = make_fallback_builder(
-        std::make_unique<FailingBuilder>(scene, 0, Error{ErrorKind::input, "no such plane"}),
-        make_cpu_builder(scene), [](const std::string& line) { FAIL() << line; });
+TEST_F(FallbackBuilder, PassesOnOtherErrors) {
+    use(std::make_unique<FailingBuilder>(scene, 0, Error{ErrorKind::input, "no such plane"}));
     SurfaceFrame slot;
     const auto built = builder->build(stored(0), slot);
     ASSERT_FALSE(built);
     EXPECT_EQ(built.error().kind, ErrorKind::input);
     EXPECT_EQ(builder->name(), "failing");
+    EXPECT_TRUE(told.empty());
 }
 
-TEST(FallbackBuilder, GoesOnWhereTheGpuIsLost) {
-    auto opened = GpuDevice::open();  // of its own, to be lost
-    ASSERT_TRUE(opened) << opened.error().message;
-    auto vulkan = make_vulkan_builder(scene, *opened);
-    ASSERT_TRUE(vulkan) << vulkan.error().message;
-    std::vector<std::string> told;
-    const auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
-                                               [&](const std::string& line) { told.push_back(line); });
+TEST_F(FallbackBuilder, SurvivesLostGpu) {
+    const auto device = must(GpuDevice::open());  // of its own, to be lost
+    use(must(make_vulkan_builder(scene, device)));
     SurfaceFrame slots[3];
     for (std::int64_t number = 0; number < 9; ++number) {
-        if (number == 4) (*opened)->lose();
+        if (number == 4) device->lose();
         expect_built(*builder, number, slots[number % 3]);
         EXPECT_EQ(builder->name(), number < 4 ? "vulkan" : "cpu");
         // What the solver still reads of the lost device's frames stays as it was.
         if (number == 4)
-            for (const std::int64_t earlier : {2, 3}) {
-                SurfaceFrame reference;
-                ASSERT_TRUE(make_reference_builder(scene)->build(stored(earlier), reference));
-                EXPECT_EQ(first_difference(reference, slots[earlier % 3]), "");
-            }
+            for (const std::int64_t earlier : {2, 3}) expect_reference(earlier, slots[earlier % 3]);
     }
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_EQ(told[0].rfind("frame 4: ", 0), 0U) << told[0];
+    expect_told_of_frame_4();
 }
 
 /// Three are in flight when the GPU is lost, and none is.
-TEST(FallbackBuilder, BuildsWhatWasInFlightWithTheSecond) {
-    auto opened = GpuDevice::open();
-    ASSERT_TRUE(opened) << opened.error().message;
-    auto vulkan = make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(*opened), all_plans[2]);
-    ASSERT_TRUE(vulkan) << vulkan.error().message;
-    std::vector<std::string> told;
-    const auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
-                                               [&](const std::string& line) { told.push_back(line); });
+TEST_F(FallbackBuilder, RebuildsFramesInFlight) {
+    const auto device = must(GpuDevice::open());
+    use(must(make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(device), all_plans[2])));
     EXPECT_EQ(builder->frames_in_flight(), 3);
-    SurfaceFrame slot, reference;
+    SurfaceFrame slot;
     std::int64_t begun = 0;
     for (std::int64_t number = 0; number < 9; ++number) {
         for (; begun < number + builder->frames_in_flight() && begun < 9; ++begun)
             ASSERT_TRUE(builder->begin(stored(begun)));
-        if (number == 4) (*opened)->lose();
-        ASSERT_TRUE(make_reference_builder(scene)->build(stored(number), reference));
+        if (number == 4) device->lose();
         ASSERT_TRUE(builder->finish(slot));
-        EXPECT_EQ(first_difference(reference, slot), "") << number;
+        expect_reference(number, slot);
         EXPECT_EQ(builder->name(), number < 4 ? "vulkan" : "cpu");
     }
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_EQ(told[0].rfind("frame 4: ", 0), 0U) << told[0];
+    expect_told_of_frame_4();
 }
 
-TEST(FallbackBuilder, GoesOnWhereTheGpuHangs) {
-    auto opened = GpuDevice::open();
-    ASSERT_TRUE(opened) << opened.error().message;
-    std::shared_ptr<GpuDevice> device = std::move(*opened);
-    auto vulkan = make_vulkan_builder(scene, device);
-    ASSERT_TRUE(vulkan) << vulkan.error().message;
-    std::vector<std::string> told;
-    auto builder = make_fallback_builder(std::move(*vulkan), make_cpu_builder(scene),
-                                         [&](const std::string& line) { told.push_back(line); });
+TEST_F(FallbackBuilder, SurvivesHungGpu) {
+    auto device = must(GpuDevice::open());
+    use(must(make_vulkan_builder(scene, device)));
     SurfaceFrame slots[3];
     for (std::int64_t number = 0; number < 3; ++number) expect_built(*builder, number, slots[number]);
     Blockade blockade(*device);
@@ -561,13 +539,9 @@ TEST(FallbackBuilder, GoesOnWhereTheGpuHangs) {
     EXPECT_EQ(builder->name(), "cpu");
     ASSERT_EQ(told.size(), 1U);
     EXPECT_NE(told[0].find("is given up; the cpu builder goes on"), std::string::npos) << told[0];
-    // Where the GPU goes on after all, it writes what nobody reads.
+    // If the GPU goes on after all, it writes what is not read any more.
     blockade.lift();
-    for (std::int64_t number = 6; number < 9; ++number) {
-        SurfaceFrame reference;
-        ASSERT_TRUE(make_reference_builder(scene)->build(stored(number), reference));
-        EXPECT_EQ(first_difference(reference, slots[number % 3]), "");
-    }
+    for (std::int64_t number = 6; number < 9; ++number) expect_reference(number, slots[number % 3]);
     EXPECT_TRUE(GpuDevice::open());  // frees what was left behind
 }
 
@@ -624,30 +598,18 @@ void expect_the_same_bits(const Scene& scene, const PlaneView& depth) {
         for (int x = 0; x < depth.width; ++x) codes.push_back(stored_code(depth, scene.depth, x, y));
     const StoredPlane grey = store_plane(depth.width, depth.height, codes, {});
 
-    SurfaceFrame from_grey, reference, cpu, lazy;
+    SurfaceFrame from_grey, reference;
     ASSERT_TRUE(make_reference_builder(grey_scene(scene))->build(grey.frame(), from_grey));
     ASSERT_TRUE(make_reference_builder(scene)->build(hue, reference));
-    ASSERT_TRUE(make_cpu_builder(scene)->build(hue, cpu));
-    ASSERT_TRUE(make_lazy_builder(scene)->build(hue, lazy));
     EXPECT_TRUE(reference.codes == from_grey.codes && reference.validity == from_grey.validity);
-    EXPECT_EQ(first_difference(reference, cpu), "");
-    for (const SurfacePlan& plan : all_plans) {
-        SurfaceFrame vulkan;
-        auto builder = make_vulkan_builder(scene, test_kernels(), plan);
-        ASSERT_TRUE(builder) << builder.error().message;
-        ASSERT_TRUE((*builder)->build(hue, vulkan));
-        EXPECT_EQ(first_difference(reference, vulkan), "") << plan_text(plan);
-    }
-    EXPECT_EQ(first_vertex_difference(reference, *cpu.vertices), "") << "cpu";
-    EXPECT_EQ(first_vertex_difference(reference, *lazy.vertices), "") << "lazy";
-    EXPECT_EQ(first_tile_not_enclosed(reference, *lazy.vertices), "") << "lazy";
+    EXPECT_EQ(BuilderComparison().difference(scene, hue, reference), "");
     const auto valid = std::count_if(codes.begin(), codes.end(),
                                      [&](std::uint16_t code) { return scene.depth.is_valid(code); });
     const std::ptrdiff_t pixels = std::ptrdiff_t{depth.width} * depth.height;
     EXPECT_TRUE(pixels < 100 || (valid > pixels / 10 && valid < pixels)) << valid << " of " << pixels;
 }
 
-TEST(HueBuilders, GiveTheSameBits) {
+TEST(HueBuilders, AgreeBitForBit) {
     Random random(31);
     for (const auto& [width, height] : {std::pair{1, 1}, {5, 3}, {32, 8}, {33, 17}, {97, 50}})
         for (const FilterSettings& filter :
@@ -668,7 +630,7 @@ TEST(HueBuilders, GiveTheSameBits) {
             }
 }
 
-TEST(HueBuilders, RefuseGreyDepth) {
+TEST(HueBuilders, RejectGreyDepth) {
     const StoredPlane grey = store_plane(4, 2, std::vector<std::uint16_t>(8, 100), {.bytes_per_sample = 1});
     SurfaceFrame out;
     for (const auto& builder :
@@ -682,7 +644,7 @@ TEST(HueBuilders, RefuseGreyDepth) {
     }
 }
 
-TEST(HueBuilders, GiveTheSameBitsOfARealClip) {
+TEST(HueBuilders, AgreeOnRealClip) {
     const auto video = real_data("depthkit_typing/Test.mov");
     TOUCHABLE_NEEDS_DATA(video);
     auto clip = open_clip(video);

@@ -25,7 +25,7 @@ StoredPlane plane_of(const Scene& scene, Fill fill, std::uint64_t seed, const La
     return store_plane(scene.width, scene.height, fill_picture(scene, fill, random), layout);
 }
 
-TEST(CpuBuilder, GivesTheSameBitsWithAnyVectorsAndThreads) {
+TEST(CpuBuilder, EqualsReferenceWithAnyPlan) {
     for (const FilterSettings& filter :
          {FilterSettings{0, 0}, {0, 2}, {3, 0}, {3, 3}, {5, 0}, {5, 1}, {3, 1, TerraceRemoval::on}})
         for (const Fill fill : {Fill::random, Fill::few_holes, Fill::half_holes, Fill::single_invalid})
@@ -51,7 +51,7 @@ TEST(CpuBuilder, GivesTheSameBitsWithAnyVectorsAndThreads) {
 }
 
 /// A line remembers whether the row before it in the same memory had holes.
-TEST(CpuBuilder, ForgetsTheHolesOfTheFrameBefore) {
+TEST(CpuBuilder, ForgetsHolesOfPreviousFrame) {
     const Scene scene = depth_scene(97, 61, 16, Marking::zero, {5, 0});
     const auto builder = make_cpu_builder(scene);
     SurfaceFrame slot;
@@ -66,7 +66,7 @@ TEST(CpuBuilder, ForgetsTheHolesOfTheFrameBefore) {
 }
 
 /// What it remembers of a row another thread may have written.
-TEST(CpuBuilder, RemembersTheFramesBeforeWithAnyVectorsAndThreads) {
+TEST(CpuBuilder, RemembersFramesWithAnyPlan) {
     for (const TerraceRemoval terraces : {TerraceRemoval::off, TerraceRemoval::on}) {
         const Scene scene =
             depth_scene(139, 117, 8, Marking::zero,
@@ -90,7 +90,7 @@ TEST(CpuBuilder, RemembersTheFramesBeforeWithAnyVectorsAndThreads) {
     }
 }
 
-TEST(CpuBuilder, AllocatesNothingForTheSecondFrame) {
+TEST(CpuBuilder, AllocatesOnlyForFirstFrame) {
     FilterSettings temporal{3, 0};
     temporal.temporal = true;
     for (const FilterSettings& filter :
@@ -169,7 +169,7 @@ void expect_found(const RawFrame& a, const RawFrame& b, int reach, VectorUnit un
     EXPECT_EQ(found->count(), count);
 }
 
-TEST(ChangedPixels, MakeWhatTheyReachStaleInEverySampleForm) {
+TEST(ChangedPixels, MakeBlocksInReachStale) {
     Random random(3);
     for (const auto& [width, height] : sizes)
         for (const auto& [channels, bytes] : {std::pair{1, 1}, {1, 2}, {3, 1}})
@@ -249,8 +249,8 @@ TEST(Patches, CoverEveryStaleBlockOnce) {
 }
 
 /// Frames of 128x64 codes that keep their planes.
-RawFrame kept_frame(const std::vector<std::uint16_t>& codes) {
-    auto memory = std::make_shared<const StoredPlane>(store_plane(128, 64, codes, {}));
+RawFrame kept_frame(const std::vector<std::uint16_t>& codes, int bytes_per_sample = 2) {
+    auto memory = std::make_shared<const StoredPlane>(store_plane(128, 64, codes, {bytes_per_sample}));
     RawFrame raw = memory->frame();
     raw.storage = memory;
     return raw;
@@ -279,7 +279,7 @@ protected:
     FrameChanges changes_{128, 64, 1, usable_vector_units().front()};
 };
 
-TEST_F(Changes, GoAsFarAsFiltersReach) {
+TEST_F(Changes, ReachAsFarAsFilters) {
     repeat();
     EXPECT_EQ(stale(change(40, 20)), "");  // of the build itself
     for (const auto& [x, y, expected] : {std::tuple{40, 20, "11 "},
@@ -296,7 +296,7 @@ TEST_F(Changes, GoAsFarAsFiltersReach) {
     }
 }
 
-TEST_F(Changes, AddUpSinceTheBuildThatASlotHolds) {
+TEST_F(Changes, AccumulateSinceSlotsBuild) {
     const BuildNumber first = repeat(), second = change(8, 8), third = change(40, 8), fourth = change(8, 8);
     EXPECT_EQ(stale(first), "00 10 ");  // changed back or not
     EXPECT_EQ(stale(second), "00 10 ");
@@ -304,7 +304,7 @@ TEST_F(Changes, AddUpSinceTheBuildThatASlotHolds) {
     EXPECT_EQ(stale(fourth), "");
 }
 
-TEST_F(Changes, AreKnownOfEveryFrameOfTheSameBuilder) {
+TEST_F(Changes, AreUnknownOfOtherBuilders) {
     FrameChanges others(128, 64, 1, VectorUnit::baseline);
     const BuildNumber other = others.advance(kept_frame(codes_), bands_), first = repeat();
     EXPECT_EQ(stale({}), "all");
@@ -317,7 +317,7 @@ TEST_F(Changes, AreKnownOfEveryFrameOfTheSameBuilder) {
     EXPECT_EQ(stale(other), "all");
 }
 
-TEST_F(Changes, AreUnknownWherePlanesAreNotKeptOrHaveAnotherForm) {
+TEST_F(Changes, AreUnknownOfUnkeptPlanes) {
     const BuildNumber first = repeat();
     RawFrame brief = kept_frame(codes_);
     brief.storage = nullptr;  // though it lives until the end of this test
@@ -328,15 +328,12 @@ TEST_F(Changes, AreUnknownWherePlanesAreNotKeptOrHaveAnotherForm) {
     const BuildNumber third = repeat();
     EXPECT_EQ(stale(second), "all");
     EXPECT_EQ(stale(third), "");
-    auto memory = std::make_shared<const StoredPlane>(store_plane(128, 64, codes_, {1, 0, false}));
-    RawFrame narrow = memory->frame();
-    narrow.storage = memory;
-    changes_.advance(narrow, bands_);
+    changes_.advance(kept_frame(codes_, 1), bands_);
     EXPECT_EQ(stale(third), "all");
 }
 
 /// For a while, after which they are.
-TEST_F(Changes, AreNotLookedForWhereAllIsMoving) {
+TEST_F(Changes, AreSkippedWhileAllMoves) {
     repeat();
     for (std::uint16_t& code : codes_) ++code;
     for (int n = 0; n < 9; ++n) {
@@ -351,7 +348,7 @@ TEST_F(Changes, AreNotLookedForWhereAllIsMoving) {
     EXPECT_EQ(stale(before), "all");
 }
 
-TEST_F(Changes, TellHapticAndHeightPlanesApart) {
+TEST_F(Changes, CoverTouchPlanes) {
     const auto planes = std::make_shared<const std::vector<std::uint8_t>>(128 * 64 * 3, std::uint8_t{5});
     auto other = std::make_shared<std::vector<std::uint8_t>>(*planes);
     other->back() = 6;
@@ -379,7 +376,7 @@ TEST_F(Changes, TellHapticAndHeightPlanesApart) {
     EXPECT_EQ(stale(none), "");
 }
 
-TEST(LazyBuilder, AllocatesNothingForTheSecondFrameNorForAnyVertexOrTile) {
+TEST(LazyBuilder, AllocatesOnlyForFirstFrame) {
     const Scene scene = depth_scene(53, 38, 16, Marking::zero, {5, 16});
     const StoredPlane first = noisy_plane(scene, Fill::few_holes, 1),
                       second = noisy_plane(scene, Fill::blob, 2);
@@ -397,7 +394,7 @@ TEST(LazyBuilder, AllocatesNothingForTheSecondFrameNorForAnyVertexOrTile) {
     EXPECT_GT(valid, 1000);
 }
 
-TEST(LazyBuilder, KeepsTheRawFrameAliveUntilTheSlotIsReused) {
+TEST(LazyBuilder, KeepsRawFrameUntilReuse) {
     const Scene scene = depth_scene(20, 20, 16, Marking::zero, {3, 0});
     auto plane = std::make_shared<StoredPlane>(noisy_plane(scene, Fill::random, 8));
     SurfaceFrame reference, slot;
@@ -415,7 +412,7 @@ TEST(LazyBuilder, KeepsTheRawFrameAliveUntilTheSlotIsReused) {
     EXPECT_TRUE(watched.expired());
 }
 
-TEST(LazyVertices, AnswerInAnyOrderAgainAndAgainAndOfTheNextFrame) {
+TEST(LazyVertices, AnswerInAnyOrder) {
     const Scene scene = depth_scene(150, 70, 16, Marking::zero, {5, 1});
     const auto reference_builder = make_reference_builder(scene), lazy_builder = make_lazy_builder(scene);
     SurfaceFrame reference, lazy;
@@ -435,31 +432,26 @@ TEST(LazyVertices, AnswerInAnyOrderAgainAndAgainAndOfTheNextFrame) {
     }
 }
 
-void expect_right_answers_to_several_readers(const FilterSettings& filter) {
-    const Scene scene = depth_scene(150, 70, 8, Marking::zero, filter);
-    const StoredPlane plane = noisy_plane(scene, Fill::blob, 4);
-    SurfaceFrame reference, lazy;
-    ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
-    const auto builder = make_lazy_builder(scene);
-    for (int round = 0; round < 10; ++round) {
-        ASSERT_TRUE(builder->build(plane.frame(), lazy));
-        std::string differences[3];
-        std::vector<std::thread> readers;
-        for (auto& difference : differences)
-            readers.emplace_back([&] {
-                difference = first_tile_not_enclosed(reference, *lazy.vertices) +
-                             first_vertex_difference(reference, *lazy.vertices);
-            });
-        for (auto& reader : readers) reader.join();
-        for (const auto& difference : differences) ASSERT_EQ(difference, "");
-    }
-}
-
 TEST(LazyVertices, AnswerSeveralReadersAtOnce) {
-    expect_right_answers_to_several_readers({3, 1});
-}
-TEST(LazyVertices, AnswerSeveralReadersOfBlocksWithoutTerracesAtOnce) {
-    expect_right_answers_to_several_readers({3, 1, TerraceRemoval::on});
+    for (const FilterSettings& filter : {FilterSettings{3, 1}, {3, 1, TerraceRemoval::on}}) {
+        const Scene scene = depth_scene(150, 70, 8, Marking::zero, filter);
+        const StoredPlane plane = noisy_plane(scene, Fill::blob, 4);
+        SurfaceFrame reference, lazy;
+        ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
+        const auto builder = make_lazy_builder(scene);
+        for (int round = 0; round < 10; ++round) {
+            ASSERT_TRUE(builder->build(plane.frame(), lazy));
+            std::string differences[3];
+            std::vector<std::thread> readers;
+            for (auto& difference : differences)
+                readers.emplace_back([&] {
+                    difference = first_tile_not_enclosed(reference, *lazy.vertices) +
+                                 first_vertex_difference(reference, *lazy.vertices);
+                });
+            for (auto& reader : readers) reader.join();
+            for (const auto& difference : differences) ASSERT_EQ(difference, "");
+        }
+    }
 }
 
 /// 64 inputs of zeros and ones at once: the lesser of two bits is their and, the greater their or.
@@ -510,10 +502,8 @@ void expect_median_of_all_zeros_and_ones(int values, Median&& median_of_numbers)
     }
 }
 
-TEST(MedianNetwork, IsRightForEveryWindowOf3x3) {
+TEST(MedianNetwork, SelectsMedianOfEveryWindow) {
     expect_median_of_all_zeros_and_ones(9, median_of_numbers3);
-}
-TEST(MedianNetwork, IsRightForEveryWindowOf5x5) {
     expect_median_of_all_zeros_and_ones(25, median_of_numbers5);
 }
 
@@ -539,7 +529,7 @@ void expect_inserting_sorts() {
     }
 }
 
-TEST(MedianNetwork, SortsColumnsByInsertionToo) {
+TEST(MedianNetwork, SortsColumnsByInsertion) {
     expect_inserting_sorts<3>();
     expect_inserting_sorts<5>();
 }

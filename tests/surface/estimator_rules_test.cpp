@@ -17,6 +17,7 @@
 #include "tests/sweep.hpp"
 
 namespace touchable::test {
+namespace {
 
 /// What docs/conventions.md says is measured of a recording, in plain words and loops: every number of that
 /// page stands here once more. It shares nothing with engine/surface but codes and their depths.
@@ -29,12 +30,6 @@ struct PlainEstimator {
     /// Which rules decided something, by name; so a test knows that its pictures try them.
     std::vector<std::string> decided;
 };
-PlainEstimator plain_estimator(const DepthCoding& coding, const std::vector<CodePicture>& pictures);
-
-}  // namespace touchable::test
-
-namespace touchable::test {
-namespace {
 
 constexpr int nothing = CodePicture::invalid;
 /// What is at a limit is within it, whatever rounding says.
@@ -484,15 +479,9 @@ private:
     bool is_film_ = true;
 };
 
-}  // namespace
-
 PlainEstimator plain_estimator(const DepthCoding& coding, const std::vector<CodePicture>& pictures) {
     return Measuring(coding, pictures).all();
 }
-
-}  // namespace touchable::test
-namespace touchable::test {
-namespace {
 
 // What is measured of a recording, against the numbers of docs/conventions.md (plain_estimator), over random
 // pictures that come near to each of them; and from where on it tells of a camera.
@@ -517,12 +506,6 @@ DepthCoding coding_of_codes(SplitMix64& random) {
     return coding;
 }
 
-double normal_number(SplitMix64& random) {
-    double sum = -6;
-    for (int n = 0; n < 12; ++n) sum += random.unit();
-    return sum;
-}
-
 /// Stripes that differ in depth by about as much as an edge does; each with noise, drift, outliers, waves and
 /// holes of its own.
 std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height) {
@@ -545,21 +528,21 @@ std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height
                            random.next() % 2 == 0 ? 0 : random.within(0, 0.1)});
     }
     std::vector<CodePicture> pictures(3 + random.next() % 2);
+    const auto stripe_of = [&](int k) {
+        return std::find_if(stripes.begin(), stripes.end(),
+                            [&](const Stripe& stripe) { return k % width < stripe.end; });
+    };
     std::vector<bool> hole;
-    for (int k = 0; k < width * height; ++k) {
-        const auto of = std::find_if(stripes.begin(), stripes.end(),
-                                     [&](const Stripe& stripe) { return k % width < stripe.end; });
-        hole.push_back(random.unit() < of->holes);
-    }
+    for (int k = 0; k < width * height; ++k) hole.push_back(random.unit() < stripe_of(k)->holes);
     SplitMix64 others = random;  // pictures that are no film sway
     const double sway = others.next() % 4 == 0 ? others.within(0, 0.1) : 0;
     for (std::size_t n = 0; n < pictures.size(); ++n) {
         const double sways = n % 2 == 0 ? 1 + sway : 1 - sway;
         pictures[n] = {width, height, {}};
         for (int k = 0; k < width * height; ++k) {
-            const auto of = std::find_if(stripes.begin(), stripes.end(),
-                                         [&](const Stripe& stripe) { return k % width < stripe.end; });
-            double code = of->code + of->noise * normal_number(random) + of->drift * static_cast<double>(n);
+            const auto of = stripe_of(k);
+            double code = of->code + of->noise * normal([&] { return random.unit(); }) +
+                          of->drift * static_cast<double>(n);
             code += of->wave * random.unit() * (k % 3 == 0);
             if (random.unit() < of->outliers) code *= 1 + random.within(-of->farthest, of->farthest);
             code *= sways;
@@ -571,12 +554,28 @@ std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height
     return pictures;
 }
 
+DepthCoding millimetre_coding(double far, double scale = 1) {
+    DepthCoding coding;
+    coding.semantics = DepthSemantics::planar;
+    coding.kind = DepthCodingKind::metric;
+    coding.scale = scale;
+    coding.far = far;
+    coding.code_max = 65535;
+    return coding;
+}
+
 void expect_near(const DepthLength& found, const DepthLength& plain, const char* what) {
     EXPECT_NEAR(found.constant, plain.constant, 1e-9 * plain.constant) << what;
     EXPECT_NEAR(found.quadratic, plain.quadratic, 1e-9 * plain.quadratic) << what;
 }
 
-TEST(EstimatorRules, NoiseAndHolesAreMeasuredAsThePageSays) {
+NoiseEstimator noise_of(const DepthCoding& coding, const std::vector<CodePicture>& pictures) {
+    NoiseEstimator estimator(coding);
+    for (const CodePicture& picture : pictures) estimator.add(picture);
+    return estimator;
+}
+
+TEST(EstimatorRules, MeasureNoiseAsDocumented) {
     const int rounds = 400 / static_cast<int>(sweep_step());
     SplitMix64 random(29);
     std::map<std::string, int> decided;
@@ -586,8 +585,7 @@ TEST(EstimatorRules, NoiseAndHolesAreMeasuredAsThePageSays) {
         const DepthCoding coding = coding_of_codes(random);
         const auto pictures = any_recording(random, static_cast<int>(40 + random.next() % 60), 30);
         const PlainEstimator plain = plain_estimator(coding, pictures);
-        NoiseEstimator estimator(coding);
-        for (const CodePicture& picture : pictures) estimator.add(picture);
+        const NoiseEstimator estimator = noise_of(coding, pictures);
         expect_near(estimator.noise(NoiseEstimator::Place::flat), plain.noise_at_flat,
                     "noise at flat places");
         expect_near(estimator.noise(NoiseEstimator::Place::edge), plain.noise_at_edges, "noise at edges");
@@ -613,14 +611,9 @@ TEST(EstimatorRules, NoiseAndHolesAreMeasuredAsThePageSays) {
 /// 1200 pixels at 1000 mm with noise, of which `share` were 200 mm, more than a tenth, farther in the first
 /// frame.
 DepthLength noise_of_what_is_left(double share) {
-    DepthCoding coding;
-    coding.kind = DepthCodingKind::metric;
-    coding.scale = 1;
-    coding.far = 4000;
-    coding.code_max = 4000;
     const int width = 42, height = 32;
     SplitMix64 random(43);
-    NoiseEstimator estimator(coding);
+    NoiseEstimator estimator(millimetre_coding(4000));
     for (int n = 0; n < 3; ++n) {
         CodePicture picture{width, height, {}};
         for (int y = 0; y < height; ++y)
@@ -633,7 +626,7 @@ DepthLength noise_of_what_is_left(double share) {
     return estimator.noise(NoiseEstimator::Place::flat);
 }
 
-TEST(EstimatorRules, AWindowOfWhichMoreThanHalfIsLeftOutSaysNothing) {
+TEST(EstimatorRules, IgnoreMostlyClippedWindows) {
     for (const double share : {0.4, 0.5}) {
         // Of nine even numbers the standard deviation is 2.58.
         EXPECT_NEAR(noise_of_what_is_left(share).constant, 2.58, 0.15) << share;
@@ -641,20 +634,15 @@ TEST(EstimatorRules, AWindowOfWhichMoreThanHalfIsLeftOutSaysNothing) {
     for (const double share : {0.51, 0.6}) EXPECT_EQ(noise_of_what_is_left(share), DepthLength{}) << share;
 }
 
-TEST(EstimatorRules, APlaneHasNeitherNoiseNorRoughness) {
-    DepthCoding coding;
-    coding.kind = DepthCodingKind::metric;
-    coding.scale = 1;
-    coding.far = 4000;
-    coding.code_max = 4000;
-    NoiseEstimator estimator(coding);
+TEST(EstimatorRules, FindNoNoiseOnPlane) {
+    NoiseEstimator estimator(millimetre_coding(4000));
     for (int n = 0; n < 3; ++n) estimator.add({40, 30, std::vector<int>(40 * 30, 1000)});
     EXPECT_EQ(estimator.noise(NoiseEstimator::Place::flat), DepthLength{});
     EXPECT_EQ(estimator.roughness(), DepthLength{});
 }
 
 // Larger pictures than 640x480 are looked at in some of their rows.
-TEST(EstimatorRules, OfLargePicturesSomeRowsAreLookedAt) {
+TEST(EstimatorRules, SampleRowsOfLargePictures) {
     SplitMix64 random(31);
     const DepthCoding coding = coding_of_codes(random);
     // Every row, every second, every third.
@@ -670,8 +658,7 @@ TEST(EstimatorRules, OfLargePicturesSomeRowsAreLookedAt) {
             }
         }
         const PlainEstimator plain = plain_estimator(coding, pictures);
-        NoiseEstimator estimator(coding);
-        for (const CodePicture& picture : pictures) estimator.add(picture);
+        const NoiseEstimator estimator = noise_of(coding, pictures);
         EXPECT_EQ(estimator.tiny_holes(), plain.tiny_holes) << height;
         EXPECT_EQ(estimator.dropouts(), plain.dropouts) << height;
         expect_near(estimator.roughness(), plain.roughness, "roughness");
@@ -728,18 +715,14 @@ CodePicture any_levels(SplitMix64& random) {
     return picture;
 }
 
-TEST(EstimatorRules, LevelsAreMeasuredAsThePageSays) {
+TEST(EstimatorRules, MeasureLevelsAsDocumented) {
     const int rounds = 1600 / static_cast<int>(sweep_step());
     SplitMix64 random(37);
     std::map<std::string, int> decided;
     for (int round = 0; round < rounds && !testing::Test::HasFailure(); ++round) {
         SCOPED_TRACE(round);
-        DepthCoding coding;
-        coding.semantics = DepthSemantics::planar;
-        coding.kind = DepthCodingKind::metric;
-        coding.scale = round % 2 == 0 ? 1 : 0.2;
-        coding.code_max = 65535;
-        coding.far = coding.scale * random.within(800, 4000);
+        const double scale = round % 2 == 0 ? 1 : 0.2;
+        const DepthCoding coding = millimetre_coding(scale * random.within(800, 4000), scale);
         const CodePicture picture = any_levels(random);
         const PlainEstimator plain = plain_estimator(coding, {picture});
         LevelEstimator estimator(coding);
@@ -757,22 +740,17 @@ TEST(EstimatorRules, LevelsAreMeasuredAsThePageSays) {
 }
 
 // A background is at the far plane from 0.999 of it on.
-TEST(EstimatorRules, TheMedianLeavesOutWhatIsBeyondAThousandthBeforeTheFarPlane) {
-    DepthCoding coding;
-    coding.kind = DepthCodingKind::metric;
-    coding.scale = 1;
-    coding.far = 10'000;
-    coding.code_max = 65535;
+TEST(EstimatorRules, ExcludeFarPlaneFromMedian) {
     for (const auto& [background, median] : {std::pair{9989, 9989}, {9990, 500}, {10'000, 500}}) {
         CodePicture picture{10, 10, std::vector<int>(100, background)};
         for (std::size_t k = 0; k < 20; ++k) picture.codes[k] = 500;
-        LevelEstimator estimator(coding);
+        LevelEstimator estimator(millimetre_coding(10'000));
         estimator.add(picture);
         EXPECT_EQ(*estimator.median_depth(), median) << background;
     }
 }
 
-TEST(EstimatorRules, FromWhichSharesOnACameraMadeTheDepth) {
+TEST(EstimatorRules, RecogniseCamerasByThresholds) {
     const auto is_camera = [](auto change) {
         MeasuredDepth measured;
         change(measured);
@@ -789,7 +767,7 @@ TEST(EstimatorRules, FromWhichSharesOnACameraMadeTheDepth) {
 }
 
 // Frames 0 to 15, or 0 to 3 where these show nothing of a camera.
-TEST(EstimatorRules, SixteenFramesOfACameraAreLookedAtAndFourOfOthers) {
+TEST(EstimatorRules, LimitMeasuredFrames) {
     for (const bool is_camera : {false, true}) {
         Scene scene = depth_scene(64, 48, 16, Marking::zero);
         DepthEstimator estimator(scene);

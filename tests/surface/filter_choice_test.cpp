@@ -1,5 +1,5 @@
-// From which measurement on each filter is chosen, and how strong: the numbers of docs/scene_file.md, Filters
-// that are left out.
+// The measurements from which each filter is chosen, and its strength: the numbers of docs/scene_file.md,
+// Filters that are left out.
 
 #include <gtest/gtest.h>
 
@@ -20,17 +20,8 @@ constexpr double median_mm = 1000, pixel_mm = 2;
 constexpr int columns = 320;
 
 Scene open_scene() {
-    Scene scene;
-    scene.width = columns;
-    scene.height = 240;
-    scene.camera = {500, 500, 159.5, 119.5};
-    scene.depth_bits = 16;
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.semantics = DepthSemantics::planar;
-    scene.depth.scale = 1;
-    scene.depth.far = 4000;
+    Scene scene = metric_scene(columns, 240, {500, 500, 159.5, 119.5}, 4000);
     scene.depth.code_max = 4000;
-    scene.depth.invalid_code_count = 1;
     derive_valid_range(scene.depth);
     return scene;
 }
@@ -53,12 +44,12 @@ FilterSettings chosen_by(const MeasuredDepth& measured) {
     return scene.filter;
 }
 
-TEST(ChosenFilters, NoneWhereACamerasDepthIsCleanEverywhere) {
+TEST(ChosenFilters, AreNoneForCleanDepth) {
     EXPECT_EQ(chosen_by(of_a_camera()), FilterSettings{});
 }
 
 // 0.15 of a pixel's width is 0.3 mm.
-TEST(ChosenFilters, AMedianFromARoughnessOf15HundredthsOfAPixelOn) {
+TEST(ChosenFilters, NeedRoughnessForMedian) {
     MeasuredDepth measured = of_a_camera();
     measured.roughness = 0.299;
     EXPECT_EQ(chosen_by(measured).median, 0);
@@ -68,7 +59,7 @@ TEST(ChosenFilters, AMedianFromARoughnessOf15HundredthsOfAPixelOn) {
     EXPECT_EQ(chosen_by(measured).median, 0) << "no camera";
 }
 
-TEST(ChosenFilters, TheMedianIsSmallWhereLevelsAreOneAndAHalfTimesTheNoiseOrRoughnessApart) {
+TEST(ChosenFilters, ShrinkMedianForCoarseLevels) {
     MeasuredDepth measured = of_a_camera();
     measured.distance = 12;
     for (const bool by_noise : {false, true}) {
@@ -81,7 +72,7 @@ TEST(ChosenFilters, TheMedianIsSmallWhereLevelsAreOneAndAHalfTimesTheNoiseOrRoug
 }
 
 // A ten-thousandth of 640 mm.
-TEST(ChosenFilters, TheTemporalFilterFromANoiseOfATenThousandthOfThePicturesWidthOn) {
+TEST(ChosenFilters, NeedNoiseForTemporalFilter) {
     MeasuredDepth measured = of_a_camera();
     measured.noise = {0.03, 0.0339 / (median_mm * median_mm)};
     EXPECT_FALSE(chosen_by(measured).temporal);
@@ -92,7 +83,7 @@ TEST(ChosenFilters, TheTemporalFilterFromANoiseOfATenThousandthOfThePicturesWidt
 }
 
 // A gate is twice the noise that the median leaves, and that of no median the most.
-TEST(ChosenFilters, TheTemporalFilterIsToldMoreOfTheNoiseAfterAMedian) {
+TEST(ChosenFilters, RaiseTemporalNoiseAfterMedian) {
     MeasuredDepth measured = of_a_camera();
     measured.noise = {2, 0};
     measured.roughness = 1;
@@ -108,7 +99,7 @@ TEST(ChosenFilters, TheTemporalFilterIsToldMoreOfTheNoiseAfterAMedian) {
 }
 
 // Those that were tried, where the scene states neither of the two filters.
-TEST(ChosenFilters, TheMildestOfTheBestThatWereTriedOnTheRecording) {
+TEST(ChosenFilters, TakeMildestOfBestTried) {
     MeasuredDepth measured = of_a_camera();
     measured.roughness = 2;
     measured.kappa = 1;
@@ -137,7 +128,7 @@ TEST(ChosenFilters, TheMildestOfTheBestThatWereTriedOnTheRecording) {
     EXPECT_EQ(scene.filter.median, 3);
 }
 
-TEST(ChosenFilters, TwoPassesOfHoleFillingFromATenThousandthOfTinyHolesOn) {
+TEST(ChosenFilters, NeedTinyHolesForFilling) {
     MeasuredDepth measured = of_a_camera();
     measured.tiny_holes = 0.0000999;
     EXPECT_EQ(chosen_by(measured).fill_holes, 0);
@@ -145,7 +136,7 @@ TEST(ChosenFilters, TwoPassesOfHoleFillingFromATenThousandthOfTinyHolesOn) {
     EXPECT_EQ(chosen_by(measured).fill_holes, 2);
 }
 
-TEST(ChosenFilters, FlyingPixelsLandFromATenThousandthOfThemOn) {
+TEST(ChosenFilters, LandFlyingPixelsOfCamera) {
     MeasuredDepth measured = of_a_camera();
     measured.flying = 0.0000999;
     EXPECT_EQ(chosen_by(measured).flying_pixels, DepthLength{});
@@ -154,7 +145,7 @@ TEST(ChosenFilters, FlyingPixelsLandFromATenThousandthOfThemOn) {
 }
 
 // Of depth that shows nothing of a camera: a phone's, or a rendered one's.
-TEST(ChosenFilters, FlyingPixelsOfOthersLandFromATenThousandthMidwayWhereEdgesAreNotClean) {
+TEST(ChosenFilters, LandMidwayPixelsWithoutCamera) {
     MeasuredDepth measured = of_a_camera();
     measured.dropouts = 0;
     measured.flying = 0.01;
@@ -170,7 +161,7 @@ TEST(ChosenFilters, FlyingPixelsOfOthersLandFromATenThousandthMidwayWhereEdgesAr
 }
 
 // Ten pixels' widths, but no more than a fiftieth of the depth; two levels where these are farther apart.
-TEST(ChosenFilters, TenPixelsWidthsOrTwoLevelsAreOneSurfaceToFlyingPixelsOfOthers) {
+TEST(ChosenFilters, SetFlyingGateWithoutCamera) {
     MeasuredDepth measured = of_a_camera();
     measured.dropouts = 0;
     measured.flying = measured.midway = 0.001;
@@ -187,7 +178,7 @@ TEST(ChosenFilters, TenPixelsWidthsOrTwoLevelsAreOneSurfaceToFlyingPixelsOfOther
 }
 
 // A fiftieth of the median depth, or three times the noise; about in proportion to depth around it.
-TEST(ChosenFilters, AFiftiethOfTheDepthOrThreeTimesTheNoiseIsOneSurfaceToFlyingPixels) {
+TEST(ChosenFilters, SetFlyingGateOfCamera) {
     MeasuredDepth measured = of_a_camera();
     measured.flying = 0.01;
     for (const auto& [noise, length] : {std::pair{6.6, 20.0}, {6.7, 20.1}, {10.0, 30.0}}) {
@@ -198,7 +189,7 @@ TEST(ChosenFilters, AFiftiethOfTheDepthOrThreeTimesTheNoiseIsOneSurfaceToFlyingP
     }
 }
 
-TEST(ChosenFilters, TerracesGoFromAKappaOfAQuarterOn) {
+TEST(ChosenFilters, NeedKappaForTerraceRemoval) {
     MeasuredDepth measured = of_a_camera();
     measured.levels = {0, 3e-6};
     measured.kappa = 0.2499;
@@ -209,7 +200,7 @@ TEST(ChosenFilters, TerracesGoFromAKappaOfAQuarterOn) {
     EXPECT_EQ(chosen_by(measured).levels, measured.levels);
 }
 
-TEST(ChosenFilters, TerracesStayWhereLevelsLeaveNoRoom) {
+TEST(ChosenFilters, KeepTerracesWithoutRoom) {
     MeasuredDepth measured = of_a_camera();
     measured.kappa = 1;
     Scene scene = open_scene();
@@ -224,8 +215,8 @@ TEST(ChosenFilters, TerracesStayWhereLevelsLeaveNoRoom) {
     EXPECT_FALSE(removal_advised(measured, scene));
 }
 
-// Whatever was measured: all of it asks for a filter here.
-TEST(ChosenFilters, EachThatTheSceneStatesStays) {
+// All that was measured here asks for a filter.
+TEST(ChosenFilters, KeepEachStatedFilter) {
     MeasuredDepth measured = of_a_camera();
     measured.roughness = 2;
     measured.flying = measured.tiny_holes = 0.01;
@@ -259,7 +250,7 @@ TEST(ChosenFilters, EachThatTheSceneStatesStays) {
     EXPECT_EQ(chosen_but(&UnstatedFilters::temporal), but);
 }
 
-TEST(ChosenFilters, AutomaticTerracesGoByWhatIsMeasured) {
+TEST(ChosenFilters, ResolveAutomaticTerraces) {
     for (const bool is_measured : {false, true}) {
         Scene scene = open_scene();
         scene.filter.terraces = TerraceRemoval::automatic;
@@ -270,7 +261,7 @@ TEST(ChosenFilters, AutomaticTerracesGoByWhatIsMeasured) {
     }
 }
 
-TEST(ChosenFilters, NoiseThatTheSceneStatesIsKept) {
+TEST(ChosenFilters, KeepStatedNoise) {
     Scene scene = open_scene();
     scene.filter.temporal_noise = {0.7, 0};
     MeasuredDepth measured = of_a_camera();
@@ -284,7 +275,7 @@ FilterPlan plan_of(const FilterSettings& filter, int bits = 8) {
     return FilterPlan(depth_scene(40, 30, bits, Marking::none, filter));
 }
 
-TEST(FilterPlan, OfNoFilterOnlyDecodes) {
+TEST(FilterPlan, OnlyDecodesWithoutFilters) {
     const FilterPlan plan = plan_of({});
     EXPECT_TRUE(plan.filters.empty());
     EXPECT_EQ(plan.reach(), 0);
@@ -292,7 +283,7 @@ TEST(FilterPlan, OfNoFilterOnlyDecodes) {
     EXPECT_EQ(plan.coding(), plan.stored);
 }
 
-TEST(FilterPlan, HasTheFiltersInTheOrderOfTheConventions) {
+TEST(FilterPlan, OrdersFiltersAsDocumented) {
     FilterSettings all{.median = 5, .fill_holes = 2, .terraces = TerraceRemoval::on};
     const FilterPlan still = plan_of(all);
     ASSERT_EQ(still.filters.size(), 3U);
@@ -312,7 +303,7 @@ TEST(FilterPlan, HasTheFiltersInTheOrderOfTheConventions) {
     EXPECT_NE(moving, still);
 }
 
-TEST(FilterPlan, EndsInTheCodingOfTheLastFilter) {
+TEST(FilterPlan, EndsInLastFiltersCoding) {
     EXPECT_EQ(plan_of({.median = 3}).coding().code_max, 255);
     FilterSettings finer{.median = 3, .temporal = true, .temporal_noise = {0.1, 0}};
     EXPECT_EQ(plan_of(finer).coding().code_max, 255 * 126);
@@ -321,7 +312,7 @@ TEST(FilterPlan, EndsInTheCodingOfTheLastFilter) {
     EXPECT_EQ(plan_of(finer).filters.front().coding.code_max, 255);
 }
 
-TEST(FilterPlan, FindsWhatTheSceneAsksFor) {
+TEST(FilterPlan, FindsRequestedFilters) {
     const FilterPlan plan = plan_of({.median = 3});
     ASSERT_NE(plan.find<FilterPlan::MedianWindow>(), nullptr);
     EXPECT_EQ(plan.find<FilterPlan::MedianWindow>()->side, 3);
@@ -336,39 +327,34 @@ TEST(FilterPlan, FindsWhatTheSceneAsksFor) {
 constexpr int picture_width = 320, picture_height = 240;
 
 Scene scene_of_millimetres() {
-    Scene scene;
-    scene.width = picture_width;
-    scene.height = picture_height;
-    scene.camera = {300, 300, 159.5, 119.5};
-    scene.depth_bits = 16;
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.semantics = DepthSemantics::planar;
-    scene.depth.scale = 1;
-    scene.depth.far = 20700;
-    scene.depth.code_max = 65535;
-    scene.depth.invalid_code_count = 1;
-    derive_valid_range(scene.depth);
-    return scene;
+    return metric_scene(picture_width, picture_height, {300, 300, 159.5, 119.5}, 20700);
+}
+
+/// In codes of 0.05 mm: finer than all noise.
+Scene fine_scene() {
+    return metric_scene(picture_width, picture_height, {300, 300, 159.5, 119.5}, 3000, 0.05);
+}
+
+double noise(Random& random) {
+    return normal([&] { return random.below(1 << 16) / 65536.0; });
 }
 
 /// Whole millimetres of a wall that leans.
 struct Wall {
-    double noise = 0;  ///< standard deviation, mm
+    double sigma = 0;  ///< standard deviation of noise, mm
     double level = 0;  ///< mm at a metre, of disparity; 0: none
     bool holes = false, strays = false;
     double pens = 0;  ///< mm that pens stand out: columns 5 wide, 80 apart
 
     static bool is_pen(int x) { return x % 80 >= 40 && x % 80 < 45; }
 
-    CodePicture picture(std::uint64_t seed) const {
+    CodePicture picture(std::uint64_t seed = 1) const {
         Random random(seed);
         CodePicture picture{picture_width, picture_height, {}};
         for (int y = 0; y < picture_height; ++y)
             for (int x = 0; x < picture_width; ++x) {
                 double depth = 1000 / (1 - 0.3 * (x - 159.5) / 300 + 0.2 * (y - 119.5) / 300);
-                double sum = -6;
-                for (int k = 0; k < 12; ++k) sum += random.below(1 << 16) / 65536.0;
-                depth += noise * sum - (is_pen(x) ? pens : 0);
+                depth += sigma * noise(random) - (is_pen(x) ? pens : 0);
                 if (level > 0) {
                     const double step = level * 1e-6;
                     depth = 1 / (step * std::floor(1 / depth / step + 0.5));
@@ -383,78 +369,79 @@ struct Wall {
 };
 
 std::deque<CodePicture> still_of(const Wall& wall) {
-    return {wall.picture(1)};
+    return {wall.picture()};
+}
+
+std::deque<CodePicture> film_of(const Wall& wall) {
+    std::deque<CodePicture> pictures;
+    for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n) pictures.push_back(wall.picture(n));
+    return pictures;
+}
+
+/// `code` of each pixel.
+template <class Code>
+void change(CodePicture& picture, Code&& code) {
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            int& here = picture.codes[static_cast<std::size_t>(y * picture.width + x)];
+            here = code(x, y, here);
+        }
 }
 
 const TriedFilters& unfiltered(const std::vector<TriedFilters>& tried) {
     return *found_among(tried, {});
 }
 
-TEST(SmoothPatches, AFittedWallOfWholeMillimetresIsAboutAsRoughAsRounding) {
+TEST(SmoothPatches, MeasureRoundingAsRoughness) {
     const SmoothPatches patches(scene_of_millimetres(), still_of({}));
     ASSERT_TRUE(patches.enough());
     EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 1 / std::sqrt(12.0), 0.06);
     EXPECT_NEAR(patches.median_depth(), 1000, 60);
 }
 
-TEST(SmoothPatches, RoughnessIsTheNoiseWhateverIsMissingOrFarBehind) {
+TEST(SmoothPatches, MeasureNoiseDespiteHoles) {
     for (const bool spoilt : {false, true}) {
         const SmoothPatches patches(scene_of_millimetres(),
-                                    still_of({.noise = 4, .holes = spoilt, .strays = spoilt}));
+                                    still_of({.sigma = 4, .holes = spoilt, .strays = spoilt}));
         ASSERT_TRUE(patches.enough());
         EXPECT_NEAR(patches.roughness().at(patches.median_depth()), 4, 0.4);
     }
 }
 
-TEST(SmoothPatches, FacesOfNoiseLeanAsFarAsItSays) {
-    for (const double noise : {0.1, 0.3, 1.0}) {
-        Scene scene = scene_of_millimetres();
-        scene.depth.scale = 0.05;  // finer than all noise
-        scene.depth.far = 3000;
-        derive_valid_range(scene.depth);
+TEST(SmoothPatches, PredictLeanOfNoisyFaces) {
+    for (const double sigma : {0.1, 0.3, 1.0}) {
         std::deque<CodePicture> pictures = still_of({});
         Random random(7);
-        for (int y = 0; y < picture_height; ++y)
-            for (int x = 0; x < picture_width; ++x) {
-                double sum = -6;
-                for (int k = 0; k < 12; ++k) sum += random.below(1 << 16) / 65536.0;
-                pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] =
-                    static_cast<int>(20 * (1000 + noise * sum) + 0.5);
-            }
-        const SmoothPatches patches(scene, pictures);
+        change(pictures[0],
+               [&](int, int, int) { return static_cast<int>(20 * (1000 + sigma * noise(random)) + 0.5); });
+        const SmoothPatches patches(fine_scene(), pictures);
         ASSERT_TRUE(patches.enough());
         SurfaceFrame built;
         ASSERT_TRUE(make_reference_builder(patches.mosaic_scene())->build(patches.mosaics().back(), built));
         // Two slopes across each other, each sqrt(2) noise over 10/3 mm.
         const double expected =
-            std::atan(std::sqrt(2.0) * std::sqrt(2.0) * noise / (1000.0 / 300)) * 180 / 3.14159265;
-        EXPECT_NEAR(patches.faces_off_deg(built), expected, 0.08 * expected) << noise;
+            std::atan(std::sqrt(2.0) * std::sqrt(2.0) * sigma / (1000.0 / 300)) * 180 / 3.14159265;
+        EXPECT_NEAR(patches.faces_off_deg(built), expected, 0.08 * expected) << sigma;
     }
 }
 
 // Filters of a mosaic do to the middle of a patch's core, of which faces are looked at, what they do to the
 // picture.
-TEST(SmoothPatches, AreFilteredAsThePictureIs) {
+TEST(SmoothPatches, FilterLikeWholePicture) {
     Scene scene = scene_of_millimetres();
-    const std::deque<CodePicture> pictures = still_of({.noise = 2, .level = 3, .holes = true});
+    const std::deque<CodePicture> pictures = still_of({.sigma = 2, .level = 3, .holes = true});
     const SmoothPatches patches(scene, pictures);
     ASSERT_TRUE(patches.enough());
     const FilterSettings filter{.median = 5, .terraces = TerraceRemoval::on, .levels = {0, 4e-6}};
     std::vector<std::uint16_t> codes;
     for (const int code : pictures[0].codes)
         codes.push_back(static_cast<std::uint16_t>(code == CodePicture::invalid ? 0 : code));
-    RawFrame raw;
-    raw.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()),
-                 2 * picture_width,
-                 picture_width,
-                 picture_height,
-                 2,
-                 1};
+    const StoredPlane plane = store_plane(picture_width, picture_height, codes, {});
     scene.filter = filter;
     Scene mosaic = patches.mosaic_scene();
     mosaic.filter = filter;
     SurfaceFrame whole, built;
-    ASSERT_TRUE(make_reference_builder(scene)->build(raw, whole));
+    ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), whole));
     ASSERT_TRUE(make_reference_builder(mosaic)->build(patches.mosaics().back(), built));
     ASSERT_GE(patches.places().size(), 30U);
     for (const auto& [from, to] : patches.places())
@@ -466,8 +453,8 @@ TEST(SmoothPatches, AreFilteredAsThePictureIs) {
             }
 }
 
-// Of a large picture no more is kept than where a place can lie, which is told by the picture's own pixels.
-TEST(SmoothPatches, OfALargePictureAreTheSamePixels) {
+// A large picture is kept only as far as places can lie; their pixels are the picture's own.
+TEST(SmoothPatches, CropLargePictures) {
     for (const auto& [width, height] : {std::pair{3000, 100}, {100, 3000}, {1600, 1545}}) {
         Scene scene = scene_of_millimetres();
         scene.width = width;
@@ -493,44 +480,36 @@ TEST(SmoothPatches, OfALargePictureAreTheSamePixels) {
 // Pens of five times the noise fit into a patch that is about as smooth as the others.
 TEST(SmoothPatches, LeaveOutLowRelief) {
     for (const double level : {0.0, 4.0}) {
-        const Wall wall{.noise = 2, .level = level, .pens = 10};
-        std::deque<CodePicture> pictures;
-        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n) pictures.push_back(wall.picture(n));
-        const SmoothPatches patches(scene_of_millimetres(), pictures);
+        const SmoothPatches patches(scene_of_millimetres(),
+                                    film_of({.sigma = 2, .level = level, .pens = 10}));
         ASSERT_TRUE(patches.enough());
         for (const auto& [from, to] : patches.places())
             for (int x = 2; x < SmoothPatches::core - 2; ++x)
                 EXPECT_FALSE(Wall::is_pen(from.x + x)) << from.x << " + " << x;
         // Without pens no patch is left out.
-        pictures.clear();
-        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
-            pictures.push_back(Wall{.noise = 2, .level = level}.picture(n));
-        EXPECT_GE(SmoothPatches(scene_of_millimetres(), pictures).places().size(), 60U);
+        const auto without = film_of({.sigma = 2, .level = level});
+        EXPECT_GE(SmoothPatches(scene_of_millimetres(), without).places().size(), 60U);
     }
 }
 
 // Where relief is everywhere, it is better to judge filters by it than by nothing.
-TEST(SmoothPatches, KeepLowReliefWhereNothingElseIs) {
-    CodePicture picture = Wall{.noise = 2}.picture(1);
-    for (int y = 0; y < picture_height; ++y)
-        for (int x = 0; x < picture_width; ++x)
-            if (x % 16 < 5) picture.codes[static_cast<std::size_t>(y * picture_width + x)] -= 10;
+TEST(SmoothPatches, KeepReliefThatIsEverywhere) {
+    CodePicture picture = Wall{.sigma = 2}.picture();
+    change(picture, [](int x, int, int code) { return x % 16 < 5 ? code - 10 : code; });
     EXPECT_TRUE(SmoothPatches(scene_of_millimetres(), {picture}).enough());
 }
 
 // A background of one code is the smoothest place of all, and says nothing.
-TEST(SmoothPatches, AreNotOfABackgroundOfOneCode) {
+TEST(SmoothPatches, SkipConstantBackground) {
     std::deque<CodePicture> pictures = still_of({.level = 12});
-    for (int y = 0; y < picture_height; ++y)
-        for (int x = 0; x < picture_width / 2; ++x)
-            pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] = 3000;
+    change(pictures[0], [](int x, int, int code) { return x < picture_width / 2 ? 3000 : code; });
     const SmoothPatches patches(scene_of_millimetres(), pictures);
     ASSERT_TRUE(patches.enough());
     for (const auto& [from, to] : patches.places())
         EXPECT_GT(from.x + SmoothPatches::core, picture_width / 2);
 }
 
-TEST(SmoothPatches, AreTooFewInASmallPictureAndWithoutDepth) {
+TEST(SmoothPatches, NeedEnoughDepth) {
     Scene scene = scene_of_millimetres();
     EXPECT_FALSE(SmoothPatches(scene, {}).enough());
     CodePicture none{picture_width, picture_height,
@@ -541,8 +520,8 @@ TEST(SmoothPatches, AreTooFewInASmallPictureAndWithoutDepth) {
     EXPECT_FALSE(SmoothPatches(scene, {small}).enough());
 }
 
-TEST(FilterSearch, FindsWhatMakesANoisyWallSmooth) {
-    const SmoothPatches patches(scene_of_millimetres(), still_of({.noise = 4, .strays = true}));
+TEST(FilterSearch, SmoothsNoisyWall) {
+    const SmoothPatches patches(scene_of_millimetres(), still_of({.sigma = 4, .strays = true}));
     const auto tried = tried_filters(patches, {}, {});
     ASSERT_GT(tried.size(), 10U);
     const TriedFilters& best = *mildest_of_the_best(tried, false);
@@ -555,9 +534,7 @@ TEST(FilterSearch, FindsWhatMakesANoisyWallSmooth) {
 // Filters that smooth pens away leave no less than others, so the mildest is taken.
 TEST(FilterSearch, KeepsLowRelief) {
     const auto chosen = [](double pens) {
-        std::deque<CodePicture> pictures;
-        for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
-            pictures.push_back(Wall{.noise = 2, .pens = pens}.picture(n));
+        const auto pictures = film_of({.sigma = 2, .pens = pens});
         const auto tried = tried_filters(SmoothPatches(scene_of_millimetres(), pictures), {}, {2, 0});
         return *mildest_of_the_best(tried, true);
     };
@@ -566,11 +543,9 @@ TEST(FilterSearch, KeepsLowRelief) {
     EXPECT_LT(with.left_deg, 1.3 * without.left_deg);
 }
 
-TEST(FilterSearch, TriesAllWithAndWithoutAveragingWhatIsNoisyFromFrameToFrame) {
-    std::deque<CodePicture> pictures;
-    for (std::uint64_t n = 1; n <= SmoothPatches::frames; ++n)
-        pictures.push_back(Wall{.noise = 4}.picture(n));
-    const auto tried = tried_filters(SmoothPatches(scene_of_millimetres(), pictures), {}, {4, 0});
+TEST(FilterSearch, TriesAveragingOfNoisyFrames) {
+    const SmoothPatches patches(scene_of_millimetres(), film_of({.sigma = 4}));
+    const auto tried = tried_filters(patches, {}, {4, 0});
     for (const TriedFilters& one : tried) {
         FilterSettings filter{.median = one.median, .levels = one.levels, .temporal = !one.temporal};
         filter.terraces = one.terraces ? TerraceRemoval::on : TerraceRemoval::off;
@@ -583,7 +558,7 @@ TEST(FilterSearch, TriesAllWithAndWithoutAveragingWhatIsNoisyFromFrameToFrame) {
     EXPECT_LT(mildest_of_the_best(tried, true)->left_deg, mildest_of_the_best(tried, false)->left_deg);
 }
 
-TEST(FilterSearch, TakesLevelsThatWereSeenForWhatTheyAre) {
+TEST(FilterSearch, UsesMeasuredLevels) {
     const SmoothPatches patches(scene_of_millimetres(), still_of({.level = 12}));
     const auto tried = tried_filters(patches, {0, 12e-6}, {});
     const TriedFilters& best = *mildest_of_the_best(tried, false);
@@ -595,24 +570,17 @@ TEST(FilterSearch, TakesLevelsThatWereSeenForWhatTheyAre) {
 }
 
 TEST(FilterSearch, LeavesASmoothWallAlone) {
-    Scene scene = scene_of_millimetres();
-    scene.depth.scale = 0.05;
-    scene.depth.far = 3000;
-    derive_valid_range(scene.depth);
     std::deque<CodePicture> pictures = still_of({});
-    for (int& code : pictures[0].codes) code *= 20;
-    for (int y = 0; y < picture_height; ++y)
-        for (int x = 0; x < picture_width; ++x)
-            pictures[0].codes[static_cast<std::size_t>(y * picture_width + x)] =
-                static_cast<int>(20 * 1000 / (1 - 0.3 * (x - 159.5) / 300) + 0.5);
-    const auto tried = tried_filters(SmoothPatches(scene, pictures), {}, {});
+    change(pictures[0],
+           [](int x, int, int) { return static_cast<int>(20 * 1000 / (1 - 0.3 * (x - 159.5) / 300) + 0.5); });
+    const auto tried = tried_filters(SmoothPatches(fine_scene(), pictures), {}, {});
     ASSERT_FALSE(tried.empty());
     const TriedFilters& best = *mildest_of_the_best(tried, false);
     EXPECT_EQ(best.median, 0);
     EXPECT_FALSE(best.terraces);
 }
 
-TEST(FilterSearch, TellsWhatRemovalAloneDoes) {
+TEST(FilterSearch, MeasuresRemovalAlone) {
     const SmoothPatches patches(scene_of_millimetres(), still_of({.level = 12}));
     const auto tried = tried_removal(patches, {0, 12e-6});
     ASSERT_EQ(tried.size(), 2U);
@@ -648,7 +616,7 @@ void expect_filtered(int width, int height, const Codes& stored, FilterSettings 
     }
 }
 
-TEST(Median, OfAnEvenCountIsTheLowerOneAndAnInvalidCentreStaysInvalid) {
+TEST(Median, TakesLowerOfEvenCount) {
     // At (0, 0), for example: 10 10 20 / 10 10 20 / 40 40 -, sorted 10 10 10 10 20 20 40 40, element 7/2
     // is 10.
     expect_filtered(3, 3,
@@ -661,19 +629,19 @@ TEST(Median, OfAnEvenCountIsTheLowerOneAndAnInvalidCentreStaysInvalid) {
                      70, 70, 80});
 }
 
-TEST(Median, ReplicatesTheBorderPixelsCodeAndValidity) {
+TEST(Median, ReplicatesBorderPixels) {
     expect_filtered(5, 1, {9, 1, 8, 2, 7}, {.median = 5}, {9, 8, 7, 7, 7});
     expect_filtered(5, 1, {9, 1, 0, 2, 7}, {.median = 5}, {9, 2, 0, 2, 7});
     // At (1, 0): columns 0, 1 and 2, of which column 0 is an invalid border pixel three times over.
     expect_filtered(3, 1, {0, 4, 6}, {.median = 3}, {0, 4, 6});
 }
 
-TEST(Median, OfASinglePixelIsThatPixel) {
+TEST(Median, KeepsSinglePixel) {
     expect_filtered(1, 1, {42}, {.median = 5}, {42});
     expect_filtered(1, 1, {0}, {.median = 5, .fill_holes = 16}, {0});
 }
 
-TEST(Median, RemovesASpikeAndKeepsAnEdge) {
+TEST(Median, RemovesSpikeAndKeepsEdge) {
     expect_filtered(5, 3,
                     {10, 10, 10, 50, 50,  //
                      10, 99, 10, 50, 50,  //
@@ -686,7 +654,7 @@ TEST(Median, RemovesASpikeAndKeepsAnEdge) {
 
 // One rim at a time: a pixel is filled from what was valid before the pass, and neighbours beyond the edge do
 // not count, so (1, 0) with two valid neighbours has to wait for (1, 1), whose neighbours 3 5 7 9 give 5.
-TEST(HoleFilling, ReadsTheStateBeforeThePass) {
+TEST(HoleFilling, ReadsStateBeforePass) {
     const Codes stored = {5, 0, 0, 0,  //
                           9, 0, 0, 0,  //
                           7, 3, 0, 0};
@@ -717,11 +685,11 @@ TEST(HoleFilling, ComesBeforeTheMedian) {
                      2, 2, 2});
 }
 
-TEST(HoleFilling, LeavesAPixelWithTwoValidNeighboursAlone) {
+TEST(HoleFilling, NeedsThreeValidNeighbours) {
     expect_filtered(3, 1, {4, 0, 6}, {.fill_holes = 16}, {4, 0, 6});
 }
 
-TEST(TileBounds, ShareTheVerticesBetweenTwoTiles) {
+TEST(TileBounds, ShareVerticesBetweenTiles) {
     // 18 columns: the first tile has the vertices 0 to 16, the second 16 and 17.
     Codes stored(36, 100);
     stored[16] = 200;     // (16, 0): in both
@@ -737,7 +705,7 @@ TEST(TileBounds, ShareTheVerticesBetweenTwoTiles) {
     }
 }
 
-TEST(TileBounds, OfNoValidPixelAreEmpty) {
+TEST(TileBounds, AreEmptyWithoutValidPixels) {
     const Scene scene = depth_scene(3, 3, 16, Marking::zero);
     const StoredPlane plane = store_plane(3, 3, Codes(9, 0), {});
     for (const auto& builder : {make_reference_builder(scene), make_cpu_builder(scene)}) {
@@ -747,7 +715,7 @@ TEST(TileBounds, OfNoValidPixelAreEmpty) {
     }
 }
 
-TEST(Decode, KeepsValidCodesAndWritesZeroForInvalidOnes) {
+TEST(Decode, ZeroesInvalidCodes) {
     Scene scene =
         depth_scene(6, 1, 12, Marking::range_and_few);  // metric: 511 to 3840, but not 1365, 2047, 2048
     ASSERT_EQ(scene.depth.valid_min, 511);

@@ -49,22 +49,24 @@ std::string changes(const std::function<int(int x, int y)>& code) {
     return words;
 }
 
-TEST(FlyingPixels, OneOrTwoBetweenTwoSurfacesGoToTheNearerOne) {
+/// Of pictures that are the same across, from left to right or downwards.
+void expect_landed(bool down, const std::function<int(int along)>& stored,
+                   const std::function<int(int along)>& expected) {
+    const auto picture = landed_picture([&](int x, int y) { return stored(down ? y : x); });
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x)
+            ASSERT_EQ(picture[static_cast<std::size_t>(y * side + x)], expected(down ? y : x))
+                << x << ", " << y;
+}
+
+TEST(FlyingPixels, MoveToNearerSurface) {
     for (const bool down : {false, true})
         for (const int wide : {1, 2})
             for (const auto& codes : {std::pair{1000, 900}, {1099, 900}, {1101, 1300}, {1270, 1300}}) {
-                const int flying = codes.first, landed = codes.second;
-                const auto picture = landed_picture([&](int x, int y) {
-                    const int along = down ? y : x;
-                    return along < 12 ? 900 : along < 12 + wide ? flying : 1300;
-                });
-                for (int k = 0; k < side; ++k)
-                    for (int n = 0; n < side; ++n) {
-                        const int along = down ? n : k;
-                        const int expected = along < 12 ? 900 : along < 12 + wide ? landed : 1300;
-                        ASSERT_EQ(picture[static_cast<std::size_t>(n * side + k)], expected)
-                            << k << ", " << n;
-                    }
+                const auto codes_with = [&](int between) {
+                    return [=](int along) { return along < 12 ? 900 : along < 12 + wide ? between : 1300; };
+                };
+                expect_landed(down, codes_with(codes.first), codes_with(codes.second));
             }
 }
 
@@ -75,22 +77,17 @@ int on_a_ramp(int along, int first, int steps) {
 
 // Edges of depth that was made larger. Half of the ramp goes to each side, and pixels within twice the gate
 // of a side are its.
-TEST(FlyingPixels, RampsUpTo12StepsGoToTheirTwoSides) {
+TEST(FlyingPixels, SplitRampsUpTo12Steps) {
     for (const bool down : {false, true})
         for (int steps = 2; steps <= 12; ++steps) {
-            const auto picture =
-                landed_picture([&](int x, int y) { return on_a_ramp(down ? y : x, 6, steps); });
-            for (int k = 0; k < side; ++k)
-                for (int n = 0; n < side; ++n) {
-                    const int along = down ? n : k;
-                    const int expected = 2 * (along - 6) <= steps ? 900 : 900 + 40 * steps;
-                    ASSERT_EQ(picture[static_cast<std::size_t>(n * side + k)], expected)
-                        << steps << ": " << k << ", " << n;
-                }
+            SCOPED_TRACE(steps);
+            expect_landed(
+                down, [=](int along) { return on_a_ramp(along, 6, steps); },
+                [=](int along) { return 2 * (along - 6) <= steps ? 900 : 900 + 40 * steps; });
         }
 }
 
-TEST(FlyingPixels, WhatIsNoRampStays) {
+TEST(FlyingPixels, KeepOtherSlopes) {
     EXPECT_EQ(changes([](int x, int) { return on_a_ramp(x, 5, 13); }), "") << "wider: a real slope";
     EXPECT_EQ(changes([](int x, int) { return 900 + 9 * std::clamp(x - 6, 0, 10); }), "") << "gentle";
     EXPECT_EQ(changes([](int x, int) { return x < 6 || x > 16 ? 900 : 900 + 40 * std::min(x - 5, 17 - x); }),
@@ -100,12 +97,12 @@ TEST(FlyingPixels, WhatIsNoRampStays) {
         << "a pen two pixels wide";
 }
 
-TEST(FlyingPixels, HalfWayTheLowerCodeWins) {
+TEST(FlyingPixels, PreferLowerCodeHalfWay) {
     const auto picture = landed_picture([](int x, int) { return x < 12 ? 900 : x == 12 ? 1000 : 1100; });
     EXPECT_EQ(picture[12], 900);
 }
 
-TEST(FlyingPixels, WhatBelongsToASurfaceStays) {
+TEST(FlyingPixels, KeepPixelsOfSurfaces) {
     EXPECT_EQ(changes([](int x, int) { return 600 + 40 * x; }), "") << "a steep slope";
     EXPECT_EQ(changes([](int x, int y) { return 600 + 9 * x + 9 * y; }), "") << "a slope";
     EXPECT_EQ(changes([](int x, int) { return x < 12 ? 900 : 1300; }), "") << "a silhouette";
@@ -117,7 +114,7 @@ TEST(FlyingPixels, WhatBelongsToASurfaceStays) {
     EXPECT_EQ(changes([](int x, int y) { return x == 12 && y == 12 ? 900 : 1300; }), "") << "a speck";
 }
 
-TEST(FlyingPixels, ANeighbourWithoutDepthLeavesItToOtherLines) {
+TEST(FlyingPixels, UseOtherLinesAroundHoles) {
     // A hole on the line across leaves the two diagonals.
     const auto code = [](int x, int y) {
         if (x == 10 && y == 12) return 0;
@@ -144,7 +141,7 @@ Scene log_scene(double near, double far, double shift, int code_max, bool near_i
 }
 
 // The gate of docs/conventions.md, step 5, for log codes.
-TEST(FlyingPixels, LogGateEqualsThreePointPolynomial) {
+TEST(FlyingPixels, HaveThreePointLogGate) {
     int falling = 0, rising = 0;
     struct Planes {
         double near, far, shift;
@@ -190,7 +187,7 @@ TEST(FlyingPixels, LogGateEqualsThreePointPolynomial) {
 
 // Each row is a ramp from one end of the codes to the other, with steps between the least gate, which is in
 // the middle, and those of its ends.
-TEST(FlyingPixels, LogRampsLandByEveryBuilder) {
+TEST(FlyingPixels, LandEquallyByEveryBuilder) {
     for (const bool near_is_high : {false, true}) {
         const Scene scene = log_scene(500, 1500, -200, 4095, near_is_high, {26, 7.5e-5});
         const FlyingPixels filter = *flying_pixels(scene);
@@ -231,7 +228,7 @@ double true_depth(double x, double y) {
     return 1500 + 0.8 * x;
 }
 
-/// The pen is there at full resolution only: nobody's depth of a quarter of it has one.
+/// The pen is there at full resolution only: depth of a quarter of it has none.
 double true_depth_with_pen(double x, double y) {
     return x >= pen_left && x < pen_right && y > 100 ? pen_depth : true_depth(x, y);
 }
@@ -310,20 +307,13 @@ struct Felt {
     double pen_relief = 0;  ///< least, mm, before what is beside it
 };
 
-/// Face of a pixel and its right and lower neighbours, (x, y, z) mm.
-struct Face {
-    double x, y, z;
-};
-Face face_of(const DepthAt& depth, int x, int y) {
+/// Normal of the face of a pixel and its right and lower neighbours.
+glm::dvec3 face_of(const DepthAt& depth, int x, int y) {
     const auto point = [&](int i, int j) {
-        const double z = depth(i, j);
-        return Face{z * (i - 119.5) / focal, z * (j - 159.5) / focal, z};
+        return depth(i, j) * glm::dvec3((i - 119.5) / focal, (j - 159.5) / focal, 1);
     };
-    const Face o = point(x, y), r = point(x + 1, y), d = point(x, y + 1);
-    const Face a{r.x - o.x, r.y - o.y, r.z - o.z}, b{d.x - o.x, d.y - o.y, d.z - o.z};
-    const Face n{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-    const double length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-    return {n.x / length, n.y / length, n.z / length};
+    const glm::dvec3 corner = point(x, y);
+    return glm::normalize(glm::cross(point(x + 1, y) - corner, point(x, y + 1) - corner));
 }
 
 Felt felt(const Portrait& portrait, const FilterSettings& filter, const DepthAt& truth) {
@@ -354,8 +344,7 @@ Felt felt(const Portrait& portrait, const FilterSettings& filter, const DepthAt&
             result.hanging += z > near + 100 && z < far - 100;
             const auto [here_near, here_far] = spread(x, y, 1);
             if (here_far - here_near > 30) continue;  // in truth the edge itself, or the head's rim
-            const Face is = face_of(built, x, y), was = face_of(truth, x, y);
-            const double cosine = is.x * was.x + is.y * was.y + is.z * was.z;
+            const double cosine = glm::dot(face_of(built, x, y), face_of(truth, x, y));
             const double degrees = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / 3.14159265358979;
             result.rms_deg += degrees * degrees;
             ++faces;
@@ -375,7 +364,7 @@ struct Kind {
     bool half, comb;
 };
 
-TEST(Portrait, RampsOfPhonesAreChosenAndPulledIn) {
+TEST(Portrait, PullsInRampsOfPhones) {
     for (const Kind& kind : {Kind{"8 bits, a quarter", 8, 4, false, false},
                              {"half floats, a quarter", 16, 4, true, false},
                              {"8 bits, an eighth", 8, 8, false, false},
@@ -395,7 +384,7 @@ TEST(Portrait, RampsOfPhonesAreChosenAndPulledIn) {
 }
 
 // Depth that was drawn: clean edges, real slopes, and a head whose rim falls away.
-TEST(Portrait, CleanEdgesAreLeftAlone) {
+TEST(Portrait, LeavesCleanEdgesAlone) {
     for (const int bits : {8, 16})
         for (const bool pen : {false, true}) {
             const Portrait portrait = portrait_of(pen ? true_depth_with_pen : true_depth, bits);
@@ -404,7 +393,7 @@ TEST(Portrait, CleanEdgesAreLeftAlone) {
 }
 
 // What a phone's filter does to a pen and to relief that were clean.
-TEST(Portrait, APenTwoPixelsWideAndReliefStay) {
+TEST(Portrait, KeepsPenAndRelief) {
     for (const int bits : {8, 16}) {
         const DepthAt relief = [](double x, double y) {
             return true_depth_with_pen(x, y) - 8 * (static_cast<int>(x / 6) % 2);
@@ -512,14 +501,14 @@ void expect_faces_on_planes(const std::filesystem::path& folder, const std::file
     EXPECT_LT(measured, limits.measured);
 }
 
-TEST(RealLevels, FacesOfACameraThatStoresMillimetresLieOnThePlanesAroundThem) {
+TEST(RealLevels, PutFacesOnPlanes) {
     TOUCHABLE_NEEDS_DATA(real_data("stills/redwood5"));
     expect_faces_on_planes(real_data("stills/redwood5"),
                            std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/scenes/redwood5.json",
                            {40, 30, 3});
 }
 
-TEST(StandInLevels, FacesOfACameraThatStoresMillimetresLieOnThePlanesAroundThem) {
+TEST(StandInLevels, PutFacesOnPlanes) {
     const TemporaryFolder folder;
     StandIn what = stand_in("redwood5");
     what.hole_share = 0;  // planes are sought where nothing is missing

@@ -39,7 +39,7 @@ std::unique_ptr<Built> built(int width, int height, Fill fill, bool lazily = fal
     return made;
 }
 
-TEST(Mesh, HasEveryValidPixelAsVertexAndTwoTrianglesPerCell) {
+TEST(Mesh, UsesEveryValidPixel) {
     const auto whole = built(21, 13, Fill::random);
     EXPECT_EQ(whole->mesh.positions.size(), 21u * 13u);
     EXPECT_EQ(whole->mesh.triangles.size(), 2u * 20u * 12u);
@@ -48,14 +48,14 @@ TEST(Mesh, HasEveryValidPixelAsVertexAndTwoTrianglesPerCell) {
     EXPECT_EQ(built(9, 9, Fill::all_invalid)->mesh.positions.size(), 0u);
 }
 
-TEST(Mesh, IsCutByTheDiagonalFromUpperLeftToLowerRight) {
+TEST(Mesh, CutsCellsAlongDiagonal) {
     const auto one = built(2, 2, Fill::random);  // pixels 0 1 / 2 3
     const std::vector<std::array<std::uint32_t, 3>> expected = {{0, 2, 3}, {0, 3, 1}};
     EXPECT_EQ(one->mesh.triangles, expected);
     EXPECT_EQ(one->mesh.pixels, (std::vector<std::uint32_t>{0, 1, 2, 3}));
 }
 
-TEST(Mesh, LeavesOutCellsWithAnInvalidVertex) {
+TEST(Mesh, OmitsCellsWithInvalidVertex) {
     const auto holed = built(40, 30, Fill::many_holes);
     const SurfaceFrame& frame = holed->frame;
     std::size_t cells = 0, valid = 0;
@@ -76,10 +76,9 @@ TEST(Mesh, LeavesOutCellsWithAnInvalidVertex) {
             EXPECT_TRUE(frame.is_valid(pixel % 40, pixel / 40));
         }
         // A triangle's pixels lie in one cell.
-        const std::uint32_t first = holed->mesh.pixels[triangle[0]];
-        EXPECT_EQ(
-            holed->mesh.pixels[triangle[1]] == first + 41 || holed->mesh.pixels[triangle[2]] == first + 41,
-            true);
+        const auto& pixels = holed->mesh.pixels;
+        const std::uint32_t across = pixels[triangle[0]] + 41;
+        EXPECT_TRUE(pixels[triangle[1]] == across || pixels[triangle[2]] == across);
     }
 }
 
@@ -94,7 +93,7 @@ TEST(Mesh, FacesTheCamera) {
 }
 
 // In long double and straight from the paper's formulas: Eq. 3 for the range, Eq. 2 for the height.
-TEST(Mesh, StandsWhereTheCodesSay) {
+TEST(Mesh, FollowsItsCodes) {
     const auto noisy = built(40, 30, Fill::few_holes);
     const Camera& camera = noisy->scene.camera;
     long higher = 0;
@@ -115,7 +114,7 @@ TEST(Mesh, StandsWhereTheCodesSay) {
     EXPECT_GT(higher, 500);
 }
 
-TEST(Mesh, IsTheSameFromALazyFrame) {
+TEST(Mesh, EqualsLazyFramesMesh) {
     const auto whole = built(40, 30, Fill::half_holes), lazy = built(40, 30, Fill::half_holes, true);
     EXPECT_TRUE(lazy->frame.codes.empty());
     EXPECT_EQ(lazy->mesh.positions, whole->mesh.positions);
@@ -199,19 +198,19 @@ TEST_F(MeshFile, HoldsFloatsAndColours) {
     EXPECT_EQ(files(), std::vector<std::string>{"mesh.ply"});
 }
 
-TEST_F(MeshFile, HoldsDoublesToTheirLastBit) {
+TEST_F(MeshFile, HoldsExactDoubles) {
     ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh(), {}, PlyCoordinates::double_precision));
     expect_file<double>(content("mesh.ply"), false, "double");
 }
 
-TEST_F(MeshFile, ReplacesAnOlderOne) {
+TEST_F(MeshFile, ReplacesOlderFile) {
     std::ofstream(folder_ / "mesh.ply") << "old";
     ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh()));
     expect_file<float>(content("mesh.ply"), false, "float");
     EXPECT_EQ(files(), std::vector<std::string>{"mesh.ply"});
 }
 
-TEST_F(MeshFile, IsWholeBeyondOneBlockOfTheWriter) {
+TEST_F(MeshFile, SpansWriterBlocks) {
     Mesh mesh;
     mesh.width = 100000;
     mesh.height = 1;
@@ -229,7 +228,7 @@ TEST_F(MeshFile, IsWholeBeyondOneBlockOfTheWriter) {
     }
 }
 
-TEST_F(MeshFile, LeavesNothingBehindWhereItCannotBeWritten) {
+TEST_F(MeshFile, LeavesNothingAfterFailure) {
     const Result<void> nowhere = write_mesh(folder_ / "no such folder" / "mesh.ply", small_mesh());
     ASSERT_FALSE(nowhere);
     EXPECT_EQ(nowhere.error().kind, ErrorKind::input);
@@ -242,7 +241,7 @@ TEST_F(MeshFile, LeavesNothingBehindWhereItCannotBeWritten) {
     EXPECT_EQ(files(), std::vector<std::string>{"taken"});
 }
 
-TEST_F(MeshFile, RefusesColoursOfAnotherPicture) {
+TEST_F(MeshFile, RejectsMismatchedColours) {
     for (const PlaneView& wrong : {PlaneView{colours, 6, 1, 2, 1, 3}, PlaneView{colours, 6, 2, 1, 1, 3},
                                    PlaneView{colours, 6, 2, 2, 1, 1}, PlaneView{colours, 6, 1, 2, 2, 3}}) {
         const Result<void> refused = write_mesh(folder_ / "mesh.ply", small_mesh(), wrong);

@@ -26,7 +26,7 @@ std::string first_difference_of(const cv::Mat& expected, const SurfaceFrame& fra
 }
 
 /// OpenCV repeats the border as we do; of holes it knows nothing.
-TEST(MedianFilter, IsOpenCvsWhereEveryPixelIsValidBordersIncluded) {
+TEST(MedianFilter, MatchesOpenCvIncludingBorders) {
     Random random(11);
     int pictures = 0, changed = 0;
     for (const auto& [width, height] :
@@ -55,7 +55,7 @@ TEST(MedianFilter, IsOpenCvsWhereEveryPixelIsValidBordersIncluded) {
 
 #else
 
-TEST(MedianFilter, IsOpenCvsWhereEveryPixelIsValidBordersIncluded) {
+TEST(MedianFilter, MatchesOpenCvIncludingBorders) {
     GTEST_SKIP() << "built without OpenCV (Debian: libopencv-imgproc-dev)";
 }
 

@@ -107,6 +107,22 @@ Scene depth_scene(int width, int height, int bits, Marking marking, FilterSettin
     return scene;
 }
 
+Scene metric_scene(int width, int height, const Camera& camera, double far, double scale) {
+    Scene scene;
+    scene.width = width;
+    scene.height = height;
+    scene.camera = camera;
+    scene.depth_bits = 16;
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.scale = scale;
+    scene.depth.far = far;
+    scene.depth.code_max = 65535;
+    scene.depth.invalid_code_count = 1;
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
 std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& random) {
     const int width = scene.width, height = scene.height;
     const std::vector<std::uint16_t> codes = valid_codes(scene);

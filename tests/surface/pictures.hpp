@@ -45,6 +45,9 @@ inline constexpr Marking all_markings[] = {Marking::zero, Marking::range_and_few
 /// A scene of depth pictures only.
 Scene depth_scene(int width, int height, int bits, Marking marking, FilterSettings filter = {});
 
+/// Planar depth in 16-bit codes of `scale` units each, up to `far`; code 0 is invalid.
+Scene metric_scene(int width, int height, const Camera& camera, double far, double scale = 1);
+
 /// What makes a filter stumble.
 enum class Fill {
     all_least,
@@ -72,6 +75,14 @@ inline constexpr int fill_count = static_cast<int>(Fill::slanted_edges) + 1;
 std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& random);
 /// That picture of the seed, stored without awkwardness.
 StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed);
+
+/// A sum of 12 uniform numbers: about normal, of mean 0 and variance 1.
+template <class Uniform>
+double normal(Uniform&& uniform) {
+    double sum = -6;
+    for (int n = 0; n < 12; ++n) sum += uniform();
+    return sum;
+}
 
 /// Where two frames differ first, bit for bit, or nothing.
 std::string first_difference(const SurfaceFrame& expected, const SurfaceFrame& actual);

@@ -14,7 +14,7 @@
 #include "tests/sweep.hpp"
 #include "tests/temporary_folder.hpp"
 
-// Every builder gives the bits of the obvious one, whatever the picture.
+// Every builder gives the bits of the obvious one, for any picture.
 namespace touchable::test {
 namespace {
 
@@ -48,7 +48,7 @@ std::string text(const Case& c) {
            std::to_string(c.seed);
 }
 
-class SameBits : public testing::Test {
+class AllBuilders : public testing::Test {
 protected:
     void compare(const Case& c) {
         SCOPED_TRACE(text(c));
@@ -58,25 +58,7 @@ protected:
         const StoredPlane plane = store_plane(c.width, c.height, stored, c.layout);
         SurfaceFrame reference;
         ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
-        ASSERT_TRUE(make_cpu_builder(scene)->build(plane.frame(), cpu_));
-        ASSERT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy_));
-        ASSERT_EQ(first_difference(reference, cpu_), "");
-        for (const VectorUnit unit : usable_vector_units()) {
-            ASSERT_TRUE(make_cpu_builder(scene, {1, unit})->build(plane.frame(), cpu_));
-            ASSERT_EQ(first_difference(reference, cpu_), "") << "vectors " << static_cast<int>(unit);
-        }
-        for (const SurfacePlan& plan : all_plans) {
-            auto vulkan = make_vulkan_builder(scene, test_kernels(), plan);
-            ASSERT_TRUE(vulkan) << vulkan.error().message;
-            const auto built = (*vulkan)->build(plane.frame(), vulkan_);
-            ASSERT_TRUE(built) << built.error().message;
-            ASSERT_EQ(first_difference(reference, vulkan_), "") << "vulkan, " << plan_text(plan);
-        }
-        ASSERT_EQ(first_vertex_difference(reference, *vulkan_.vertices), "") << "vulkan";
-        ASSERT_EQ(first_vertex_difference(reference, *cpu_.vertices), "") << "cpu";
-        ASSERT_EQ(first_vertex_difference(reference, *lazy_.vertices), "") << "lazy";
-        ASSERT_EQ(first_tile_not_enclosed(reference, *cpu_.vertices), "") << "cpu";
-        ASSERT_EQ(first_tile_not_enclosed(reference, *lazy_.vertices), "") << "lazy";
+        ASSERT_EQ(builders_.difference(scene, plane.frame(), reference), "");
         count(scene, stored, reference);
     }
 
@@ -103,7 +85,7 @@ protected:
             ++(frame.tiles[n].any_invalid ? seen_.tiles_with_holes : seen_.tiles_without);
             const int tx = static_cast<int>(n) % grid.tiles_x, ty = static_cast<int>(n) / grid.tiles_x;
             const TileDepths exact = depths_of(frame.tiles[n], frame.coding),
-                             lazy = lazy_.vertices->tile(tx, ty);
+                             lazy = builders_.lazy_vertices().tile(tx, ty);
             const bool same = exact.nearest == lazy.nearest && exact.farthest == lazy.farthest;
             const double within = frame.coding.far - frame.coding.near;
             seen_.narrow_tiles += exact.nearest < exact.farthest &&
@@ -128,10 +110,10 @@ protected:
     }
 
     Coverage seen_;
-    SurfaceFrame cpu_, lazy_, vulkan_;  // recycled from picture to picture, of whatever size
+    BuilderComparison builders_;
 };
 
-class SameBitsWithFilter : public SameBits, public testing::WithParamInterface<FilterSettings> {
+class FilteredBuilders : public AllBuilders, public testing::WithParamInterface<FilterSettings> {
 protected:
     /// Whether the n-th case is for this filter. In a short run each filter takes a seventh of them, and
     /// all filters together take every one.
@@ -141,22 +123,20 @@ protected:
     }
 };
 
-TEST_P(SameBitsWithFilter, AtEveryKindOfPicture) {
+TEST_P(FilteredBuilders, AgreeOnEveryPicture) {
     std::uint64_t seed = 1;
     for (const int bits : bit_depths)
         for (const Marking marking : all_markings)
             for (int fill = 0; fill < fill_count; ++fill, ++seed) {
                 if (!is_taken(seed)) continue;
-                const Layout layout{.bytes_per_sample = bits > 8 ? 2 : 1,
-                                    .padding = static_cast<int>(seed % 5),
-                                    .bottom_up = seed % 6 == 0};
+                const Layout layout{bits > 8 ? 2 : 1, static_cast<int>(seed % 5), seed % 6 == 0};
                 compare({37, 19, bits, marking, static_cast<Fill>(fill), layout, GetParam(), seed});
                 if (HasFatalFailure()) return;
             }
     expect_everything_met(GetParam());
 }
 
-TEST_P(SameBitsWithFilter, AtEverySize) {
+TEST_P(FilteredBuilders, AgreeAtEverySize) {
     std::vector<std::pair<int, int>> sizes;
     for (int height = 1; height <= 10; ++height)
         for (int width = 1; width <= 10; ++width) sizes.emplace_back(width, height);
@@ -170,9 +150,7 @@ TEST_P(SameBitsWithFilter, AtEverySize) {
         for (int repeat = 0; repeat < repeats && is_taken(n); ++repeat) {
             const auto [width, height] = sizes[n];
             const int bits = bit_depths[random.below(4)];
-            const Layout layout{.bytes_per_sample = bits > 8 ? 2 : 1,
-                                .padding = random.below(8),
-                                .bottom_up = random.below(4) == 0};
+            const Layout layout{bits > 8 ? 2 : 1, random.below(8), random.below(4) == 0};
             compare({width, height, bits, all_markings[random.below(4)],
                      static_cast<Fill>(random.below(fill_count)), layout, GetParam(), random.next()});
             if (HasFatalFailure()) return;
@@ -180,7 +158,7 @@ TEST_P(SameBitsWithFilter, AtEverySize) {
     expect_everything_met(GetParam());
 }
 
-TEST_P(SameBitsWithFilter, InBigPictures) {
+TEST_P(FilteredBuilders, AgreeOnBigPictures) {
     std::uint64_t seed = 77;
     for (const auto& [width, height] : {std::pair{331, 97}, std::pair{97, 203}})
         for (const Fill fill : {Fill::few_holes, Fill::blob})
@@ -209,14 +187,14 @@ std::vector<FilterSettings> all_filters() {
     return filters;
 }
 
-INSTANTIATE_TEST_SUITE_P(Filters, SameBitsWithFilter, testing::ValuesIn(all_filters()), [](const auto& test) {
+INSTANTIATE_TEST_SUITE_P(Filters, FilteredBuilders, testing::ValuesIn(all_filters()), [](const auto& test) {
     return "Median" + std::to_string(test.param.median) + "Fill" + std::to_string(test.param.fill_holes) +
            (test.param.terraces == TerraceRemoval::on ? "Terraces" : "") +
            (test.param.levels != DepthLength{} ? "Levels" : "") +
            (test.param.flying_pixels != DepthLength{} ? "Flying" : "");
 });
 
-TEST_F(SameBits, WithTheMostPassesOfHoleFilling) {
+TEST_F(AllBuilders, AgreeAfterMostFillPasses) {
     for (const int median : medians) {
         compare({64, 48, 16, Marking::zero, Fill::blob, {}, {median, 16}, 5});
         compare(
@@ -227,7 +205,7 @@ TEST_F(SameBits, WithTheMostPassesOfHoleFilling) {
     EXPECT_GT(seen_.invalid, 0);  // the blob is larger than 16 passes reach
 }
 
-TEST_F(SameBits, WhereLaterPassesFindNothingToFill) {
+TEST_F(AllBuilders, AgreeWithNothingToFill) {
     for (int passes = 1; passes <= 7; ++passes)
         for (const Marking marking : {Marking::zero, Marking::range_and_few})
             for (const int bytes : {1, 2}) {
@@ -239,7 +217,7 @@ TEST_F(SameBits, WhereLaterPassesFindNothingToFill) {
     EXPECT_GT(seen_.filled, 0);
 }
 
-TEST_F(SameBits, OfEightBitsInSixteen) {
+TEST_F(AllBuilders, AgreeOnWideSamples) {
     for (int fill = 0; fill < fill_count; ++fill)
         compare({33, 21, 8, Marking::zero, static_cast<Fill>(fill), {.bytes_per_sample = 2}, {5, 1}, 9});
     EXPECT_GT(seen_.smoothed, 0);
@@ -275,20 +253,15 @@ void expect_the_same_bits_of_a_picture(const std::filesystem::path& file, int fa
     RawFrame raw;
     raw.depth = image.value().view();
 
-    SurfaceFrame unfiltered, reference, cpu, lazy, vulkan;
+    BuilderComparison builders;
+    SurfaceFrame unfiltered, reference;
     ASSERT_TRUE(make_reference_builder(scene)->build(raw, unfiltered));
     for (const FilterSettings& filter : {FilterSettings{0, 0}, {3, 0}, {5, 2}}) {
         SCOPED_TRACE("median " + std::to_string(filter.median) + ", fill_holes " +
                      std::to_string(filter.fill_holes));
         scene.filter = filter;
         ASSERT_TRUE(make_reference_builder(scene)->build(raw, reference));
-        ASSERT_TRUE(make_cpu_builder(scene)->build(raw, cpu));
-        ASSERT_TRUE(make_lazy_builder(scene)->build(raw, lazy));
-        ASSERT_TRUE(test_vulkan_builder(scene)->build(raw, vulkan));
-        ASSERT_EQ(first_difference(reference, cpu), "");
-        ASSERT_EQ(first_difference(reference, vulkan), "");
-        ASSERT_EQ(first_vertex_difference(reference, *lazy.vertices), "");
-        ASSERT_EQ(first_tile_not_enclosed(reference, *lazy.vertices), "");
+        ASSERT_EQ(builders.difference(scene, raw, reference, std::span(all_plans, 1)), "");
         EXPECT_EQ(reference.codes == unfiltered.codes, filter == FilterSettings{})
             << "did the filter do anything?";
         long valid = 0;
@@ -300,13 +273,13 @@ void expect_the_same_bits_of_a_picture(const std::filesystem::path& file, int fa
 
 class RealFrames : public testing::TestWithParam<RealFrame> {};
 
-TEST_P(RealFrames, GiveTheSameBitsFromEveryBuilder) {
+TEST_P(RealFrames, AgreeAcrossBuilders) {
     const std::filesystem::path file = real_data(GetParam().file);
     TOUCHABLE_NEEDS_DATA(file);
     expect_the_same_bits_of_a_picture(file, GetParam().far_code);
 }
 
-TEST(StandInFrames, GiveTheSameBitsFromEveryBuilder) {
+TEST(StandInFrames, AgreeAcrossBuilders) {
     const std::pair<const char*, int> frames[] = {{"castel_sr300/depth_0000.png", 20000},
                                                   {"visp_cube_realsense/depth_0000.png", 60000},
                                                   {"redwood5/depth_00000.png", 60000},
@@ -389,7 +362,7 @@ private:
     std::int64_t number_ = -1;
 };
 
-TEST(TemporalFilter, ThreeQuartersOfNoiseAreKeptUpToTheGate) {
+TEST(TemporalFilter, AveragesNoiseWithinGate) {
     const Scene scene = scene_of(1, 1, 100);
     ASSERT_EQ(temporal_filter(scene)->gate.at(1000), 100);
     for (const auto& [from, to] :
@@ -401,7 +374,7 @@ TEST(TemporalFilter, ThreeQuartersOfNoiseAreKeptUpToTheGate) {
 }
 
 // Beyond the gate what is kept falls from 75 to 0; from twice the gate on there is no lag.
-TEST(TemporalFilter, WhatMovesByTwiceTheGateIsNotHeldBack) {
+TEST(TemporalFilter, FollowsMotionBeyondTwiceGate) {
     const Scene scene = scene_of(1, 1, 100);
     for (const int distance : {101, 120, 160, 199, 200, 201, 5000}) {
         const int tent = std::max(200 - distance, 0);
@@ -413,7 +386,7 @@ TEST(TemporalFilter, WhatMovesByTwiceTheGateIsNotHeldBack) {
     }
 }
 
-TEST(TemporalFilter, EndsAtTheVeryCodeItIsShownFromBothSides) {
+TEST(TemporalFilter, ConvergesFromBothSides) {
     for (const int start : {1, 2, 3, 4, 7, 50, 99}) {
         Sequence up(scene_of(1, 1, 100)), down(scene_of(1, 1, 100));
         up.shown(5000 - start);
@@ -429,7 +402,7 @@ TEST(TemporalFilter, EndsAtTheVeryCodeItIsShownFromBothSides) {
 }
 
 // A level is 126 codes: noise of half a level is averaged below what 8 bits can say.
-TEST(TemporalFilter, CodesOfEightBitsAreMadeFiner) {
+TEST(TemporalFilter, RefinesEightBitCodes) {
     Sequence sequence(scene_of(1, 1, 3, 8));
     sequence.shown(100);
     EXPECT_EQ(sequence.shown(101), 101 * 126 - 94);
@@ -443,7 +416,7 @@ TEST(TemporalFilter, CodesOfEightBitsAreMadeFiner) {
     EXPECT_NEAR(sum / 40.0, 100.5 * 126, 4);
 }
 
-TEST(TemporalFilter, ADropoutOfThreeFramesIsBridgedALongerOneIsNot) {
+TEST(TemporalFilter, BridgesThreeFrameDropouts) {
     Sequence sequence(scene_of(1, 1, 100));
     EXPECT_FALSE(sequence.show({0}).is_valid(0, 0));
     EXPECT_EQ(sequence.shown(1000), 1000);
@@ -460,7 +433,7 @@ TEST(TemporalFilter, ADropoutOfThreeFramesIsBridgedALongerOneIsNot) {
     EXPECT_EQ(sequence.shown(1040), 1040) << "as if it were new";
 }
 
-TEST(TemporalFilter, GoesOnOverFramesThatWereLeftOut) {
+TEST(TemporalFilter, SpansSkippedFrames) {
     Sequence sequence(scene_of(2, 1, 100)), without_gap(scene_of(2, 1, 100));
     for (const std::int64_t number : {4, 5, 9, 24}) {
         const auto value = static_cast<std::uint16_t>(1000 + number);
@@ -469,7 +442,7 @@ TEST(TemporalFilter, GoesOnOverFramesThatWereLeftOut) {
     }
 }
 
-TEST(TemporalFilter, BeginsAnewWithAFrameThatIsNotLater) {
+TEST(TemporalFilter, RestartsAtEarlierFrame) {
     const Scene scene = scene_of(2, 1, 100);
     for (const std::int64_t number : {5, 4, 0, -1}) {
         Sequence sequence(scene);
@@ -480,7 +453,7 @@ TEST(TemporalFilter, BeginsAnewWithAFrameThatIsNotLater) {
     }
 }
 
-TEST(TemporalFilter, TheGateIsThatOfTheDepthSeen) {
+TEST(TemporalFilter, ScalesGateWithDepth) {
     for (const bool near_is_high : {true, false}) {
         Scene scene = scene_of(2, 1, 0);
         scene.depth.near = 500;
@@ -503,7 +476,7 @@ TEST(TemporalFilter, TheGateIsThatOfTheDepthSeen) {
     }
 }
 
-TEST(TemporalFilter, NeverLeavesTheCodesItComesFrom) {
+TEST(TemporalFilter, StaysBetweenItsInputs) {
     for (const double gate : {1.0, 40.0, 3000.0, 32000.0}) {
         Sequence sequence(scene_of(40, 9, gate));
         Random random(3);
@@ -523,9 +496,9 @@ TEST(TemporalFilter, NeverLeavesTheCodesItComesFrom) {
     }
 }
 
-class TemporalSameBits : public testing::TestWithParam<FilterSettings> {};
+class TemporalBuilders : public testing::TestWithParam<FilterSettings> {};
 
-TEST_P(TemporalSameBits, OverFramesOfEveryKind) {
+TEST_P(TemporalBuilders, AgreeOnEveryFrame) {
     std::vector<std::pair<int, Marking>> kinds{{8, Marking::none}, {16, Marking::zero}};
     if (GetParam().median == 0) kinds.insert(kinds.end(), {{16, Marking::largest}, {16, Marking::none}});
     for (const auto& [bits, marking] : kinds) {
@@ -543,7 +516,7 @@ TEST_P(TemporalSameBits, OverFramesOfEveryKind) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    , TemporalSameBits,
+    , TemporalBuilders,
     testing::Values(
         FilterSettings{.temporal = true, .temporal_noise = {2, 0}},
         FilterSettings{.median = 3, .fill_holes = 1, .temporal = true, .temporal_noise = {0, 2e-4}},
@@ -556,22 +529,11 @@ INSTANTIATE_TEST_SUITE_P(
                        .temporal = true,
                        .temporal_noise = {0, 1e-4}}));
 
-TEST(TemporalFilter, OfTheFallbackBuilderBeginsAnew) {
+TEST(TemporalFilter, RestartsAfterFallback) {
     const Scene scene = scene_of(1, 1, 100);
-    class Failing final : public SurfaceBuilder {
-    public:
-        explicit Failing(const Scene& scene) : builder_(make_cpu_builder(scene)) {}
-        std::string_view name() const override { return "failing"; }
-        Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
-            if (raw.number == 2) return Error{ErrorKind::gpu, "gone"};
-            return builder_->build(raw, out);
-        }
-
-    private:
-        std::unique_ptr<SurfaceBuilder> builder_;
-    };
-    const auto builder = make_fallback_builder(std::make_unique<Failing>(scene), make_cpu_builder(scene),
-                                               [](const std::string&) {});
+    const auto builder =
+        make_fallback_builder(std::make_unique<FailingBuilder>(scene, 2, Error{ErrorKind::gpu, "gone"}),
+                              make_cpu_builder(scene), [](const std::string&) {});
     SurfaceFrame frame;
     Codes shown;
     for (const int code : {1000, 1040, 1080, 1120}) {
@@ -585,7 +547,7 @@ TEST(TemporalFilter, OfTheFallbackBuilderBeginsAnew) {
 }
 
 // Codes in between mark what is invalid by a code that no pixel has.
-TEST(TemporalFilter, TheVulkanBuilderNeedsACodeToSpare) {
+TEST(TemporalFilter, NeedsSpareCodeOnVulkan) {
     Scene scene = depth_scene(4, 4, 16, Marking::none, {.temporal = true, .temporal_noise = {1, 0}});
     EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0])) << "all pixels are valid";
     scene.depth.invalid_codes[0] = 700;
@@ -597,7 +559,7 @@ TEST(TemporalFilter, TheVulkanBuilderNeedsACodeToSpare) {
     EXPECT_TRUE(make_vulkan_builder(scene, test_kernels(), all_plans[0]));
 }
 
-TEST(TemporalFilter, TheLazyBuilderHasNoHistory) {
+TEST(TemporalFilter, IsRefusedByLazyBuilder) {
     const Scene scene = scene_of(1, 1, 100);
     SurfaceFrame frame;
     const StoredPlane plane = plane_of(scene, {7});

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "engine/gpu/vulkan_instance.hpp"
+#include "tests/surface/pictures.hpp"
 
 namespace touchable::test {
 namespace {
@@ -53,6 +54,34 @@ std::string plan_text(const SurfacePlan& plan) {
            std::to_string(plan.segment_texels) + (plan.along_x ? " along x" : "") +
            (plan.copies ? ", copied" : "") + (plan.blocks ? ", blocks" : "") +
            (plan.over_bus ? ", over the bus" : "");
+}
+
+std::string BuilderComparison::difference(const Scene& scene, const RawFrame& raw,
+                                          const SurfaceFrame& reference, std::span<const SurfacePlan> plans) {
+    const auto built = [&](SurfaceBuilder& builder, SurfaceFrame& slot) -> std::string {
+        const auto result = builder.build(raw, slot);
+        return result ? first_difference(reference, slot) : result.error().message;
+    };
+    std::string what = built(*make_cpu_builder(scene), cpu_);
+    if (!what.empty()) return "cpu: " + what;
+    for (const VectorUnit unit : usable_vector_units()) {
+        what = built(*make_cpu_builder(scene, {1, unit}), cpu_);
+        if (!what.empty()) return "vectors " + std::to_string(static_cast<int>(unit)) + ": " + what;
+    }
+    for (const SurfacePlan& plan : plans) {
+        auto builder = make_vulkan_builder(scene, test_kernels(), plan);
+        what = builder ? built(**builder, vulkan_) : builder.error().message;
+        if (!what.empty()) return "vulkan, " + plan_text(plan) + ": " + what;
+    }
+    if (const auto lazy = make_lazy_builder(scene)->build(raw, lazy_); !lazy) return lazy.error().message;
+    if (lazy_.coding != reference.coding) return "lazy: another coding";
+    for (const SurfaceFrame* frame : {&vulkan_, &cpu_, &lazy_}) {
+        const std::string by = frame == &vulkan_ ? "vulkan: " : frame == &cpu_ ? "cpu: " : "lazy: ";
+        what = first_vertex_difference(reference, *frame->vertices);
+        if (what.empty()) what = first_tile_not_enclosed(reference, *frame->vertices);
+        if (!what.empty()) return by + what;
+    }
+    return {};
 }
 
 }  // namespace touchable::test

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine/gpu/surface_kernels.hpp"
+#include "engine/surface/surface_builder.hpp"
 
 namespace touchable::test {
 
@@ -20,5 +24,35 @@ inline constexpr SurfacePlan all_plans[] = {{8, 0, false, false},
                                             {64, 4, true, true, 0, true},
                                             {64, 4, true, true, 0, true, true}};
 std::string plan_text(const SurfacePlan& plan);
+
+/// Builds frames by every builder, in slots that are used again for frames of other sizes.
+class BuilderComparison {
+public:
+    /// Where a builder differs from the reference, or nothing.
+    std::string difference(const Scene& scene, const RawFrame& raw, const SurfaceFrame& reference,
+                           std::span<const SurfacePlan> plans = all_plans);
+    /// Of the last frame, by the lazy builder.
+    const VertexSource& lazy_vertices() const { return *lazy_.vertices; }
+
+private:
+    SurfaceFrame cpu_, lazy_, vulkan_;
+};
+
+/// Fails with a GPU's error, or another, at frame `at` and later; gives the CPU builder's frames before.
+class FailingBuilder final : public SurfaceBuilder {
+public:
+    FailingBuilder(const Scene& scene, std::int64_t at, Error error)
+        : builder_(make_cpu_builder(scene)), at_(at), error_(std::move(error)) {}
+    std::string_view name() const override { return "failing"; }
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        if (raw.number >= at_) return error_;
+        return builder_->build(raw, out);
+    }
+
+private:
+    std::unique_ptr<SurfaceBuilder> builder_;
+    std::int64_t at_;
+    Error error_;
+};
 
 }  // namespace touchable::test

@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "engine/gpu/surface_kernels.hpp"
+#include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "tests/surface/pictures.hpp"
@@ -19,7 +20,7 @@
 namespace touchable::test {
 namespace {
 
-TEST(ValidCodes, AreTheCodingsForEveryCode) {
+TEST(ValidCodes, MatchCodingForEveryCode) {
     for (const int bits : {8, 10, 16})
         for (const Marking marking : all_markings) {
             const Scene scene = depth_scene(1, 1, bits, marking);
@@ -32,7 +33,7 @@ TEST(ValidCodes, AreTheCodingsForEveryCode) {
         }
 }
 
-TEST(ValidCodes, AreNoneWhereNoCodeIsValid) {
+TEST(ValidCodes, AreEmptyWithoutValidCode) {
     Scene scene = depth_scene(1, 1, 8, Marking::none);
     scene.depth.valid_min = 1;
     scene.depth.valid_max = 0;
@@ -40,7 +41,7 @@ TEST(ValidCodes, AreNoneWhereNoCodeIsValid) {
         ASSERT_FALSE(code_is_in_range(static_cast<std::uint32_t>(code), valid_codes_of(scene.depth)));
 }
 
-TEST(VulkanBuilder, LeavesFramesInMappedMemoryThatARecycledSlotKeeps) {
+TEST(VulkanBuilder, ReusesMappedMemoryOfSlot) {
     const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
     const auto builder = test_vulkan_builder(scene);
     SurfaceFrame slot, reference;
@@ -56,7 +57,7 @@ TEST(VulkanBuilder, LeavesFramesInMappedMemoryThatARecycledSlotKeeps) {
     EXPECT_EQ(first_difference(reference, slot), "");
 }
 
-TEST(VulkanBuilder, FramesOutliveTheirBuilder) {
+TEST(VulkanBuilder, LeavesFramesThatOutliveIt) {
     const Scene scene = depth_scene(64, 40, 16, Marking::zero, {3, 0});
     const StoredPlane plane = noisy_plane(scene, Fill::blob, 1);
     SurfaceFrame frame, reference;
@@ -65,7 +66,7 @@ TEST(VulkanBuilder, FramesOutliveTheirBuilder) {
     EXPECT_EQ(first_difference(reference, frame), "");
 }
 
-/// Memory between two pages that nobody may read.
+/// Memory between two pages that may not be read.
 class GuardedMemory {
 public:
     explicit GuardedMemory(std::size_t pages)
@@ -86,7 +87,7 @@ private:
     std::uint8_t* const start_;
 };
 
-TEST(VulkanBuilder, ReadsAPlaneWhereverItLiesAndNothingBesideIt) {
+TEST(VulkanBuilder, ReadsOnlyThePlane) {
     const GuardedMemory memory(4);
     for (const int bits : {8, 16})
         for (const int width : {96, 83}) {
@@ -115,7 +116,7 @@ TEST(VulkanBuilder, ReadsAPlaneWhereverItLiesAndNothingBesideIt) {
         }
 }
 
-TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
+TEST(VulkanBuilder, EqualsReferenceInAnyGroups) {
     const Scene scene = depth_scene(331, 97, 16, Marking::zero, {3, 1});
     const StoredPlane plane = noisy_plane(scene, Fill::blob, 5);
     SurfaceFrame reference, frame;
@@ -133,7 +134,7 @@ TEST(VulkanBuilder, GroupsAndSegmentsOfAnySizeGiveTheSameBits) {
 
 /// More frames than are in flight, some of them in slots that hold another builder's; filters that remember
 /// see them in order.
-TEST(VulkanBuilder, GivesFramesThatAreInFlightInTheirOrder) {
+TEST(VulkanBuilder, KeepsFramesInFlightOrdered) {
     FilterSettings remembering{3, 1, TerraceRemoval::on};
     remembering.temporal = true;
     remembering.temporal_noise = {4, 0};
@@ -180,7 +181,7 @@ TEST(VulkanBuilder, GivesFramesThatAreInFlightInTheirOrder) {
 }
 
 /// With rows of every padding, in memory that is lent again. A block that is imported has an owner more.
-TEST(VulkanBuilder, ReadsPlanesInTheMemoryThatTheyLieIn) {
+TEST(VulkanBuilder, ReadsPlanesInPlace) {
     for (const auto& [width, plan] :
          {std::pair{83, all_plans[2]}, {96, all_plans[2]}, {83, all_plans[3]}, {96, all_plans[3]}}) {
         const Scene scene = depth_scene(width, 31, 16, Marking::zero, {3, 0});
@@ -225,7 +226,7 @@ std::shared_ptr<GpuDevice> seeming_card(const std::filesystem::path& folder) {
     return *device;
 }
 
-TEST(BuilderRace, IsRunOnceForADevice) {
+TEST(BuilderRace, RunsOncePerDevice) {
     const TemporaryFolder folder;
     GpuFacts::Measured first;
     {
@@ -246,7 +247,7 @@ TEST(BuilderRace, IsRunOnceForADevice) {
     EXPECT_EQ(kept.over_bus_ms, first.over_bus_ms);
 }
 
-TEST(BuilderRace, DecidesWhetherKernelsReachOverTheBus) {
+TEST(BuilderRace, DecidesOnBusAccess) {
     GpuFacts facts = test_kernels()->device()->facts();
     facts.kind = GpuKind::discrete;
     facts.unified_memory = false;
@@ -265,7 +266,7 @@ TEST(BuilderRace, DecidesWhetherKernelsReachOverTheBus) {
 }
 
 /// For every plan: a device whose limits just suffice makes the builder; one less of any limit refuses it.
-TEST(VulkanBuilder, FramesThatDoNotFitTheDeviceAreRefused) {
+TEST(VulkanBuilder, RejectsFramesBeyondDeviceLimits) {
     auto device = GpuDevice::open();
     ASSERT_TRUE(device) << device.error().message;
     const auto kernels = std::make_shared<SurfaceKernels>(*device);
@@ -312,7 +313,7 @@ std::string stages_of(const FilterSettings& filter) {
     return labels;
 }
 
-TEST(VulkanBuilder, TellsItsStages) {
+TEST(VulkanBuilder, ReportsItsStages) {
     EXPECT_EQ(stages_of({0, 0}), "decode bounds ");
     EXPECT_EQ(stages_of({3, 2}), "fill median bounds ");
     FilterSettings all{3, 1, TerraceRemoval::on};
@@ -332,19 +333,8 @@ std::unique_ptr<const SurfaceFrame> levelled(const Scene& scene, const Codes& st
     const StoredPlane plane =
         store_plane(scene.width, scene.height, stored, {.bytes_per_sample = scene.depth_bits > 8 ? 2 : 1});
     auto made = std::make_unique<SurfaceFrame>();
-    SurfaceFrame &reference = *made, cpu, lazy, vulkan;
-    EXPECT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
-    EXPECT_TRUE(make_cpu_builder(scene)->build(plane.frame(), cpu));
-    EXPECT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy));
-    EXPECT_EQ(first_difference(reference, cpu), "");
-    EXPECT_EQ(first_vertex_difference(reference, *lazy.vertices), "");
-    EXPECT_EQ(first_tile_not_enclosed(reference, *lazy.vertices), "");
-    EXPECT_EQ(lazy.coding, reference.coding);
-    for (const SurfacePlan& plan : all_plans) {
-        auto builder = make_vulkan_builder(scene, test_kernels(), plan);
-        EXPECT_TRUE(builder && (*builder)->build(plane.frame(), vulkan));
-        EXPECT_EQ(first_difference(reference, vulkan), "") << plan_text(plan);
-    }
+    EXPECT_TRUE(make_reference_builder(scene)->build(plane.frame(), *made));
+    EXPECT_EQ(BuilderComparison().difference(scene, plane.frame(), *made), "");
     return made;
 }
 
@@ -370,8 +360,8 @@ Codes picture(int width, int height, Level&& level) {
     return codes;
 }
 
-TEST(Terraces, APlaneIsNotTouchedNotEvenAtTheBorder) {
-    for (const auto& [a, b] : {std::pair{1, 2}, std::pair{0, 0}, std::pair{3, 0}, std::pair{-2, 4}}) {
+TEST(TerraceFilter, LeavesPlanesUntouched) {
+    for (const auto& [a, b] : {std::pair{1, 2}, {0, 0}, {3, 0}, {-2, 4}}) {
         const Codes plane = picture(33, 29, [i = a, j = b](int x, int y) { return 100 + i * x + j * y; });
         expect_levelled(33, 29, plane, finer(plane));
     }
@@ -380,7 +370,7 @@ TEST(Terraces, APlaneIsNotTouchedNotEvenAtTheBorder) {
 // Three pixels have pairs at distance 1 only, so two passes. The first: 10 + 11 levels - 2 x 10 = 126, within
 // the gate: 2 x 126 + 8 over 16 is 16. The second: 1260 + 1386 - 2 x 1276 = 94: (2 x 94 + 4)/8 is 24, added
 // to twice 1276.
-TEST(Terraces, AStepOfOneLevelBecomesASlope) {
+TEST(TerraceFilter, SmoothsOneLevelSteps) {
     expect_levelled(3, 1, {10, 10, 11}, {2520, 2 * 1276 + 24, 2772});
     expect_levelled(1, 3, {10, 10, 11}, {2520, 2 * 1276 + 24, 2772});
 }
@@ -388,11 +378,11 @@ TEST(Terraces, AStepOfOneLevelBecomesASlope) {
 // 252 is between the gate and twice it: what counts is 2 x 157 - 252 = 62, and (124 + 8)/16 is 8 at the foot;
 // at the head (-124 + 8)/16, downward: -8. Then 1260 + 1504 - 2 x 1268 = 228, of which 86 count: (172 + 4)/8
 // is 22; at the head (-172 + 4)/8: -21.
-TEST(Terraces, OfAStepOfTwoLevelsLittleIsTaken) {
+TEST(TerraceFilter, BarelySmoothsTwoLevelSteps) {
     expect_levelled(4, 1, {10, 10, 12, 12}, {2520, 2 * 1268 + 22, 2 * 1504 - 21, 3024});
 }
 
-TEST(Terraces, AStepOfThreeLevelsStays) {
+TEST(TerraceFilter, KeepsThreeLevelSteps) {
     const Codes step = picture(40, 36, [](int x, int) { return x < 17 ? 10 : 13; });
     expect_levelled(40, 36, step, finer(step));
 }
@@ -400,7 +390,7 @@ TEST(Terraces, AStepOfThreeLevelsStays) {
 // Around the centre each pair has 2 x 11 - 2 x 10 levels = 252, of which 62 count, with weights 2 + 2 + 1 +
 // 1: 380/16 is 23. Then 2 x 1386 - 2 x 1283 = 206, of which 108 count: 652/8 is 81. On the rim only pairs
 // along it are inside, and those are flat.
-TEST(Terraces, AllFourDirectionsCountTheDiagonalsHalf) {
+TEST(TerraceFilter, WeighsDiagonalsHalf) {
     const Codes dent = {11, 11, 11,  //
                         11, 10, 11,  //
                         11, 11, 11};
@@ -411,7 +401,7 @@ TEST(Terraces, AllFourDirectionsCountTheDiagonalsHalf) {
 
 // One diagonal alone: 10 + 11 - 2 x 10 levels, weight 1: (126 + 8)/16 is 8; then 1260 + 1386 - 2 x 1268 =
 // 110: 14.
-TEST(Terraces, EachDiagonalCounts) {
+TEST(TerraceFilter, CountsEachDiagonal) {
     for (const bool rising : {false, true}) {
         Codes codes(9, 0);
         codes[4] = 10;
@@ -423,7 +413,7 @@ TEST(Terraces, EachDiagonalCounts) {
     }
 }
 
-TEST(Terraces, PairsWithAnInvalidPixelDoNotCount) {
+TEST(TerraceFilter, IgnoresPairsWithInvalidPixel) {
     expect_levelled(3, 1, {0, 10, 11}, {0, 2520, 2772});
     expect_levelled(3, 1, {10, 0, 11}, {2520, 0, 2772});
     // At distance 2 the pair of the middle one is whole: 10 + 11 - 2 x 10 levels make 16 in its pass, the
@@ -431,12 +421,12 @@ TEST(Terraces, PairsWithAnInvalidPixelDoNotCount) {
     expect_levelled(5, 1, {10, 0, 10, 0, 11}, {2520, 0, 2 * 1276, 0, 2772});
 }
 
-TEST(Terraces, ASilhouetteDoesNotMoveAndNoBitOfItChanges) {
+TEST(TerraceFilter, KeepsSilhouettesUnchanged) {
     const Codes slopes = picture(48, 40, [](int x, int y) { return x + y < 44 ? 60 + x : 200 - y; });
     expect_levelled(48, 40, slopes, finer(slopes));
 }
 
-TEST(Terraces, ASpikeStays) {
+TEST(TerraceFilter, KeepsSpikes) {
     Codes codes(25 * 25, 40);
     codes[25 * 12 + 12] = 44;
     expect_levelled(25, 25, codes, finer(codes));
@@ -453,7 +443,7 @@ double farthest_from_plane(const SurfaceFrame& frame, double level, double a, do
     return farthest;
 }
 
-TEST(Terraces, AQuantisedPlaneIsAPlaneAgain) {
+TEST(TerraceFilter, RestoresQuantisedPlanes) {
     for (const auto& [a, b] : {std::pair{0.125, 0.0}, std::pair{0.0, 0.25}, std::pair{0.19, 0.11}}) {
         Scene scene = scene_of(96, 96);
         const Codes stored =
@@ -478,14 +468,14 @@ double jump_of_step(int levels) {
     return sum / 88;
 }
 
-TEST(Terraces, StepsOfThreeLevelsAndMoreStayStepsOnASlope) {
+TEST(TerraceFilter, KeepsStepsOnSlopes) {
     EXPECT_GT(jump_of_step(3), 2.5);
     EXPECT_GT(jump_of_step(4), 3.8);
     for (const int levels : {6, 12, 100}) EXPECT_NEAR(jump_of_step(levels), levels + 0.13, 0.1) << levels;
 }
 
 // Second differences of these leave 16 bits.
-TEST(Terraces, TheLargestStepsThereAreStay) {
+TEST(TerraceFilter, KeepsLargestSteps) {
     for (const int period : {1, 2, 3, 9}) {
         Scene scene = depth_scene(53, 41, 8, Marking::none, removal);
         const Codes stored =
@@ -497,7 +487,7 @@ TEST(Terraces, TheLargestStepsThereAreStay) {
     }
 }
 
-TEST(Terraces, NoCodeMovesByMoreThanItMay) {
+TEST(TerraceFilter, LimitsMovesOfCodes) {
     Random random(8);
     for (const double noise : {0.0, 1.0, 4.0}) {
         Scene scene = scene_of(61, 45);
@@ -514,12 +504,10 @@ TEST(Terraces, NoCodeMovesByMoreThanItMay) {
     }
 }
 
-TEST(Terraces, MillimetreCodesAreMadeFinerToo) {
-    Scene scene = depth_scene(64, 40, 16, Marking::zero, removal);
-    scene.depth.kind = DepthCodingKind::metric;
-    scene.depth.scale = 1;
+TEST(TerraceFilter, RefinesMillimetreCodes) {
+    Scene scene = metric_scene(64, 40, {32, 32, 32, 20}, 4000);
+    scene.filter = removal;
     scene.depth.near = 300;
-    scene.depth.far = 4000;
     derive_valid_range(scene.depth);
     const Codes stored = picture(64, 40, [](int x, int y) { return 900 + (x + 2 * y) / 7; });
     const auto made = levelled(scene, stored);
@@ -529,7 +517,7 @@ TEST(Terraces, MillimetreCodesAreMadeFinerToo) {
     EXPECT_NE(frame.codes[frame.index(32, 20)] & 15, 0);
 }
 
-TEST(Terraces, WhereCodesLeaveNoRoomNothingChanges) {
+TEST(TerraceFilter, ChangesNothingWithoutRoom) {
     for (const auto terraces : {TerraceRemoval::automatic, TerraceRemoval::off}) {
         const Scene scene = depth_scene(40, 30, 16, Marking::zero, {.terraces = terraces});
         const Codes stored = picture(40, 30, [](int x, int y) { return 900 + (x + 2 * y) / 7; });
@@ -546,7 +534,7 @@ FilterSettings removal_within(int reach) {
 }
 
 /// By hand: half of the reach, and halves of that.
-TEST(WideTerraces, PassesHalveTheirTapsDownToOneTwice) {
+TEST(WideTerraceFilter, HalvesTapsEachPass) {
     const std::vector<int> taps[] = {
         {8, 4, 2, 1, 1}, {16, 8, 4, 2, 1, 1}, {32, 16, 8, 4, 2, 1, 1}, {64, 32, 16, 8, 4, 2, 1, 1}};
     for (std::size_t n = 0; n < std::size(reaches); ++n) {
@@ -569,24 +557,16 @@ void expect_same_bits(const Scene& scene, Fill fill, std::uint64_t seed) {
     Random random(seed);
     const StoredPlane plane = store_plane(scene.width, scene.height, fill_picture(scene, fill, random),
                                           {.bytes_per_sample = scene.depth_bits > 8 ? 2 : 1});
-    SurfaceFrame reference, cpu, lazy, vulkan;
+    SurfaceFrame reference, cpu;
     ASSERT_TRUE(make_reference_builder(scene)->build(plane.frame(), reference));
-    for (const VectorUnit unit : usable_vector_units())
-        for (const int threads : {1, 3}) {
-            ASSERT_TRUE(make_cpu_builder(scene, {threads, unit})->build(plane.frame(), cpu));
-            ASSERT_EQ(first_difference(reference, cpu), "") << threads << " threads";
-        }
-    ASSERT_TRUE(make_lazy_builder(scene)->build(plane.frame(), lazy));
-    ASSERT_EQ(first_vertex_difference(reference, *lazy.vertices), "");
-    ASSERT_EQ(first_tile_not_enclosed(reference, *lazy.vertices), "");
-    for (const SurfacePlan& plan : all_plans) {
-        auto builder = make_vulkan_builder(scene, test_kernels(), plan);
-        ASSERT_TRUE(builder && (*builder)->build(plane.frame(), vulkan));
-        ASSERT_EQ(first_difference(reference, vulkan), "") << plan_text(plan);
+    for (const VectorUnit unit : usable_vector_units()) {
+        ASSERT_TRUE(make_cpu_builder(scene, {3, unit})->build(plane.frame(), cpu));
+        ASSERT_EQ(first_difference(reference, cpu), "") << "3 threads";
     }
+    ASSERT_EQ(BuilderComparison().difference(scene, plane.frame(), reference), "");
 }
 
-TEST(WideTerraces, AllBuildersGiveTheBitsOfTheReference) {
+TEST(WideTerraceFilter, AgreesAcrossBuilders) {
     constexpr std::pair<int, int> sizes[] = {{1, 1}, {7, 150}, {150, 7}, {129, 33}, {64, 64}, {203, 141}};
     constexpr Fill fills[] = {Fill::ramp,       Fill::random,   Fill::few_holes,   Fill::blob,
                               Fill::half_holes, Fill::extremes, Fill::silhouettes, Fill::slanted_edges};
@@ -624,10 +604,8 @@ int at(const std::vector<std::uint16_t>& codes, int x, int y) {
 std::vector<std::uint16_t> wide_levelled(const FilterSettings& filter,
                                          const std::function<double(int, int)>& stored) {
     const Scene scene = depth_scene(hill_width, hill_height, 8, Marking::none, filter);
-    std::vector<std::uint16_t> codes;
-    for (int y = 0; y < hill_height; ++y)
-        for (int x = 0; x < hill_width; ++x)
-            codes.push_back(static_cast<std::uint16_t>(std::lround(stored(x, y))));
+    const Codes codes =
+        picture(hill_width, hill_height, [&](int x, int y) { return std::lround(stored(x, y)); });
     SurfaceFrame frame;
     EXPECT_TRUE(make_cpu_builder(scene)->build(
         store_plane(hill_width, hill_height, codes, {.bytes_per_sample = 1}).frame(), frame));
@@ -655,7 +633,7 @@ double faces_off_deg(const std::vector<std::uint16_t>& codes, double per_level, 
     return std::sqrt(sum / faces);
 }
 
-TEST(WideTerraces, OfAHillWithContoursOf60PixelsTheNormalIsTheHillsAgain) {
+TEST(WideTerraceFilter, RestoresNormalsOfHill) {
     const auto off = [](int reach) {
         return faces_off_deg(wide_levelled(removal_within(reach), hill), 252, 6);
     };
@@ -674,7 +652,7 @@ double jump_of_wide_step(int levels, int reach) {
     return sum / (hill_height - 260);
 }
 
-TEST(WideTerraces, StepsOfThreeLevelsAndMoreStay) {
+TEST(WideTerraceFilter, KeepsThreeLevelSteps) {
     for (const int reach : reaches) {
         EXPECT_GT(jump_of_wide_step(3, reach), 2.6) << reach;
         EXPECT_GT(jump_of_wide_step(4, reach), 3.8) << reach;
@@ -689,7 +667,7 @@ double enlarged(int x, int y) {
     return sum / 3;
 }
 
-TEST(WideTerraces, OfLevelsOfFourCodesWithRampsBetweenThemToo) {
+TEST(WideTerraceFilter, RemovesFourCodeLevels) {
     FilterSettings filter = removal_within(128);
     const Scene scene = depth_scene(hill_width, hill_height, 8, Marking::none, {});
     const auto off = [&] {
