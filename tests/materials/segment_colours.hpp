@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/authoring/segments.hpp"
+#include "tests/frame/must.hpp"
 
 namespace touchable::test {
 

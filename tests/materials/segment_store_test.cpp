@@ -23,7 +23,7 @@ std::vector<std::string> after(const SegmentStore& store, const SegmentCut& cut,
     return made ? drawing(*made, frame) : Rows{};
 }
 
-TEST(SegmentStore, GivesBackWhatItWasGiven) {
+TEST(SegmentStore, ReturnsWhatItStores) {
     const std::vector<Rows> frames{{"aabb", "a..b"}, {"abbb", ".ccb"}};
     const SegmentStore store = stored(frames);
     EXPECT_EQ(store.frames(), 2);
@@ -42,7 +42,7 @@ TEST(SegmentStore, GivesBackWhatItWasGiven) {
     EXPECT_EQ(store.segmentation(1).segments.size(), 3U);
 }
 
-TEST(SegmentStore, HoldsRunsLongerThanACounterOfThem) {
+TEST(SegmentStore, HoldsLongRuns) {
     Segmentation frame{400, 300, std::vector<std::uint16_t>(120'000, 7), {{7, 120'000, {}, 1, 1, 0}}};
     SegmentStore store(400, 300);
     store.add(frame);
@@ -51,23 +51,22 @@ TEST(SegmentStore, HoldsRunsLongerThanACounterOfThem) {
     EXPECT_LE(store.bytes(), 16U);
 }
 
-TEST(SegmentCut, PartsWhatItCrosses) {
+TEST(SegmentCut, PartsCrossedSegment) {
     const SegmentStore store = stored({{"aaaaaab", "aaaaaab", "aaaaaab"}});
     // The stroke's own pixels go to the nearest part, the upper left one where two are as near.
     EXPECT_EQ(after(store, {0, {{2, 0}, {2, 2}}}), (Rows{"cccaaab", "cccaaab", "cccaaab"}));
     EXPECT_EQ(after(store, {0, {{2, 1}, {2, 2}}}), (Rows{"cccaaab", "cccaaab", "cccaaab"}))
         << "an end inside of the segment goes on to its border";
     EXPECT_EQ(drawing(store, 0)[0], "aaaaaab") << "the store that was cut is as it was";
-    const auto made = store.with_cut({0, {{2, 0}, {2, 2}}});
-    ASSERT_EQ(message(made), "");
-    EXPECT_EQ(made->find(3)->segment.pixels, 9);
-    EXPECT_EQ(made->find(3)->segment.colour, made->find(1)->segment.colour);
-    EXPECT_EQ(made->find(1)->segment.pixels, 9);
+    const auto made = must(store.with_cut({0, {{2, 0}, {2, 2}}}));
+    EXPECT_EQ(made.find(3)->segment.pixels, 9);
+    EXPECT_EQ(made.find(3)->segment.colour, made.find(1)->segment.colour);
+    EXPECT_EQ(made.find(1)->segment.pixels, 9);
     for (const std::uint16_t label : {1, 2, 3})
-        EXPECT_EQ(made->label_at(0, made->find(label)->segment.x, made->find(label)->segment.y), label);
+        EXPECT_EQ(made.label_at(0, made.find(label)->segment.x, made.find(label)->segment.y), label);
 }
 
-TEST(SegmentCut, PartsWhatIsInsideOfALoop) {
+TEST(SegmentCut, PartsInsideOfLoop) {
     const SegmentStore store = stored({Rows(12, std::string(16, 'a'))});
     const auto made = after(store, {0, {{3, 3}, {9, 3}, {9, 8}, {3, 8}, {3, 4}}});
     EXPECT_EQ(made[5], "aaaabbbbbbaaaaaa") << "inside, and what is nearest to it of the stroke";
@@ -75,13 +74,13 @@ TEST(SegmentCut, PartsWhatIsInsideOfALoop) {
     EXPECT_EQ(made[11], std::string(16, 'a'));
 }
 
-TEST(SegmentCut, LeavesWhatTheStrokeDoesNotTouch) {
+TEST(SegmentCut, LeavesUntouchedPieces) {
     // Another piece of the same segment, beyond something before it.
     const SegmentStore store = stored({{"aaaabbaa", "aaaabbaa"}});
     EXPECT_EQ(after(store, {0, {{1, 0}, {1, 1}}}), (Rows{"ccaabbaa", "ccaabbaa"}));
 }
 
-TEST(SegmentCut, ABorderStaysWhereNothingMoves) {
+TEST(SegmentCut, KeepsBorderOfStillThings) {
     // A hand passes before it.
     const SegmentStore store = stored({{"aaaaaaaa", "aaaaaaaa"},
                                        {"bbaaaaaa", "bbaaaaaa"},
@@ -89,15 +88,14 @@ TEST(SegmentCut, ABorderStaysWhereNothingMoves) {
                                        {"aabbbbaa", "aabbbbaa"},
                                        {"aaaaaabb", "aaaaaabb"}});
     for (const std::int64_t drawn_at : {0, 4}) {
-        const auto made = store.with_cut({drawn_at, {{2, 0}, {2, 1}}});
-        ASSERT_EQ(message(made), "");
-        EXPECT_EQ(drawing(*made, 0)[0], "cccaaaaa");
-        EXPECT_EQ(drawing(*made, 1)[0], "bbcaaaaa");
-        EXPECT_EQ(drawing(*made, 2)[0], "bbbbaaaa");
+        const auto made = must(store.with_cut({drawn_at, {{2, 0}, {2, 1}}}));
+        EXPECT_EQ(drawing(made, 0)[0], "cccaaaaa");
+        EXPECT_EQ(drawing(made, 1)[0], "bbcaaaaa");
+        EXPECT_EQ(drawing(made, 2)[0], "bbbbaaaa");
     }
 }
 
-TEST(SegmentCut, ABorderGoesWithWhatMoves) {
+TEST(SegmentCut, MovesBorderWithThings) {
     std::vector<Rows> frames;
     for (int k = 0; k < 5; ++k) {
         std::string row(20, 'a');
@@ -107,19 +105,18 @@ TEST(SegmentCut, ABorderGoesWithWhatMoves) {
     const SegmentStore store = stored(frames);
     for (const std::int64_t drawn_at : {0, 2, 4}) {
         const int left = 2 + 2 * static_cast<int>(drawn_at);
-        const auto made = store.with_cut({drawn_at, {{left + 1, 0}, {left + 1, 2}}});
-        ASSERT_EQ(message(made), "");
+        const auto made = must(store.with_cut({drawn_at, {{left + 1, 0}, {left + 1, 2}}}));
         for (int k = 0; k < 5; ++k) {
             std::string row(20, 'a');
             std::fill_n(row.begin() + 2 + 2 * k, 2, 'c');
             std::fill_n(row.begin() + 4 + 2 * k, 4, 'b');
-            EXPECT_EQ(drawing(*made, k)[1], row) << drawn_at;
+            EXPECT_EQ(drawing(made, k)[1], row) << drawn_at;
         }
-        EXPECT_EQ(made->find(3)->frame, 0);
+        EXPECT_EQ(made.find(3)->frame, 0);
     }
 }
 
-TEST(SegmentCut, IsRefusedWhereItPartsNothing) {
+TEST(SegmentCut, IsRefusedIfPartingNothing) {
     const SegmentStore store = stored({{"aaaa...", "aaaa...", "aaaa..."}});
     EXPECT_NE(message(store.with_cut({0, {{4, 0}, {6, 0}}})).find("no surface"), std::string::npos);
     EXPECT_NE(message(store.with_cut({0, {{0, 0}, {0, 2}}})).find("does not part"), std::string::npos);
@@ -133,7 +130,7 @@ SegmentNames parsed(const std::string& text) {
     return names ? *names : SegmentNames{};
 }
 
-TEST(SegmentNames, AreReadWithTheirMaterialsAndOwnValues) {
+TEST(SegmentNames, ReadMaterialsAndValues) {
     const SegmentNames names = parsed(R"({"touchable_segments": 1, "otherwise": "wood", "segments": [
         {"name": "table", "material": "glass", "at": [3, 4]},
         {"name": "mat", "material": "foam", "stiffness": 0.4, "at": [5, 6, 7]},
@@ -152,14 +149,14 @@ TEST(SegmentNames, AreReadWithTheirMaterialsAndOwnValues) {
 }
 
 /// The example of docs/content.md.
-TEST(SegmentNames, AreReadAsTheDocumentsHaveThem) {
+TEST(SegmentNames, ReadDocumentedExample) {
     const std::string docs = read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "docs/content.md");
     const std::size_t first = docs.find("    {\"touchable_segments\""), last = docs.find("\n     ]}", first);
     ASSERT_NE(last, std::string::npos);
     EXPECT_EQ(parsed(docs.substr(first, last + 8 - first)).segments.size(), 3U);
 }
 
-TEST(SegmentNames, ComeBackAsTheyWereWritten) {
+TEST(SegmentNames, SurviveWritingAndReading) {
     SegmentNames names;
     names.otherwise = "skin";
     names.segments = {{"a \"b\"\n\xff", "wood", find_material("wood")->feel(), {{1, 2, 3}, {4, 5, 6}}},
@@ -182,7 +179,7 @@ TEST(SegmentNames, ComeBackAsTheyWereWritten) {
     EXPECT_EQ(parsed(segment_names_to_json({})).segments.size(), 0U);
 }
 
-TEST(SegmentNames, AreRefusedInWords) {
+TEST(SegmentNames, RejectInvalidMembers) {
     const auto refused = [](const std::string& segments, const std::string& why) {
         const auto names =
             parse_segment_names("{\"touchable_segments\": 1, \"segments\": " + segments + "}", "n.json");
@@ -218,7 +215,7 @@ TEST(SegmentNames, AreRefusedInWords) {
         parse_segment_names(R"({"touchable_segments": 1, "otherwise": "x", "segments": []})", "n.json"));
 }
 
-TEST(Palette, HasMaterialsThatCanBeFelt) {
+TEST(Palette, HasTangibleMaterials) {
     std::set<std::string_view> names;
     for (const PaletteMaterial& material : palette()) {
         SCOPED_TRACE(material.name);
@@ -237,7 +234,7 @@ TEST(Palette, HasMaterialsThatCanBeFelt) {
     EXPECT_GE(names.size(), 16U);
 }
 
-TEST(Palette, SaysWhichMaterialsThereAre) {
+TEST(Palette, ListsItsMaterials) {
     EXPECT_EQ(find_material("wod"), nullptr);
     const std::string why = no_such_material("wod");
     EXPECT_NE(why.find("\"wod\" is no material (wood?)"), std::string::npos) << why;
@@ -245,7 +242,7 @@ TEST(Palette, SaysWhichMaterialsThereAre) {
         EXPECT_NE(why.find(material.name), std::string::npos) << material.name;
 }
 
-TEST(Palette, IsCodedToHalfAStepAndKeepsTheOrderOfFrictions) {
+TEST(Palette, IsCodedPrecisely) {
     const HapticRanges ranges = ranges_of_palette({}, {});
     for (const PaletteMaterial& material : palette()) {
         const auto code = haptic_code(material.feel().properties, ranges);
@@ -260,8 +257,8 @@ TEST(Palette, IsCodedToHalfAStepAndKeepsTheOrderOfFrictions) {
     EXPECT_EQ(ranges_of_palette({}, {stone}).dynamic_friction.max, 3);
 }
 
-/// What docs/content.md prints.
-TEST(Palette, IsInTheDocumentsAsItIs) {
+/// As docs/content.md prints it.
+TEST(Palette, MatchesDocumentation) {
     const std::string docs = read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "docs/content.md");
     for (const PaletteMaterial& material : palette()) {
         std::ostringstream row;
@@ -289,7 +286,7 @@ TEST(Palette, GuessesWhatColoursSuggest) {
     EXPECT_EQ(guess({60, 70, 150}, 4, 40), "carpet");
 }
 
-TEST(Palette, HasAGuessForWhateverIsSeen) {
+TEST(Palette, AlwaysHasAGuess) {
     for (int red = 0; red < 256; red += 15)
         for (int green = 0; green < 256; green += 15)
             for (int blue = 0; blue < 256; blue += 15)
