@@ -38,9 +38,7 @@ std::unique_ptr<MadeClip> made(std::int64_t count, int bytes, bool colour,
 /// 1/depth of every pixel of every frame, as the clip has it.
 std::vector<std::vector<double>> values_of(ClipReader& clip) {
     std::vector<std::vector<double>> values;
-    const auto frames = read_all(clip);
-    EXPECT_EQ(message(frames), "");
-    for (const RawFrame& frame : *frames) {
+    for (const RawFrame& frame : must(read_all(clip))) {
         values.emplace_back();
         for (int y = 0; y < frame.depth.height; ++y)
             for (int x = 0; x < frame.depth.width; ++x)
@@ -66,9 +64,7 @@ double pumping_of(const std::vector<std::vector<double>>& values, const Scenery&
 
 std::unique_ptr<ClipReader> aligned(std::unique_ptr<MadeClip> clip,
                                     DepthAlignment wanted = DepthAlignment::on) {
-    auto reader = with_aligned_depth(std::move(clip), wanted);
-    EXPECT_EQ(message(reader), "");
-    return std::move(*reader);
+    return must(with_aligned_depth(std::move(clip), wanted));
 }
 
 struct Case {
@@ -114,7 +110,7 @@ Truth truth_by(const std::vector<double>& values, const Scenery& scenery) {
     return {scale, at(4, 4) - scale * low};
 }
 
-TEST(DepthAlignmentOfMotion, ABallThatComesNearComesAsNearAndAsSoon) {
+TEST(AlignedMotion, KeepsApproachOfBall) {
     const auto scenery = [](std::int64_t n) {
         return Scenery{.ball_near = 0.05 + 0.008 * static_cast<double>(n)};
     };
@@ -134,7 +130,7 @@ TEST(DepthAlignmentOfMotion, ABallThatComesNearComesAsNearAndAsSoon) {
 }
 
 /// The camera goes ahead: textures grow everywhere, and nothing stands still.
-TEST(DepthAlignmentOfMotion, AWholeSceneThatComesNearGoesOnComing) {
+TEST(AlignedMotion, KeepsApproachOfCamera) {
     const auto scenery = [](std::int64_t n) { return Scenery{.forward = 0.01 * static_cast<double>(n)}; };
     for (const bool pumps : {false, true}) {
         const auto guessed = [&](std::int64_t n) {
@@ -150,7 +146,7 @@ TEST(DepthAlignmentOfMotion, AWholeSceneThatComesNearGoesOnComing) {
             for (const double value : values[n]) sum += value;
             return sum / static_cast<double>(values[n].size());
         };
-        // Where depth did not pump, it is what it was.
+        // Depth that did not pump is unchanged.
         if (!pumps) {
             const auto plain = clip();
             const auto were = values_of(*plain);
@@ -184,7 +180,7 @@ TEST(DepthAlignmentOfMotion, AWholeSceneThatComesNearGoesOnComing) {
     }
 }
 
-TEST(AlignedClip, LeavesAClipThatDoesNotPumpAsItIs) {
+TEST(AlignedClip, LeavesSteadyClips) {
     const auto scenery = [](std::int64_t n) {
         return Scenery{.ball_near = 0.2, .ball_x = 0.3 + 0.01 * static_cast<double>(n)};
     };
@@ -198,7 +194,7 @@ TEST(AlignedClip, LeavesAClipThatDoesNotPumpAsItIs) {
         const auto after = read_all(*reader);
         for (std::size_t n = 0; n < before->size(); ++n)
             EXPECT_TRUE(same_samples((*before)[n].depth, (*after)[n].depth));
-        // Where somebody wants it all the same, it changes by less than a code.
+        // Alignment on request changes it by less than a code.
         const auto forced = aligned(clip());
         const auto codes = read_all(*forced);
         const DepthCoding& was = plain->scene().depth;
@@ -217,7 +213,7 @@ TEST(AlignedClip, LeavesAClipThatDoesNotPumpAsItIs) {
     }
 }
 
-TEST(AlignedClip, HasOneScaleAfterSixHundredFrames) {
+TEST(AlignedClip, KeepsOneScaleForLong) {
 #ifdef TOUCHABLE_SANITIZED
     constexpr int count = 100;
 #else
@@ -240,7 +236,7 @@ TEST(AlignedClip, HasOneScaleAfterSixHundredFrames) {
     EXPECT_LT(worst, 1.5 * code);  // half a code of each frame's own rounding, of scales from 0.7 to 1.2
 }
 
-TEST(AlignedClip, BeginsAnewAtACut) {
+TEST(AlignedClip, RestartsAtCut) {
     const auto scenery = [](std::int64_t n) { return Scenery{.wall = n < 15 ? 0 : 1}; };
     ShotAlignment alignment;
     const auto clip = made(30, 2, true, scenery, pumped);
@@ -257,31 +253,30 @@ TEST(AlignedClip, BeginsAnewAtACut) {
     EXPECT_LT(pumping_of(second, {}), 0.002);
 }
 
-TEST(AlignedClip, AFrameIsTheSameHoweverItIsComeTo) {
+TEST(AlignedClip, GivesSameFrameAfterSeeks) {
     const auto scenery = [](std::int64_t) { return Scenery{}; };
     const auto reader = aligned(made(20, 1, true, scenery, pumped));
     const auto frames = read_all(*reader);
     for (const std::int64_t n : {13, 4, 19, 0}) {
-        ASSERT_EQ(message(reader->seek(n)), "");
+        must(reader->seek(n));
         const auto there = reader->next();
         EXPECT_TRUE(same_samples((**there).depth, (*frames)[static_cast<std::size_t>(n)].depth)) << n;
     }
 }
 
-/// Of GCC, Clang, with and without optimisation.
-TEST(AlignedClip, HasTheSameBitsEverywhere) {
+/// By GCC and Clang, with and without optimisation.
+TEST(AlignedClip, HasSameBitsEverywhere) {
     const auto scenery = [](std::int64_t n) {
         return Scenery{.ball_near = 0.2, .ball_x = 0.02 * static_cast<double>(n)};
     };
     ByteHash hash;
     const auto reader = aligned(made(20, 2, true, scenery, pumped));
-    const auto frames = read_all(*reader);
-    for (const RawFrame& frame : *frames)
+    for (const RawFrame& frame : must(read_all(*reader)))
         for (int y = 0; y < rows; ++y) hash.add(frame.depth.row(y), 2 * columns);
     EXPECT_EQ(hash.value(), 8537635419185157816U);
 }
 
-TEST(AlignedClip, WithoutColourForWhoeverTouchesItIsTheSame) {
+TEST(AlignedClip, IsSameWithoutColour) {
     const auto scenery = [](std::int64_t) { return Scenery{}; };
     const auto with = aligned(made(12, 2, true, scenery, pumped));
     const auto without = aligned(made(12, 2, true, scenery, pumped));
@@ -291,7 +286,7 @@ TEST(AlignedClip, WithoutColourForWhoeverTouchesItIsTheSame) {
 }
 
 /// Depth that is ten times as steep in each frame: a chain of frames says no likely scale.
-TEST(AlignedClip, OfDepthThatIsEverSteeperKeepsALikelyScale) {
+TEST(AlignedClip, LimitsItsScale) {
     ShotAlignment alignment;
     for (int n = 0; n < 5; ++n) {
         CellPicture picture;
@@ -309,7 +304,7 @@ TEST(AlignedClip, OfDepthThatIsEverSteeperKeepsALikelyScale) {
     }
 }
 
-TEST(AlignedClip, OfMetricDepthIsRefused) {
+TEST(AlignedClip, RejectsMetricDepth) {
     auto clip = made(
         3, 2, false, [](std::int64_t) { return Scenery{}; }, pumped);
     clip->scene().depth.kind = DepthCodingKind::metric;
@@ -342,7 +337,7 @@ TEST(AlignedClip, IsQuick) {
 }
 
 /// Codes of 13 bits become no more than leave room for finer ones where terraces are to be removed.
-TEST(DepthAlignmentOfCodes, ThatHadRoomForTerraceRemovalHaveItStill) {
+TEST(AlignedCodes, LeaveRoomForTerraceRemoval) {
     for (const bool has_levels : {false, true}) {
         auto clip = std::make_unique<MadeClip>(24, 2, [](std::int64_t n) {
             RawFrame frame = guessed_frame({}, pumped(n), 2, true, n);
@@ -350,8 +345,7 @@ TEST(DepthAlignmentOfCodes, ThatHadRoomForTerraceRemovalHaveItStill) {
             for (int y = 0; y < rows; ++y)
                 for (int x = 0; x < columns; ++x) {
                     const int code = frame.depth.sample(x, y) / 8;
-                    depth.samples.push_back(static_cast<std::uint8_t>(code & 255));
-                    depth.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+                    push_16(depth, code);
                 }
             frame.depth = {};
             add_plane(frame, PlaneRole::depth, plane_from(std::move(depth), 16));
@@ -363,7 +357,7 @@ TEST(DepthAlignmentOfCodes, ThatHadRoomForTerraceRemovalHaveItStill) {
         scene.filter.terraces = TerraceRemoval::on;
         if (has_levels)
             scene.filter.levels.quadratic = 20 * (1 / scene.depth.near - 1 / scene.depth.far) / 8191;
-        ASSERT_EQ(message(validate(scene)), "");
+        must(validate(scene));
         const auto reader = aligned(std::move(clip), DepthAlignment::automatic);
         EXPECT_EQ(reader->notes().size(), 1U);
         EXPECT_TRUE(terrace_filter(reader->scene()));
@@ -387,7 +381,7 @@ std::vector<LinePoint> points_on(const Line& line, int count, double noise, Numb
     return points;
 }
 
-TEST(LineFit, FindsTheLineThoughNearlyHalfOfThePointsLieOnAnother) {
+TEST(LineFit, FindsLineDespiteManyOutliers) {
     Numbers numbers(1);
     std::vector<LinePoint> points = points_on({1.3, -200}, 600, 2, numbers);
     // Something near, which came nearer.
@@ -401,7 +395,7 @@ TEST(LineFit, FindsTheLineThoughNearlyHalfOfThePointsLieOnAnother) {
     EXPECT_NEAR(fit->line.shift, -200, 1);
 }
 
-TEST(LineFit, OfAFlatWallOnlyTheShiftIsTold) {
+TEST(LineFit, FindsOnlyShiftOfWall) {
     Numbers numbers(2);
     std::vector<LinePoint> points;
     for (int k = 0; k < 100; ++k) {
@@ -414,13 +408,13 @@ TEST(LineFit, OfAFlatWallOnlyTheShiftIsTold) {
     EXPECT_NEAR(fit->line.shift, 52, 1);
 }
 
-TEST(LineFit, OfFewPointsThereIsNone) {
+TEST(LineFit, NeedsEnoughPoints) {
     Numbers numbers(3);
     EXPECT_FALSE(fit_line(points_on({}, 7, 0, numbers), 1));
     EXPECT_TRUE(fit_line(points_on({}, 8, 0, numbers), 1));
 }
 
-TEST(LineFit, LinesCompose) {
+TEST(LineFit, ComposesLines) {
     const Line a{2, 10}, b{0.5, -3};
     EXPECT_EQ(a.then(b).at(7), b.at(a.at(7)));
     EXPECT_EQ(a.then(a.inverse()).at(7), 7);

@@ -9,10 +9,11 @@
 
 #include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/frame/must.hpp"
 
 namespace touchable::test {
 
-/// What a network was shown: a leaning wall with bumps, and a ball before it. The camera may go ahead.
+/// The scene shown to a network: a leaning wall with bumps, and a ball before it. The camera may go ahead.
 struct Scenery {
     int columns = 96, rows = 72;
     double ball_near = 0;  ///< how much nearer than the wall, as 1/depth; 0: no ball
@@ -32,7 +33,7 @@ struct Scenery {
         const double there = lean + bump;
         return there / (1 - forward * there) + (is_ball(x, y) ? ball_near : 0);
     }
-    /// Of patches of 3x3 pixels, which grow as the camera goes ahead.
+    /// Patches of 3x3 pixels, which grow as the camera goes ahead.
     std::uint8_t brightness(int x, int y) const {
         const double zoom = 1 - forward * 0.45;
         const double u = (x - 0.5 * columns) * zoom, v = (y - 0.5 * rows) * zoom;
@@ -47,7 +48,13 @@ struct Scenery {
     }
 };
 
-/// What it made of it: scale x value + shift, codes of 8 or 16 bits.
+/// Low byte first.
+inline void push_16(Image& image, int code) {
+    image.samples.push_back(static_cast<std::uint8_t>(code & 255));
+    image.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+}
+
+/// The depth that it guessed: scale x value + shift, codes of 8 or 16 bits.
 struct Guessed {
     double scale = 1, shift = 0;
     int code(double value, int most) const {
