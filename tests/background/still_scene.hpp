@@ -26,7 +26,7 @@ struct StillScene {
     int colour_shift = 0;  ///< pixels that colour lies to the right of its depth: it is not registered
     bool hand_has_sleeve = false;  ///< its right half has no depth
     int pan = 0;    ///< sixteenths of a pixel that the camera goes to the right from frame to frame
-    int rise = 0;   ///< sixteenths of a millimetre that it goes up likewise
+    int rise = 0;   ///< sixteenths of a millimetre that it goes up, too
     int table = 0;  ///< which one: another texture, another depth
     std::int64_t rests_from = 1000;  ///< the frame from which the hand lies on the table, 12 mm thick
 
@@ -92,8 +92,7 @@ struct StillScene {
                 const auto noise =
                     static_cast<int>(chance(x, y, static_cast<std::uint64_t>(number) + 500) % 5) - 2;
                 const int code = seen.is_hole ? 0 : seen.depth + noise;
-                depth.samples.push_back(static_cast<std::uint8_t>(code & 255));
-                depth.samples.push_back(static_cast<std::uint8_t>(code >> 8));
+                push_16(depth, code);
                 const auto pixel = colour(x - colour_shift, y, number);
                 rgb.samples.insert(rgb.samples.end(), pixel.begin(), pixel.end());
             }
@@ -112,7 +111,7 @@ inline bool is_marked(const RawFrame& frame, int x, int y) {
             1U) != 0;
 }
 
-/// Of codes that are millimetres, 0 none.
+/// Codes are millimetres, 0 is no depth.
 inline DepthCoding millimetres() {
     DepthCoding depth;
     depth.kind = DepthCodingKind::metric;
@@ -146,9 +145,7 @@ inline std::unique_ptr<MadeClip> clip_of(const StillScene& scene, std::int64_t c
 }
 
 inline std::unique_ptr<ClipReader> filled(std::unique_ptr<ClipReader> clip) {
-    auto reader = with_filled_holes(std::move(clip));
-    EXPECT_EQ(message(reader), "");
-    return std::move(*reader);
+    return must(with_filled_holes(std::move(clip)));
 }
 
 }  // namespace touchable::test
