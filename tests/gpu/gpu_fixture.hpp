@@ -10,8 +10,10 @@
 #include <string>
 #include <utility>
 
+#include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/gpu/vulkan_instance.hpp"
+#include "tests/frame/must.hpp"
 
 namespace touchable::test {
 
@@ -22,11 +24,7 @@ protected:
         // Else it is unloaded with the last device, and the leak checker cannot tell its leaks (lsan.supp)
         // from ours.
         dlopen("libVkLayer_khronos_validation.so", RTLD_NOW | RTLD_NODELETE);
-        GpuOptions options;
-        options.validation = true;
-        auto opened = GpuDevice::open(options);
-        ASSERT_TRUE(opened) << opened.error().message;
-        gpu = std::move(*opened);
+        gpu = must(GpuDevice::open({.validation = true}));
         messages = gpu->messages();
     }
 
@@ -37,22 +35,18 @@ protected:
         for (const std::string& message : messages->all()) ADD_FAILURE() << message;
     }
 
+    /// Submits, and has done the work when it returns.
+    static GpuCommands::Submission run(GpuCommands commands) {
+        auto submission = must(std::move(commands).submit());
+        must(submission.wait());
+        return submission;
+    }
+
     std::shared_ptr<GpuDevice> gpu;
     std::shared_ptr<const GpuMessages> messages;
 };
 
-/// The value; where there is none, the test fails with the reason.
-template <class T>
-T must(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return std::move(*result);
-}
-
-inline void must(const Result<void>& result) {
-    if (!result) throw std::runtime_error(result.error().message);
-}
-
-/// Keeps a device's queue from getting on, as a GPU that hangs does: whatever is submitted from now on waits.
+/// Keeps a device's queue from getting on, as a GPU that hangs does: all that is submitted from now on waits.
 class Blockade {
 public:
     explicit Blockade(const GpuDevice& device) : vulkan_(device.vulkan()) {

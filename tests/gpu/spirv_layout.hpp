@@ -12,7 +12,7 @@
 
 namespace touchable {
 
-/// What a kernel's SPIR-V says of how to talk to it.
+/// A kernel's interface, as its SPIR-V declares it.
 struct SpirvLayout {
     std::uint32_t push_bytes = 0;  ///< as C++ counts: with padding to the alignment of the largest scalar
     std::map<std::uint32_t, std::optional<GpuBindingKind>>
