@@ -11,8 +11,9 @@
 #include "engine/content/planet.hpp"
 #include "engine/content/seeded_noise.hpp"
 #include "tests/content/made_maps.hpp"
+#include "tests/frame/must.hpp"
 
-namespace touchable {
+namespace touchable::test {
 namespace {
 
 using real = long double;
@@ -32,7 +33,7 @@ double degrees(double radians) {
     return radians * 180 / 3.14159265358979;
 }
 
-TEST(Globe, PresetsHaveThePublishedFieldsOfView) {
+TEST(Globe, HasPublishedFieldsOfView) {
     for (const Published& p : published) {
         SceneOptions options;
         options.preset = p.preset;
@@ -46,14 +47,14 @@ TEST(Globe, PresetsHaveThePublishedFieldsOfView) {
     }
 }
 
-TEST(Globe, HorizontalFieldOfViewIsTheSameAtEverySize) {
+TEST(Globe, KeepsFieldOfView) {
     for (const auto& [width, height] : {std::pair{320, 240}, {1280, 720}, {1920, 1080}, {3840, 2160}}) {
         const auto globe = made("globe", sized(width, height));
         EXPECT_NEAR(globe->scene().camera.fx * 720 / width, 4.7 / 0.0112, 1e-9);
     }
 }
 
-TEST(Globe, DepthIsTheNearerCrossingOfRayAndSphere) {
+TEST(Globe, ShowsNearerCrossing) {
     for (const Published& p : published)
         for (const auto& [width, height] : {std::pair{320, 240}, {720, 480}, {1920, 1080}}) {
             SceneOptions options = sized(width, height);
@@ -81,7 +82,7 @@ TEST(Globe, DepthIsTheNearerCrossingOfRayAndSphere) {
         }
 }
 
-TEST(Globe, FillsEightTenthsOfThePicturesHeight) {
+TEST(Globe, FillsPictureTo80Percent) {
     for (const Published& p : published)
         for (const auto& [width, height] : {std::pair{320, 240}, {720, 480}, {1920, 1080}}) {
             SceneOptions options = sized(width, height);
@@ -96,7 +97,7 @@ TEST(Globe, FillsEightTenthsOfThePicturesHeight) {
         }
 }
 
-TEST(Globe, BesideTheSphereLiesTheFarPlaneAsCodeZero) {
+TEST(Globe, HasFarPlaneBesideSphere) {
     for (const int bits : {8, 16}) {
         const auto globe = made("globe", sized(120, 80, bits));
         EXPECT_EQ(globe->frame(0).depth.sample(0, 0), 0);
@@ -104,7 +105,7 @@ TEST(Globe, BesideTheSphereLiesTheFarPlaneAsCodeZero) {
     }
 }
 
-TEST(Globe, RadiusCorrespondsTo32MillimetresOfTheDevice) {
+TEST(Globe, Spans32MillimetresOfDevice) {
     const auto globe = made("globe");
     const GlobeSphere sphere = globe_sphere(CameraPreset::b, 720, 480);
     EXPECT_NEAR(sphere.radius, 45.77, 0.01);
@@ -113,7 +114,7 @@ TEST(Globe, RadiusCorrespondsTo32MillimetresOfTheDevice) {
     EXPECT_EQ(globe->scene().default_properties.static_friction, 0);
 }
 
-TEST(Globe, ClosestPointIsUnderTheGoalsOwnNormal) {
+TEST(Globe, FindsClosestPointAlongNormal) {
     const auto globe = made("globe");
     const GlobeSphere sphere = globe_sphere(CameraPreset::b, 720, 480);
     SplitMix64 random(3);
@@ -140,7 +141,7 @@ glm::dvec3 any_direction(SplitMix64& random) {
     }
 }
 
-TEST(GlobeMaps, PlacesAreWhereMapsHaveThem) {
+TEST(GlobeMaps, AreEquirectangular) {
     const auto expect = [](const glm::dvec3& direction, double east, double south) {
         const MapPlace place = map_place(2.5 * direction);
         EXPECT_NEAR(place.east, east, 1e-12);
@@ -153,7 +154,7 @@ TEST(GlobeMaps, PlacesAreWhereMapsHaveThem) {
     expect({0, -1, 1e-9}, 0.5, 1);
 }
 
-TEST(GlobeMaps, PixelsAreJoinedAcrossTheDateLineAndThePoles) {
+TEST(GlobeMaps, JoinAcrossDateLine) {
     // Smooth on the sphere: 100 (1 + x/2 + y/3).
     const MadeMap made = made_map(256, 1, 2, [](double longitude, double latitude, int) {
         return 20000 * (1 + std::sin(longitude) * std::cos(latitude) / 2 + std::sin(latitude) / 3);
@@ -172,7 +173,7 @@ TEST(GlobeMaps, PixelsAreJoinedAcrossTheDateLineAndThePoles) {
     }
 }
 
-TEST(GlobeMaps, OfOtherShapesAreRefused) {
+TEST(GlobeMaps, RejectOtherShapes) {
     const auto refusal = [](int width, int height) {
         MadeWorld world(64);
         MadeMap odd{width, height, 1, 2,
@@ -188,32 +189,31 @@ TEST(GlobeMaps, OfOtherShapesAreRefused) {
     EXPECT_NE(refusal(200, 400).find("200x400"), std::string::npos);
     EXPECT_NE(refusal(2, 1).find("2x1"), std::string::npos);
     GlobeMaps none;
-    EXPECT_NE(check_globe_maps(none).error().message.find("the colour map is missing"), std::string::npos);
+    expect_error(check_globe_maps(none), "the colour map is missing");
     MadeWorld world(64);
     world.maps.elevation = world.colour.map();
-    EXPECT_NE(check_globe_maps(world.maps).error().message.find("must be grey"), std::string::npos);
+    expect_error(check_globe_maps(world.maps), "must be grey");
     for (const double relief : {0.0, -1.0, 0.11, std::nan("")}) {
         MadeWorld steep(64);
         steep.maps.relief = relief;
-        EXPECT_NE(check_globe_maps(steep.maps).error().message.find("relief"), std::string::npos);
+        expect_error(check_globe_maps(steep.maps), "relief");
     }
 }
 
-TEST(Shore, IsFoundWhicheverIsBright) {
+TEST(Shore, IsFoundForEitherPolarity) {
     for (const bool land_is_bright : {true, false}) {
         const MadeWorld world(360, land_is_bright ? 255 : 0, land_is_bright ? 0 : 255);
-        const auto shore = find_shore(world.maps.elevation, world.maps.mask, {});
-        ASSERT_TRUE(shore) << shore.error().message;
-        EXPECT_EQ(shore->bright_is_land, land_is_bright);
+        const auto shore = must(find_shore(world.maps.elevation, world.maps.mask, {}));
+        EXPECT_EQ(shore.bright_is_land, land_is_bright);
         // Every level between the highest sea floor and the lowest land agrees; the lowest is taken.
-        EXPECT_GE(shore->sea_level, 16990);
-        EXPECT_LT(shore->sea_level, 20500);
-        EXPECT_DOUBLE_EQ(shore->agreement, 1);
-        EXPECT_GT(shore->top, 50000);
+        EXPECT_GE(shore.sea_level, 16990);
+        EXPECT_LT(shore.sea_level, 20500);
+        EXPECT_DOUBLE_EQ(shore.agreement, 1);
+        EXPECT_GT(shore.top, 50000);
     }
 }
 
-TEST(Shore, IsFoundOfMapsOfOtherSizesAndOfNumbers) {
+TEST(Shore, IsFoundInNumbers) {
     const MadeWorld fine(720), coarse(90);
     EXPECT_GT(find_shore(fine.maps.elevation, coarse.maps.mask, {})->agreement, 0.97);
     EXPECT_GT(find_shore(coarse.maps.elevation, fine.maps.mask, {})->agreement, 0.97);
@@ -224,26 +224,24 @@ TEST(Shore, IsFoundOfMapsOfOtherSizesAndOfNumbers) {
             metres.push_back(static_cast<float>(world.maps.elevation.at(x, y, 0) - MadeWorld::sea_level));
     metres[5] = std::numeric_limits<float>::quiet_NaN();
     const GlobeMap numbers{{}, metres, 360, 180, 1};
-    const auto shore = find_shore(numbers, world.maps.mask, {});
-    ASSERT_TRUE(shore) << shore.error().message;
-    EXPECT_LT(shore->sea_level, 500);
-    EXPECT_GE(shore->sea_level, -3100);
+    const auto shore = must(find_shore(numbers, world.maps.mask, {}));
+    EXPECT_LT(shore.sea_level, 500);
+    EXPECT_GE(shore.sea_level, -3100);
 }
 
-TEST(Shore, ToldIsTaken) {
+TEST(Shore, IsTakenAsStated) {
     const MadeWorld world(360, 0, 255);
-    const auto shore = find_shore(world.maps.elevation, world.maps.mask, 20520.0);
-    ASSERT_TRUE(shore) << shore.error().message;
-    EXPECT_EQ(shore->sea_level, 20520);
-    EXPECT_FALSE(shore->bright_is_land);
-    EXPECT_LT(shore->agreement, 0.99);
+    const auto shore = must(find_shore(world.maps.elevation, world.maps.mask, 20520.0));
+    EXPECT_EQ(shore.sea_level, 20520);
+    EXPECT_FALSE(shore.bright_is_land);
+    EXPECT_LT(shore.agreement, 0.99);
     for (const double beyond : {0.0, 40000.0, 65535.0, -1e9})
         EXPECT_NE(
             find_shore(world.maps.elevation, world.maps.mask, beyond).error().message.find("do not agree"),
             std::string::npos);
 }
 
-TEST(Shore, MapsThatDoNotAgreeAreRefused) {
+TEST(Shore, NeedsAgreeingMaps) {
     const MadeWorld world;
     // As if the mask began at longitude 0, or had south on top.
     const MadeMap turned = made_map(360, 1, 1, [](double longitude, double latitude, int) {
@@ -251,39 +249,31 @@ TEST(Shore, MapsThatDoNotAgreeAreRefused) {
                    ? 255.0
                    : 0;
     });
-    const auto refused = find_shore(world.maps.elevation, turned.map(), {});
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().kind, ErrorKind::input);
-    EXPECT_NE(refused.error().message.find("do not agree"), std::string::npos);
+    expect_error(find_shore(world.maps.elevation, turned.map(), {}), ErrorKind::input, "do not agree");
     SplitMix64 random(1);
     const MadeMap noise =
         made_map(360, 1, 1, [&](double, double, int) { return random.unit() < 0.3 ? 255.0 : 0; });
     EXPECT_FALSE(find_shore(world.maps.elevation, noise.map(), {}));
-    const MadeMap white = made_map(360, 1, 1, [](double, double, int) { return 255.0; });
-    EXPECT_NE(find_shore(world.maps.elevation, white.map(), {}).error().message.find("same everywhere"),
-              std::string::npos);
-    const MadeMap level = made_map(360, 1, 2, [](double, double, int) { return 700.0; });
-    EXPECT_NE(find_shore(level.map(), world.maps.mask, {}).error().message.find("level everywhere"),
-              std::string::npos);
+    const MadeMap white = even_map(255, 360);
+    expect_error(find_shore(world.maps.elevation, white.map(), {}), "same everywhere");
+    const MadeMap level = even_map(700, 360, 2);
+    expect_error(find_shore(level.map(), world.maps.mask, {}), "level everywhere");
 }
 
-TEST(Shore, OfNumbersInTooFewPlacesIsRefused) {
+TEST(Shore, NeedsEnoughNumbers) {
     const MadeWorld world(64);
-    // Of maps this wide every second pixel is looked at.
+    // In maps this wide every second pixel is looked at.
     const int width = 2050, height = 1025;
     std::vector<float> metres(static_cast<std::size_t>(width) * height, std::nanf(""));
     metres[static_cast<std::size_t>(width) * 513 + 1025] = 900;  // land
     metres[static_cast<std::size_t>(width) * 513 + 1] = -900;
     const GlobeMap sparse{{}, metres, width, height, 1};
     for (const std::optional<double> told : {std::optional<double>{}, std::optional(0.0)}) {
-        const auto shore = find_shore(sparse, world.maps.mask, told);
-        ASSERT_FALSE(shore);
-        EXPECT_NE(shore.error().message.find("the elevation map has too few numbers"), std::string::npos)
-            << shore.error().message;
+        expect_error(find_shore(sparse, world.maps.mask, told), "the elevation map has too few numbers");
     }
 }
 
-TEST(CubeGrid, PointsOfAnEdgeAreTheSameBitsOnEachFace) {
+TEST(CubeGrid, SharesEdgePointsExactly) {
     const CubeGrid grid(32);
     std::map<std::array<double, 3>, int> places;
     for (int face = 0; face < 6; ++face)
@@ -304,7 +294,7 @@ TEST(CubeGrid, PointsOfAnEdgeAreTheSameBitsOnEachFace) {
     EXPECT_EQ(places.size(), 6U * 33 * 33 - 12U * 31 - 8U * 2);
 }
 
-TEST(CubeGrid, CellsAreNearlyEqualAndNoneSmallerThanSaid) {
+TEST(CubeGrid, HasNearlyEqualCells) {
     const CubeGrid grid(64);
     double least = 10, most = 0;
     SplitMix64 random(3);
@@ -324,7 +314,7 @@ TEST(CubeGrid, CellsAreNearlyEqualAndNoneSmallerThanSaid) {
     EXPECT_LT(most, 1.2 * grid.spacing());
 }
 
-TEST(ValleyFloor, IsNowhereAboveTheGroundAndLevelBesideTheSea) {
+TEST(ValleyFloor, LiesUnderTheGround) {
     HeightGrid ground{180, 90, {}};
     SplitMix64 random(4);
     for (int y = 0; y < 90; ++y)
@@ -354,7 +344,7 @@ TEST(ValleyFloor, IsNowhereAboveTheGroundAndLevelBesideTheSea) {
     }
 }
 
-TEST(ValleyFloor, OfLevelGroundIsThatGroundAndThePoleIsAPlaceLikeAnyOther) {
+TEST(ValleyFloor, TreatsPoleLikeAnyPlace) {
     RowBands rows(1);
     HeightGrid level{72, 36, std::vector<float>(72 * 36, 0.7F)};
     for (const float value : valley_floor(level, 0.3, rows).values) ASSERT_NEAR(value, 0.7F, 1e-6F);
@@ -370,7 +360,7 @@ TEST(ValleyFloor, OfLevelGroundIsThatGroundAndThePoleIsAPlaceLikeAnyOther) {
     }
 }
 
-TEST(ValleyFloor, BesideAPoleReachesTheOtherSideOfIt) {
+TEST(ValleyFloor, ReachesAcrossPole) {
     RowBands rows(1);
     HeightGrid holed{72, 36, std::vector<float>(72 * 36, 0.7F)};
     holed.values[36] = 0;  // one cell of the row next to the pole, in reach of all others there
@@ -391,7 +381,7 @@ int kind(const RawFrame& frame, int x, int y) {
     return frame.haptic.sample(x, y) >= 94;  // half way between 0.4 and 1.2 N/mm in 0.1 to 2
 }
 
-TEST(Planet, ShowsLandAndSeaInEveryFrameOfATurn) {
+TEST(Planet, AlwaysShowsLandAndSea) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         const auto globe = planet_globe(180, 120, seed);
         for (int n = 0; n < 360; n += 30) {
@@ -425,7 +415,7 @@ TEST(Planet, HeightsRiseOnlyOnLand) {
     EXPECT_EQ(globe->scene().height_coding.units, HeightUnits::levels);
 }
 
-TEST(Planet, LandIsStifferAndRougherThanTheSeaAndTheBackgroundHasItsOwnFeel) {
+TEST(Planet, FeelsDifferentOnLand) {
     const auto globe = planet_globe(240, 160);
     const HapticRanges& ranges = globe->scene().haptic;
     const RawFrame frame = globe->frame(0);
@@ -470,7 +460,7 @@ int best_shift(const RawFrame& from, const RawFrame& to) {
     return best;
 }
 
-TEST(Planet, TurnsToTheRightOnceInTwelveSeconds) {
+TEST(Planet, TurnsRightIn12Seconds) {
     const auto globe = planet_globe(360, 240);
     // 5 degrees of a radius of 96 pixels; the axis leans, so a little less along a row.
     EXPECT_NEAR(best_shift(globe->frame(20), globe->frame(25)), 8, 2);
@@ -481,7 +471,7 @@ TEST(Planet, TurnsToTheRightOnceInTwelveSeconds) {
     EXPECT_LE(differ, 1);
 }
 
-TEST(Planet, DepthStandsStillWhileTheSurfaceTurns) {
+TEST(Planet, KeepsDepthWhileTurning) {
     const auto globe = planet_globe(90, 60);
     const RawFrame a = globe->frame(0), b = globe->frame(1);
     EXPECT_EQ(std::memcmp(a.depth.data, b.depth.data, 90U * 60U * 2U), 0);
@@ -495,12 +485,12 @@ TEST(Planet, SeedsMakeDifferentPlanets) {
     EXPECT_NE(std::memcmp(a.haptic.data, b.haptic.data, 90U * 60U * 3U), 0);
 }
 
-TEST(Planet, ClaimsNoTruthForItsRelief) {
+TEST(Planet, ClaimsNoTruth) {
     const glm::dvec3 goal{0, 0, -70};
     EXPECT_FALSE(planet_globe(90, 60)->closest(goal, goal, 0));
 }
 
-TEST(Planet, GroundIsContinuousAcrossTheWholeSphere) {
+TEST(Planet, HasContinuousGround) {
     const Planet planet(1);
     SplitMix64 random(9);
     for (int trial = 0; trial < 2000; ++trial) {
@@ -517,4 +507,4 @@ TEST(Planet, GroundIsContinuousAcrossTheWholeSphere) {
 }
 
 }  // namespace
-}  // namespace touchable
+}  // namespace touchable::test

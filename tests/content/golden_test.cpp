@@ -10,7 +10,7 @@
 
 // Generated scenes and strokes are the same bits on every compiler, optimisation level and machine: these
 // sums were taken once and change only when a scene is changed on purpose.
-namespace touchable {
+namespace touchable::test {
 namespace {
 
 class Sum : public ByteHash {
@@ -46,7 +46,7 @@ std::uint64_t sum_of(std::string_view name, bool properties) {
     return sum.value();
 }
 
-TEST(Golden, ScenesAreTheSameBitsEverywhere) {
+TEST(GoldenSums, MatchScenes) {
     const std::map<std::string, std::uint64_t> expected{
         {"globe", 0x4f77d42536996ca0U},  {"bumps", 0x65a51477c046e06dU}, {"rough", 0x976a1fadbde4589cU},
         {"moving", 0xb2e4e26096ada87cU}, {"plane", 0xf190a6efff15d4afU}, {"spheres", 0x8537fbe08ba07457U},
@@ -59,7 +59,7 @@ TEST(Golden, ScenesAreTheSameBitsEverywhere) {
     EXPECT_EQ(sum_of("globe", true), 0x4b29d40d1a6c6dc2U) << std::hex << " 0x" << sum_of("globe", true);
 }
 
-TEST(Golden, StrokesAreTheSameBitsEverywhere) {
+TEST(GoldenSums, MatchStrokes) {
     Sum globe, relief, walk;
     const GlobeStroke globe_stroke(CameraPreset::b, 720, 480);
     for (int tick = 0; tick < 20200; tick += 3) globe.add(globe_stroke.at(tick).goal);
@@ -73,4 +73,4 @@ TEST(Golden, StrokesAreTheSameBitsEverywhere) {
 }
 
 }  // namespace
-}  // namespace touchable
+}  // namespace touchable::test

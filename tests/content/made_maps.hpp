@@ -14,7 +14,7 @@
 #include "engine/content/scenes.hpp"
 #include "engine/content/seeded_noise.hpp"
 
-namespace touchable {
+namespace touchable::test {
 
 /// The scene, or a failed test that says why there is none.
 inline std::unique_ptr<AnalyticScene> made(std::string_view name, const SceneOptions& options = {}) {
@@ -78,6 +78,11 @@ inline MadeMap made_map(int width, int channels, int bytes,
     return made;
 }
 
+/// The same grey everywhere.
+inline MadeMap even_map(double value, int width = 64, int bytes = 1) {
+    return made_map(width, 1, bytes, [=](double, double, int) { return value; });
+}
+
 /// A world of one continent, 1.4 radians wide around longitude 0, with two mountain ranges across it.
 /// Elevation: 16 bits, 20000 is the sea; mask: `land` and `ocean`.
 struct MadeWorld {
@@ -116,4 +121,4 @@ struct MadeWorld {
     MadeWorld& operator=(const MadeWorld&) = delete;
 };
 
-}  // namespace touchable
+}  // namespace touchable::test

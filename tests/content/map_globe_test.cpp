@@ -7,8 +7,9 @@
 #include "engine/content/families.hpp"
 #include "engine/content/mapped_ground.hpp"
 #include "tests/content/made_maps.hpp"
+#include "tests/frame/must.hpp"
 
-namespace touchable {
+namespace touchable::test {
 namespace {
 
 using wide = long double;
@@ -38,7 +39,7 @@ wide first_root(wide from, wide to, wide step, Gap&& gap) {
     return -1;
 }
 
-TEST(DisplacedSphere, OfOneHeightIsASphere) {
+TEST(DisplacedSphere, IsSphereAtConstantHeight) {
     const CubeGrid grid(128);
     RowBands rows(2);
     const DisplacedSphere sphere(grid, std::vector<float>(grid.points(), 0.03125F), rows);
@@ -59,7 +60,7 @@ TEST(DisplacedSphere, OfOneHeightIsASphere) {
     EXPECT_GT(met, 1000);
 }
 
-TEST(DisplacedSphere, RaysMeetBrokenGroundWhereSmallStepsFindIt) {
+TEST(DisplacedSphere, MatchesMarchedRays) {
     const CubeGrid grid(128);
     std::vector<float> rise(grid.points());
     for (int face = 0; face < 6; ++face)
@@ -90,7 +91,7 @@ TEST(DisplacedSphere, RaysMeetBrokenGroundWhereSmallStepsFindIt) {
         const wide expected = first_root(1.7L, 4.2L, 0.0005L, gap);
         const auto hit = sphere.first_hit(from, ray);
         if (!hit || expected < 0) {
-            // Who only just touches may be seen by one of both.
+            // A ray that only just touches may be seen by one of both.
             if (hit.has_value() != (expected >= 0)) {
                 wide least = 1;
                 for (wide s = 1.7L; s < 4.2L; s += 0.0001L) least = std::min(least, gap(s));
@@ -113,7 +114,7 @@ TEST(DisplacedSphere, RaysMeetBrokenGroundWhereSmallStepsFindIt) {
     EXPECT_GT(missed, 100);
 }
 
-TEST(CubePyramid, IsTheMeanOfWhatAPixelCoversWithoutASeam) {
+TEST(CubePyramid, AveragesWithoutSeams) {
     RowBands rows(2);
     // Stripes of a cell's width, of which nothing is left from afar but their mean.
     const CubePyramid<2> pyramid(64, rows, [](const glm::dvec3& d) {
@@ -148,10 +149,10 @@ SceneOptions with_maps(const GlobeMaps& maps, int width, int height, int bits = 
     return options;
 }
 
-TEST(MapGlobe, OfOneElevationIsASphereOfThatRadius) {
+TEST(MapGlobe, IsSphereAtConstantElevation) {
     MadeWorld world(180);
-    const MadeMap level = made_map(64, 1, 2, [](double, double, int) { return 40000.0; });
-    const MadeMap land = made_map(64, 1, 1, [](double, double, int) { return 255.0; });
+    const MadeMap level = even_map(40000, 64, 2);
+    const MadeMap land = even_map(255);
     world.maps.elevation = level.map();
     world.maps.mask = land.map();
     world.maps.shore = {20000, 60000, true, 127, 1};  // half of the relief
@@ -179,12 +180,12 @@ TEST(MapGlobe, OfOneElevationIsASphereOfThatRadius) {
 
 /// Elevation cos^2 of the latitude, all of it in the shape: what bisection in long double finds of the closed
 /// form.
-TEST(MapGlobe, DepthIsThatOfTheClosedForm) {
+TEST(MapGlobe, MatchesClosedForm) {
     MadeWorld world(180);
     const MadeMap hill = made_map(1000, 1, 2, [](double, double latitude, int) {
         return 65535 * std::cos(latitude) * std::cos(latitude);
     });
-    const MadeMap land = made_map(64, 1, 1, [](double, double, int) { return 255.0; });
+    const MadeMap land = even_map(255);
     world.maps.elevation = hill.map();
     world.maps.mask = land.map();
     world.maps.shore = {0, 65535, true, 127, 1};
@@ -223,7 +224,7 @@ TEST(MapGlobe, DepthIsThatOfTheClosedForm) {
     EXPECT_GT(met, 500);
 }
 
-TEST(MapGlobe, ShapeAndHeightTogetherAreTheReliefAndTheOceanIsLevel) {
+TEST(MapGlobe, SplitsReliefBySmoothness) {
     MadeWorld world(500);
     SceneOptions options = with_maps(world.maps, 300, 200);
     options.axial_tilt_degrees = 0;  // so that the globe's own frame is the world's
@@ -271,7 +272,7 @@ std::array<int, 3> haptic_codes(const RawFrame& frame, int x, int y) {
     return {frame.haptic.sample(x, y, 0), frame.haptic.sample(x, y, 1), frame.haptic.sample(x, y, 2)};
 }
 
-TEST(MapGlobe, LandIsStiffAndRoughOrAsTheHapticMapSays) {
+TEST(MapGlobe, FeelsAsMapSays) {
     MadeWorld world(90);
     const RawFrame by_mask = made("globe", with_maps(world.maps, 150, 100))->frame(0);
     EXPECT_EQ(haptic_codes(by_mask, 75, 40), (std::array{148, 153, 115}));  // 1.2 N/mm, 0.6, 0.45
@@ -286,7 +287,7 @@ TEST(MapGlobe, LandIsStiffAndRoughOrAsTheHapticMapSays) {
     EXPECT_EQ(haptic_codes(by_map, 2, 2), (std::array{94, 77, 51}));
 }
 
-TEST(MapGlobe, MapsOfTenBitsAreAsBrightAndStiffAsThoseOfEight) {
+TEST(MapGlobe, ScalesTenBitMaps) {
     MadeWorld world(90);
     const auto all = [](int bytes, double code) {
         return made_map(64, 3, bytes, [=](double, double, int c) { return c == 1 ? code : 0; });
@@ -310,7 +311,7 @@ TEST(MapGlobe, MapsOfTenBitsAreAsBrightAndStiffAsThoseOfEight) {
 }
 
 // Water in the mask: a lake, another one across the date line, and a bay of the ocean.
-TEST(MapGlobe, LakesAboveTheSeaKeepTheirElevation) {
+TEST(MapGlobe, KeepsElevationOfLakes) {
     MadeWorld world;
     const auto is_lake = [](double longitude, double latitude) {
         return std::hypot(longitude - 0.2, latitude + 0.2) < 0.15;
@@ -334,15 +335,14 @@ TEST(MapGlobe, LakesAboveTheSeaKeepTheirElevation) {
     world.maps.mask = mask.map();
     world.maps.elevation = elevation.map();
     RowBands rows(2);
-    const auto ground = map_ground(world.maps, 0.02, rows);
-    ASSERT_TRUE(ground) << ground.error().message;
+    const auto ground = must(map_ground(world.maps, 0.02, rows));
     const auto expect_at = [&](double longitude, double latitude, double stored) {
         const glm::dvec3 place{std::cos(latitude) * std::sin(longitude), std::sin(latitude),
                                std::cos(latitude) * std::cos(longitude)};
         const double expected = std::max(0.0, (stored - 20000) / 45535);
-        EXPECT_NEAR((*ground)->look.mean(place, 0.02, MappedGround::elevation), expected, 0.02) << longitude;
-        EXPECT_NEAR((*ground)->look.mean(place, 0.02, MappedGround::land), 0, 1e-6) << longitude;
-        EXPECT_NEAR((*ground)->shape.rise(place), 0.03 * expected, 0.005) << longitude;
+        EXPECT_NEAR(ground->look.mean(place, 0.02, MappedGround::elevation), expected, 0.02) << longitude;
+        EXPECT_NEAR(ground->look.mean(place, 0.02, MappedGround::land), 0, 1e-6) << longitude;
+        EXPECT_NEAR(ground->shape.rise(place), 0.03 * expected, 0.005) << longitude;
     };
     expect_at(0.2, -0.2, MadeWorld::height(0.2, -0.2));
     for (const double longitude : {3.1, -3.1}) expect_at(longitude, 0, 40000);
@@ -350,9 +350,9 @@ TEST(MapGlobe, LakesAboveTheSeaKeepTheirElevation) {
     expect_at(-2, 0, 0);
 }
 
-TEST(MapGlobe, WhatIsNoFiniteElevationIsNoMountain) {
+TEST(MapGlobe, IgnoresInfiniteElevations) {
     MadeWorld world(64);
-    const MadeMap land = made_map(64, 1, 1, [](double, double, int) { return 255.0; });
+    const MadeMap land = even_map(255);
     world.maps.mask = land.map();
     world.maps.shore = {0, 1000, true, 127, 1};
     world.maps.relief = 0.04;
@@ -362,13 +362,12 @@ TEST(MapGlobe, WhatIsNoFiniteElevationIsNoMountain) {
         std::vector<float> metres(64 * 32, 500);
         metres[15 * 64 + 40] = odd;
         world.maps.elevation = {{}, metres, 64, 32, 1};
-        const auto ground = map_ground(world.maps, 0.05, rows);
-        ASSERT_TRUE(ground) << ground.error().message;
-        EXPECT_NEAR((*ground)->shape.highest(), 0.02, 1e-8) << odd;
+        const auto ground = must(map_ground(world.maps, 0.05, rows));
+        EXPECT_NEAR(ground->shape.highest(), 0.02, 1e-8) << odd;
     }
 }
 
-TEST(MapGlobe, TurnsAsItIsToldAndLooksTheSameAfterATurn) {
+TEST(MapGlobe, TurnsAsRequested) {
     MadeWorld world(180);
     SceneOptions options = with_maps(world.maps, 150, 100);
     options.axial_tilt_degrees = 0;
@@ -386,15 +385,14 @@ TEST(MapGlobe, TurnsAsItIsToldAndLooksTheSameAfterATurn) {
         return count > 0 ? sum / count : -1;
     };
     EXPECT_LT(land_at(0), 50);
-    EXPECT_NEAR(land_at(10), 75,
-                1);  // a quarter of a turn later it is in front, and so has moved to the right
+    EXPECT_NEAR(land_at(10), 75, 1);  // in front a quarter of a turn later: moved to the right
     EXPECT_GT(land_at(20), 100);
     EXPECT_EQ(land_at(30), -1);
     EXPECT_EQ(globe->depth(60, 40, 3), globe->depth(60, 40, 43));
 }
 
 /// Bytes of all planes; the maps are made by what is the same bits on every machine, too.
-TEST(MapGlobe, IsTheSameBitsWithAnyNumberOfThreadsAndEverywhere) {
+TEST(MapGlobe, GivesSameBitsEverywhere) {
     const MadeMap colour = made_map(120, 3, 1, [](double longitude, double latitude, int c) {
         return 128 + 100 * sine(5 * longitude + c) * cosine(3 * latitude);
     });
@@ -409,9 +407,8 @@ TEST(MapGlobe, IsTheSameBitsWithAnyNumberOfThreadsAndEverywhere) {
     maps.elevation = elevation.map();
     maps.mask = mask.map();
     maps.smoothing_degrees = 3;
-    const auto shore = find_shore(maps.elevation, maps.mask, {});
-    ASSERT_TRUE(shore) << shore.error().message;
-    maps.shore = *shore;
+    const auto shore = must(find_shore(maps.elevation, maps.mask, {}));
+    maps.shore = shore;
     for (const int threads : {1, 2, 5}) {
         SceneOptions options = with_maps(maps, 96, 64);
         options.threads = threads;
@@ -424,13 +421,13 @@ TEST(MapGlobe, IsTheSameBitsWithAnyNumberOfThreadsAndEverywhere) {
     }
 }
 
-TEST(MapGlobe, WithoutTruthOfWhatIsNearestSaysNothing) {
+TEST(MapGlobe, ClaimsNoTruth) {
     MadeWorld world(64);
     const glm::dvec3 goal{0, 0, -70};
     EXPECT_FALSE(made("globe", with_maps(world.maps, 90, 60))->closest(goal, goal, 0));
 }
 
-TEST(MapGlobe, ImpossibleOnesAreRefused) {
+TEST(MapGlobe, RejectsImpossibleOptions) {
     MadeWorld world(64);
     const auto refusal = [](const SceneOptions& options, const char* name = "globe") {
         const auto scene = make_scene(name, options);
@@ -451,4 +448,4 @@ TEST(MapGlobe, ImpossibleOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace touchable
+}  // namespace touchable::test

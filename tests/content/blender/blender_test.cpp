@@ -28,28 +28,15 @@
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
+namespace {
 
-/// Whether there is a Blender to run.
-bool has_blender();
+namespace fs = std::filesystem;
 
-/// What a run of Blender left behind.
+/// The result of a run of Blender.
 struct BlenderRun {
     int code = -1;            ///< exit code; -signal where it died of one
     std::string told, error;  ///< lines of `touchable: ...` on standard output, and on standard error
 };
-
-/// Runs Blender without a window, with Python files one after the other, and words behind "--". `environment`
-/// has lines NAME=value. Sends SIGINT once that `is_enough`.
-BlenderRun run_blender(const std::vector<std::filesystem::path>& scripts,
-                       const std::vector<std::string>& words, const std::vector<std::string>& environment,
-                       const std::function<bool()>& is_enough = nullptr);
-
-/// Exports the scene of test_scenes.py that has this name.
-BlenderRun export_scene(const std::string& scene, const std::vector<std::string>& words,
-                        const std::function<bool()>& is_enough = nullptr);
-
-namespace fs = std::filesystem;
-namespace {
 
 std::string lines_of(const fs::path& file, const std::string& beginning) {
     std::ifstream in(file);
@@ -66,14 +53,16 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
     return pointers;
 }
 
-}  // namespace
-
+/// Whether there is a Blender to run.
 bool has_blender() {
     return std::system("blender --version >/dev/null 2>&1") == 0;
 }
 
+/// Runs Blender without a window, with Python files one after the other, and words behind "--". `environment`
+/// has lines NAME=value. Sends SIGINT once that `is_enough`.
 BlenderRun run_blender(const std::vector<fs::path>& scripts, const std::vector<std::string>& words,
-                       const std::vector<std::string>& environment, const std::function<bool()>& is_enough) {
+                       const std::vector<std::string>& environment,
+                       const std::function<bool()>& is_enough = nullptr) {
     const TemporaryFolder streams;
     std::vector<std::string> all{"env"};
     all.insert(all.end(), environment.begin(), environment.end());
@@ -106,8 +95,9 @@ BlenderRun run_blender(const std::vector<fs::path>& scripts, const std::vector<s
             lines_of(err, "")};
 }
 
+/// Exports the scene of test_scenes.py that has this name.
 BlenderRun export_scene(const std::string& scene, const std::vector<std::string>& words,
-                        const std::function<bool()>& is_enough) {
+                        const std::function<bool()>& is_enough = nullptr) {
     const fs::path root(TOUCHABLE_SOURCE_DIR);
     return run_blender(
         {root / "tests/content/blender/test_scenes.py", root / "engine/content/blender/export.py"}, words,
@@ -121,38 +111,28 @@ struct Exported {
 
     const Scene& scene() const { return reader->scene(); }
     /// Planar depth in metres; nothing: no surface.
-    std::optional<double> depth(int x, int y, std::size_t frame = 0) const;
-    HapticProperties haptic(int x, int y, std::size_t frame = 0) const;
-    double height(int x, int y) const;  ///< metres
+    std::optional<double> depth(int x, int y, std::size_t frame = 0) const {
+        const std::uint16_t code = frames[frame].depth.sample(x, y);
+        if (!scene().depth.is_valid(code)) return std::nullopt;
+        return scene().depth.depth(code) * scene().metres_per_unit;
+    }
+    HapticProperties haptic(int x, int y, std::size_t frame = 0) const {
+        const PlaneView& plane = frames[frame].haptic;
+        const auto code = [&](int channel) { return static_cast<std::uint8_t>(plane.sample(x, y, channel)); };
+        return scene().haptic.at(code(0), code(1), code(2));
+    }
+    double height(int x, int y) const {  ///< metres
+        const HeightCoding& coding = scene().height_coding;
+        return coding.max_height * frames[0].height.sample(x, y) / coding.code_max * scene().metres_per_unit;
+    }
     /// How far a stored depth is from the code that the true depth has.
-    double codes_off(int x, int y, double true_depth) const;
+    double codes_off(int x, int y, double true_depth) const {
+        const DepthCoding& coding = scene().depth;
+        return std::abs(frames[0].depth.sample(x, y) - coding.code(true_depth / scene().metres_per_unit));
+    }
 };
 
 /// Fails the test, and gives no frames, where it does not open.
-Exported open_exported(const std::string& file);
-
-std::optional<double> Exported::depth(int x, int y, std::size_t frame) const {
-    const std::uint16_t code = frames[frame].depth.sample(x, y);
-    if (!scene().depth.is_valid(code)) return std::nullopt;
-    return scene().depth.depth(code) * scene().metres_per_unit;
-}
-
-HapticProperties Exported::haptic(int x, int y, std::size_t frame) const {
-    const PlaneView& plane = frames[frame].haptic;
-    const auto code = [&](int channel) { return static_cast<std::uint8_t>(plane.sample(x, y, channel)); };
-    return scene().haptic.at(code(0), code(1), code(2));
-}
-
-double Exported::height(int x, int y) const {
-    const HeightCoding& coding = scene().height_coding;
-    return coding.max_height * frames[0].height.sample(x, y) / coding.code_max * scene().metres_per_unit;
-}
-
-double Exported::codes_off(int x, int y, double true_depth) const {
-    const DepthCoding& coding = scene().depth;
-    return std::abs(frames[0].depth.sample(x, y) - coding.code(true_depth / scene().metres_per_unit));
-}
-
 Exported open_exported(const std::string& file) {
     Exported exported;
     auto reader = open_clip(file);
@@ -171,19 +151,12 @@ Exported open_exported(const std::string& file) {
 
 enum class OnTable { table, ball, can, sponge, egg, coaster };
 
-/// Where a pixel's ray meets the scene of engine/content/blender/scenes/table.py.
+/// The point at which a pixel's ray meets the scene of engine/content/blender/scenes/table.py.
 struct TableHit {
     double depth = 1e9;  ///< metres along the axis
     OnTable thing = OnTable::table;
     bool is_plain = true;  ///< not on a round edge, which has no formula here
 };
-
-TableHit table_hit(const Camera& camera, double x, double y);
-
-}  // namespace touchable::test
-
-namespace touchable::test {
-namespace {
 
 using Vec = glm::dvec3;
 
@@ -261,8 +234,6 @@ void meet_sponge(const Ray& ray, TableHit& hit) {
     keep(hit, enter, OnTable::sponge, is_plain);
 }
 
-}  // namespace
-
 TableHit table_hit(const Camera& camera, double x, double y) {
     const Vec forward = glm::normalize(camera_target - camera_place);
     const Vec right = glm::normalize(glm::cross(forward, Vec(0, 0, 1))), up = glm::cross(right, forward);
@@ -287,11 +258,7 @@ TableHit table_hit(const Camera& camera, double x, double y) {
     return hit;
 }
 
-}  // namespace touchable::test
-namespace touchable::test {
-namespace {
-
-// What Blender renders, exported, against surfaces in closed form, read as anybody reads a clip.
+// Exported renders of Blender against surfaces in closed form, read like any clip.
 
 class Blender : public ::testing::Test {
 protected:
@@ -363,7 +330,7 @@ std::optional<double> sphere_depth(double u, double v) {
     return (5 - std::sqrt(root)) / a;
 }
 
-TEST_F(Blender, SphereIsRoundAndPushesOutward) {
+TEST_F(Blender, MakesRoundSpheres) {
     const Exported clip = exported("sphere");
     ASSERT_EQ(clip.frames.size(), 1u);
     const Camera& camera = clip.scene().camera;
@@ -415,7 +382,7 @@ double ramp_height(double u) {
     return (texels[(left + 8) % 8] * (1 - share) + texels[(left + 1) % 8] * share) / 255;
 }
 
-TEST_F(Blender, TexturesOfHeightAndHapticsAreWhatIsSeen) {
+TEST_F(Blender, BakesHeightAndHapticTextures) {
     const Exported clip = exported("textures");
     ASSERT_EQ(clip.frames.size(), 1u);
     ASSERT_EQ(clip.scene().height_coding.code_max, 65535);
@@ -462,7 +429,7 @@ TEST_F(Blender, TexturesOfHeightAndHapticsAreWhatIsSeen) {
     EXPECT_LT(height_off, 0.01 / 65535);
 }
 
-TEST_F(Blender, ThingsOnTheTableAreWhatTheyAre) {
+TEST_F(Blender, ExportsThingsOnTable) {
     const Exported clip = exported("table");
     ASSERT_EQ(clip.frames.size(), 1u);
     const std::array<std::array<double, 3>, 6> felt{{{1.6, 0.45, 0.35},
@@ -500,7 +467,7 @@ TEST_F(Blender, ThingsOnTheTableAreWhatTheyAre) {
     }
 }
 
-TEST_F(Blender, CameraMovesAndTheWallIsTouchedInItsFrame) {
+TEST_F(Blender, FollowsMovingCamera) {
     const Exported clip = exported("moving");
     ASSERT_EQ(clip.frames.size(), 3u);
     EXPECT_EQ(clip.frames[1].time_ns, 2 * 1001000000LL / 30);
@@ -511,7 +478,7 @@ TEST_F(Blender, CameraMovesAndTheWallIsTouchedInItsFrame) {
     }
 }
 
-TEST_F(Blender, WhatIsNotBetweenThePlanesAsToldIsNoSurface) {
+TEST_F(Blender, ClipsAtStatedPlanes) {
     const Exported clip = exported("moving", {"--no-colour", "--near", "3.9", "--far", "4.4"});
     ASSERT_EQ(clip.frames.size(), 3u);
     EXPECT_FALSE(clip.depth(20, 30, 0));
@@ -519,7 +486,7 @@ TEST_F(Blender, WhatIsNotBetweenThePlanesAsToldIsNoSurface) {
     EXPECT_FALSE(clip.depth(20, 30, 2));
 }
 
-TEST_F(Blender, OrdinarySceneIsGuessedAndTouches) {
+TEST_F(Blender, GuessesOrdinaryScenes) {
     const Exported clip = exported("ordinary", {});
     ASSERT_EQ(clip.frames.size(), 1u) << "nothing moves";
     EXPECT_NE(run.told.find("nothing moves"), std::string::npos) << run.told;
@@ -533,7 +500,7 @@ TEST_F(Blender, OrdinarySceneIsGuessedAndTouches) {
     EXPECT_GT(touch({file(), "--hand", "press", "--seconds", "1"}).at("contact_ticks").get<int>(), 100);
 }
 
-TEST_F(Blender, WithoutTheProgramItIsAFolderThatConvertsToTheSameClip) {
+TEST_F(Blender, WritesFolderWithoutTheProgram) {
     const std::string out = folder / "pictures", later = folder / "later.mkv";
     const BlenderRun folder_run = export_scene("moving", {out, "--no-colour"});
     ASSERT_EQ(folder_run.code, 0) << folder_run.error;
@@ -555,27 +522,27 @@ TEST_F(Blender, LeavesNothingAtCtrlC) {
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{});
 }
 
-TEST_F(Blender, CameraAgreesWithBlenderAndRangesAreExact) {
+TEST_F(Blender, MatchesBlendersCamera) {
     check_in_blender("cameras ranges guesses relief opacity what_moves");
 }
 
-TEST_F(Blender, AddOnExportsWhatIsInTheWindowAndTouchesIt) {
+TEST_F(Blender, ExportsFromItsWindow) {
     check_in_blender("addon");
 }
 
-TEST_F(Blender, AnimatedReliefAndRenderRegionAreWhatTheCameraSees) {
+TEST_F(Blender, ExportsAnimatedRelief) {
     check_in_blender("whole_picture animated no_numbers broken_textures short_files");
 }
 
-TEST_F(Blender, OutputIsTheNewOneWholeOrTheOldOne) {
+TEST_F(Blender, ReplacesOutputAtomically) {
     check_in_blender("replaces becomes signals", "output_checks.py");
 }
 
-TEST_F(Blender, ItsChildMayDoNoMoreThanThisBlenderAndEndsInTime) {
+TEST_F(Blender, RestrictsItsChild) {
     check_in_blender("cancels scripts", "output_checks.py");
 }
 
-TEST_F(Blender, WhatAClipCannotSayIsRefused) {
+TEST_F(Blender, RejectsWhatClipsCannotHold) {
     check_in_blender("refusals");
 }
 
