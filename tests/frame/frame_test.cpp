@@ -15,7 +15,7 @@
 #include "engine/scene/plane_memory.hpp"
 #include "tests/frame/random.hpp"
 
-namespace touchable {
+namespace touchable::test {
 namespace {
 
 /// A plane of known samples: `padding` bytes of junk after each row, and `skew` before the first (odd
@@ -48,7 +48,7 @@ private:
     }
 };
 
-TEST(PlaneView, SamplesEveryDepthChannelStrideAndAlignment) {
+TEST(PlaneView, SamplesEveryLayout) {
     for (int bytes : {1, 2})
         for (int channels : {1, 3})
             for (int padding : {0, 1, 64})
@@ -61,7 +61,7 @@ TEST(PlaneView, SamplesEveryDepthChannelStrideAndAlignment) {
                 }
 }
 
-TEST(PlaneView, NegativeStrideReadsRowsBottomUp) {
+TEST(PlaneView, ReadsRowsBottomUp) {
     const OwnedPlane plane(4, 3, 2, 1, 6, 0);
     PlaneView flipped = plane.view;
     flipped.data = plane.view.row(2);
@@ -88,7 +88,7 @@ void expect_touch_planes(const OwnedPlane& haptic, const OwnedPlane& height, con
         }
 }
 
-TEST(TouchPlanes, AreCopiedWholeWhateverTheStrideIntoARecycledSlotOfAnySize) {
+TEST(TouchPlanes, AreCopiedIntoAnySlot) {
     SurfaceFrame frame;
     for (const auto& [w, h] : {std::pair{9, 4}, {1, 1}, {1, 7}, {33, 16}})
         for (int bytes : {1, 2})
@@ -104,7 +104,7 @@ TEST(TouchPlanes, AreCopiedWholeWhateverTheStrideIntoARecycledSlotOfAnySize) {
             }
 }
 
-TEST(TouchPlanes, AreEmptiedWhereTheRawFrameHasNone) {
+TEST(TouchPlanes, AreEmptiedWithoutRawPlanes) {
     const OwnedPlane haptic(3, 2, 1, 3, 0, 0), height(3, 2, 1, 1, 0, 0);
     SurfaceFrame frame;
     RawFrame raw;
@@ -124,8 +124,8 @@ TEST(TouchPlanes, AreEmptiedWhereTheRawFrameHasNone) {
 static_assert(!std::is_copy_constructible_v<SurfaceFrame> && !std::is_move_constructible_v<SurfaceFrame> &&
               !std::is_copy_assignable_v<SurfaceFrame> && !std::is_move_assignable_v<SurfaceFrame>);
 
-TEST(SurfaceFrame, ValidityIsOneBitPerPixelLowBitFirstInRowsOfWholeWords) {
-    test::Random random(1);
+TEST(SurfaceFrame, PacksValidityIntoWords) {
+    Random random(1);
     for (int width : {1, 31, 32, 33, 65}) {
         SurfaceFrame frame;
         frame.width = width;
@@ -161,7 +161,7 @@ void expect_nearest_tile(int cell, int tile, int tiles, int pixels) {
         }
 }
 
-TEST(TileGrid, EveryCellLiesInItsTileOrTheNearestOneAndSoDoItsVertices) {
+TEST(TileGrid, FindsNearestTileOfCell) {
     for (int pixels = 1; pixels <= 100; ++pixels) {
         const TileGrid across = TileGrid::of(pixels, 1), down = TileGrid::of(1, pixels);
         EXPECT_EQ(across.tiles_y, 1);
@@ -173,7 +173,7 @@ TEST(TileGrid, EveryCellLiesInItsTileOrTheNearestOneAndSoDoItsVertices) {
     }
 }
 
-TEST(TileGrid, HasNoTileWithoutACell) {
+TEST(TileGrid, GivesEachTileACell) {
     EXPECT_EQ(TileGrid::of(1, 1).tiles_x, 1);
     EXPECT_EQ(TileGrid::of(2, 1).tiles_x, 1);
     EXPECT_EQ(TileGrid::of(17, 1).tiles_x, 1);
@@ -184,15 +184,9 @@ TEST(TileGrid, HasNoTileWithoutACell) {
     EXPECT_EQ(TileGrid::of(1920, 1080).tiles_y, 68);
 }
 
-}  // namespace
-}  // namespace touchable
-
-namespace touchable::test {
-namespace {
-
 using Array = FrameArray<std::uint16_t>;
 
-/// Somebody's memory, and whether it still lives.
+/// Memory of another owner, and whether it still lives.
 struct Lent {
     std::shared_ptr<std::vector<std::uint16_t>> memory =
         std::make_shared<std::vector<std::uint16_t>>(std::vector<std::uint16_t>{7, 8, 9});
@@ -204,7 +198,7 @@ struct Lent {
     }
 };
 
-TEST(FrameArray, OwnsWhatItIsResizedTo) {
+TEST(FrameArray, OwnsItsElements) {
     Array array;
     EXPECT_TRUE(array.empty());
     array.resize(3);
@@ -220,7 +214,7 @@ TEST(FrameArray, OwnsWhatItIsResizedTo) {
     EXPECT_EQ(array.size(), 0U);
 }
 
-TEST(FrameArray, ReadsAndWritesAdoptedMemoryWithoutACopyAndKeepsItAlive) {
+TEST(FrameArray, UsesAdoptedMemoryInPlace) {
     Lent lent;
     const std::uint16_t* where = lent.memory->data();
     Array array;
@@ -233,7 +227,7 @@ TEST(FrameArray, ReadsAndWritesAdoptedMemoryWithoutACopyAndKeepsItAlive) {
     EXPECT_TRUE(array.adopted());
 }
 
-TEST(FrameArray, LetsGoOfAdoptedMemoryWhenItsSizeChanges) {
+TEST(FrameArray, ReleasesAdoptedMemoryOnResize) {
     const auto changes = {+[](Array& a) { a.resize(3); }, +[](Array& a) { a.assign(3, 0); },
                           +[](Array& a) { a.clear(), a.resize(3); }};
     for (const auto change : changes) {
@@ -247,7 +241,7 @@ TEST(FrameArray, LetsGoOfAdoptedMemoryWhenItsSizeChanges) {
     }
 }
 
-TEST(FrameArray, CopiesOwnTheirMemoryAndMovesTakeItAlong) {
+TEST(FrameArray, CopiesAndMovesMemory) {
     Lent lent;
     Array array;
     lent.give(array);
@@ -263,12 +257,6 @@ TEST(FrameArray, CopiesOwnTheirMemoryAndMovesTakeItAlong) {
     EXPECT_TRUE(lent.watched.expired());
     EXPECT_EQ(moved, (std::vector<std::uint16_t>{7, 8, 9}));
 }
-
-}  // namespace
-}  // namespace touchable::test
-
-namespace touchable {
-namespace {
 
 /// The hue of HSV in turns, 0 to below 1, as textbooks have it.
 double hue_of(int r, int g, int b) {
@@ -295,7 +283,7 @@ uint code_of(int r, int g, int b) {
     return hue_code(static_cast<uint>(r), static_cast<uint>(g), static_cast<uint>(b));
 }
 
-TEST(HueCode, OfEveryColourIsItsHueToHalfACode) {
+TEST(HueCode, RoundsEveryColoursHue) {
     double worst = 0;
     uint largest = 0;
     for_every_colour([&](int r, int g, int b) {
@@ -308,13 +296,13 @@ TEST(HueCode, OfEveryColourIsItsHueToHalfACode) {
     EXPECT_EQ(largest, 1535U);
 }
 
-TEST(HueCode, EveryCodeIsSomeColours) {
+TEST(HueCode, ReachesEveryCode) {
     std::vector<bool> met(1536);
     for_every_colour([&](int r, int g, int b) { met[code_of(r, g, b)] = true; });
     EXPECT_EQ(std::count(met.begin(), met.end(), true), 1536);
 }
 
-TEST(HueCode, FullySaturatedHuesAllDiffer) {
+TEST(HueCode, DiffersForSaturatedHues) {
     // The way round the colour cube's edges, one step of one byte at a time.
     std::array<int, 3> colour{255, 0, 0};
     constexpr std::array<std::array<int, 2>, 6> legs{{{1, 1}, {0, -1}, {2, 1}, {1, -1}, {0, 1}, {2, -1}}};
@@ -336,8 +324,8 @@ TEST(HueCode, FullySaturatedHuesAllDiffer) {
     FAIL() << "never came back to red";
 }
 
-TEST(HueCode, SectorsMeetWithoutAStep) {
-    // Where two channels are equal, both sectors' formulas must say the same; a step to either side moves the
+TEST(HueCode, JoinsSectorsSmoothly) {
+    // For two equal channels, both sectors' formulas must say the same; a step to either side moves the
     // code by no more than the step in hue.
     for (int most = 1; most < 256; ++most)
         for (int least = 0; least < most; ++least) {
@@ -350,7 +338,7 @@ TEST(HueCode, SectorsMeetWithoutAStep) {
         }
 }
 
-TEST(HueCode, AColourIsValidFromItsLeastSumOnUnlessItIsGrey) {
+TEST(HueCode, RejectsDarkAndGreyColours) {
     for (const int least_sum : {0, 1, 77, 400, 765})
         for_every_colour([&](int r, int g, int b) {
             if ((r + 3 * g + 7 * b) % 5 != 0 && r + g + b != least_sum) return;  // a fifth, and the limit
@@ -362,7 +350,7 @@ TEST(HueCode, AColourIsValidFromItsLeastSumOnUnlessItIsGrey) {
         });
 }
 
-TEST(StoredCode, IsTheHueOfThreeChannelsAndElseTheValueAsStored) {
+TEST(StoredCode, IsHueOrStoredValue) {
     const std::vector<std::uint8_t> samples{9, 9, 9, 0, 255, 0, 25, 26, 25, 26, 26, 25, 0xEE, 0xEE};
     const PlaneView rgb{samples.data(), 14, 4, 1, 1, 3};
     DepthCoding coding;
@@ -384,13 +372,7 @@ TEST(StoredCode, IsTheHueOfThreeChannelsAndElseTheValueAsStored) {
     EXPECT_EQ(stored_code(wide, coding, 1, 0), wide.sample(1, 0));
 }
 
-}  // namespace
-}  // namespace touchable
-
-namespace touchable::test {
-namespace {
-
-TEST(RawFrame, IsKeptBeyondTheMemoryItWasGivenIn) {
+TEST(RawFrame, IsKeptByCopy) {
     std::vector<std::uint8_t> height{1, 2, 3, 0, 4, 5, 6, 0};  // rows of three, and a gap
     std::vector<std::uint16_t> depth{10, 20, 30, 40, 50, 60};
     RawFrame given;
@@ -416,12 +398,6 @@ TEST(RawFrame, IsKeptBeyondTheMemoryItWasGivenIn) {
     }
     EXPECT_EQ(kept_frame(kept).depth.data, kept.depth.data) << "copied once more";
 }
-
-}  // namespace
-}  // namespace touchable::test
-
-namespace touchable {
-namespace {
 
 struct Size {
     int width, height;
@@ -458,7 +434,7 @@ void for_each_vertex(int tx, int ty, Size size, const std::function<void(int, in
 
 /// Random valid codes; about one pixel in `one_invalid_in` is invalid (0: none), and then its code is too.
 void fill_randomly(SurfaceFrame& frame, const DepthCoding& depth, Size size, int one_invalid_in,
-                   test::Random& random) {
+                   Random& random) {
     frame.width = size.width;
     frame.height = size.height;
     frame.coding = depth;
@@ -513,8 +489,8 @@ void expect_honest_tiles(const VertexSource& vertices, Size size) {
         }
 }
 
-TEST(FilteredVertices, GiveTheDepthOfEachValidCodeAndHonestTiles) {
-    test::Random random(2);
+TEST(FilteredVertices, GiveDepthsAndExactTiles) {
+    Random random(2);
     for (const DepthCoding& depth : codings())
         for (Size size : sizes)
             for (int one_invalid_in : {0, 1, 3, 300}) {
@@ -533,8 +509,8 @@ TEST(FilteredVertices, GiveTheDepthOfEachValidCodeAndHonestTiles) {
             }
 }
 
-TEST(FilteredVertices, ValidityComesFromItsBitsNotFromTheCode) {
-    test::Random random(3);
+TEST(FilteredVertices, TakeValidityFromBits) {
+    Random random(3);
     SurfaceFrame frame;
     fill_randomly(frame, coding(DepthCodingKind::linear, true, 255), {5, 5}, 0, random);
     frame.validity[2] &= ~(1U << 3);
@@ -543,8 +519,8 @@ TEST(FilteredVertices, ValidityComesFromItsBitsNotFromTheCode) {
     EXPECT_TRUE(vertices.at(2, 3).valid);
 }
 
-TEST(FilteredVertices, FollowTheFrameTheyReadWhenItsSlotIsRefilled) {
-    test::Random random(4);
+TEST(FilteredVertices, FollowTheirFrame) {
+    Random random(4);
     const DepthCoding depth = coding(DepthCodingKind::metric, false, 2400);
     SurfaceFrame frame;
     fill_randomly(frame, depth, {20, 20}, 0, random);
@@ -553,8 +529,8 @@ TEST(FilteredVertices, FollowTheFrameTheyReadWhenItsSlotIsRefilled) {
     expect_honest_tiles(vertices, {33, 16});
 }
 
-TEST(ExactVertices, GiveTheDepthsTheyWereMadeOfAndHonestTiles) {
-    test::Random random(5);
+TEST(ExactVertices, GiveDepthsAndExactTiles) {
+    Random random(5);
     for (Size size : sizes) {
         SCOPED_TRACE(std::to_string(size.width) + "x" + std::to_string(size.height));
         std::vector<double> depths;
@@ -570,7 +546,7 @@ TEST(ExactVertices, GiveTheDepthsTheyWereMadeOfAndHonestTiles) {
     }
 }
 
-TEST(ExactVertices, DepthsThatAreMissingAreNotValid) {
+TEST(ExactVertices, AreInvalidWithoutDepth) {
     const ExactVertices vertices(3, 2, {7, 8});
     EXPECT_TRUE(vertices.at(1, 0).valid);
     EXPECT_FALSE(vertices.at(2, 0).valid);
@@ -578,7 +554,7 @@ TEST(ExactVertices, DepthsThatAreMissingAreNotValid) {
     EXPECT_TRUE(vertices.tile(0, 0).any_invalid);
 }
 
-TEST(ExactVertices, DepthsThatAreNotFiniteAreInvalidAndBoundNothing) {
+TEST(ExactVertices, IgnoreInfiniteDepths) {
     const double infinity = std::numeric_limits<double>::infinity();
     std::vector<double> depths(33 * 16, 7.5);
     depths[0] = std::nan("");
@@ -600,4 +576,4 @@ TEST(ExactVertices, DepthsThatAreNotFiniteAreInvalidAndBoundNothing) {
 }
 
 }  // namespace
-}  // namespace touchable
+}  // namespace touchable::test

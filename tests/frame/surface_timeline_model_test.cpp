@@ -14,13 +14,10 @@
 #include "tests/frame/marked_frame.hpp"
 #include "tests/frame/random.hpp"
 
-namespace touchable {
+namespace touchable::test {
 namespace {
 
-using test::fill;
-using test::holds;
-
-/// What a timeline must do, told by all frames ever published.
+/// The required behaviour of a timeline, derived from all frames ever published.
 struct Model {
     struct Published {
         std::int64_t number, time, content;
@@ -132,14 +129,14 @@ private:
 
     SurfaceTimeline timeline_;
     Model model_;
-    test::Random random_;
+    Random random_;
     std::int64_t number_ = 0, time_ = 0, content_ = 0;
     bool looked_ = false;
     FramePair pair_;
     Model::Published prev_{}, next_{};
 };
 
-TEST(SurfaceTimeline, AgreesWithAListOfAllFramesUnderRandomUse) {
+TEST(SurfaceTimeline, MatchesListOfFrames) {
     for (int slots : {3, 4, 6})
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
             SCOPED_TRACE("slots " + std::to_string(slots) + ", seed " + std::to_string(seed));
@@ -150,18 +147,12 @@ TEST(SurfaceTimeline, AgreesWithAListOfAllFramesUnderRandomUse) {
         }
 }
 
-}  // namespace
-}  // namespace touchable
-
-namespace touchable::test {
-namespace {
-
-// Epochs of a timeline: frames that have nothing to do with those before, whatever their times.
+// TimelineEpochs of a timeline: frames that have nothing to do with those before, whatever their times.
 
 constexpr std::int64_t step_ns = 1'000'000;  // from frame to frame
 
 /// A timeline with a frame n at n ms in each epoch; its content tells epochs apart.
-class Epochs : public testing::Test {
+class TimelineEpochs : public testing::Test {
 protected:
     static std::int64_t content(std::uint64_t epoch, std::int64_t n) {
         return static_cast<std::int64_t>(epoch) * 1000 + n;
@@ -195,7 +186,7 @@ private:
     std::uint64_t epoch_ = 0;
 };
 
-TEST_F(Epochs, ALaterOneMayHaveEarlierTimes) {
+TEST_F(TimelineEpochs, MayHaveEarlierTimes) {
     for (int n : {20, 21}) ASSERT_TRUE(give(n));
     expect_held(look(0, 20.5), 0, 20, 21, 0.5);
     begin(1);
@@ -207,7 +198,7 @@ TEST_F(Epochs, ALaterOneMayHaveEarlierTimes) {
     EXPECT_FALSE(timeline.publish(3, 3 * step_ns)) << "within an epoch times increase";
 }
 
-TEST_F(Epochs, UntilItsPairIsThereTheOldOneStaysAtRest) {
+TEST_F(TimelineEpochs, HoldOldPairUntilReady) {
     for (int n : {20, 21, 22, 23}) ASSERT_TRUE(give(n));  // no slot is free
     look(0, 20.5);
     for (int k = 0; k < 5; ++k) expect_held(look(1, 3.0 + 0.1 * k), 0, 20, 21, 0.5);
@@ -220,7 +211,7 @@ TEST_F(Epochs, UntilItsPairIsThereTheOldOneStaysAtRest) {
     EXPECT_TRUE(give(5));
 }
 
-TEST_F(Epochs, AFrameAloneIsGoneOverToOnceTheEpochEnds) {
+TEST_F(TimelineEpochs, EnterSingleFrameAtEnd) {
     ASSERT_TRUE(give(20));
     look(0, 20);
     begin(1);
@@ -235,7 +226,7 @@ TEST_F(Epochs, AFrameAloneIsGoneOverToOnceTheEpochEnds) {
     expect_held(look(2, 0), 2, 0, 0, 0);  // another follows: it has ended
 }
 
-TEST_F(Epochs, OnesInBetweenArePassedOverAndNoneIsEnteredBeforeItIsWanted) {
+TEST_F(TimelineEpochs, SkipToWantedEpoch) {
     ASSERT_TRUE(give(20));
     look(0, 20);
     begin(2);
@@ -248,14 +239,14 @@ TEST_F(Epochs, OnesInBetweenArePassedOverAndNoneIsEnteredBeforeItIsWanted) {
     expect_held(look(2, 5), 4, 8, 9, 0.5);
 }
 
-TEST_F(Epochs, TheLastPairOfAnEpochHasNoFrameOfTheNext) {
+TEST_F(TimelineEpochs, NeverMixInOnePair) {
     for (int n : {20, 21}) ASSERT_TRUE(give(n));
     begin(1);
     ASSERT_TRUE(give(22));
     expect_held(look(0, 25), 0, 21, 21, 0);
 }
 
-TEST_F(Epochs, RepublishingIsOfTheEpochsOwnFrames) {
+TEST_F(TimelineEpochs, RepublishOwnFrames) {
     ASSERT_TRUE(give(20));
     begin(1);
     EXPECT_FALSE(timeline.republish(3, 3 * step_ns));
@@ -269,7 +260,7 @@ TEST_F(Epochs, RepublishingIsOfTheEpochsOwnFrames) {
     EXPECT_TRUE(timeline.republish(5, 5 * step_ns));
 }
 
-TEST_F(Epochs, TheReaderDoesNotAllocateOnItsWayOver) {
+TEST_F(TimelineEpochs, SwitchWithoutAllocation) {
     for (int n : {20, 21}) ASSERT_TRUE(give(n));
     begin(1);
     for (int n : {3, 4}) ASSERT_TRUE(give(n));
@@ -285,7 +276,7 @@ TEST_F(Epochs, TheReaderDoesNotAllocateOnItsWayOver) {
 
 /// A writer that begins epochs at random, and a reader that wants the newest of them: what is in hand stays
 /// whole.
-TEST(SurfaceTimelineThreads, EpochsThatComeAtAnyTimeNeitherTearNorTurnBackNorStop) {
+TEST(SurfaceTimelineThreads, SwitchEpochsSafely) {
     constexpr std::size_t codes = 256;
     constexpr int wanted_epochs = 500;
     SurfaceTimeline timeline(4);
@@ -298,7 +289,7 @@ TEST(SurfaceTimelineThreads, EpochsThatComeAtAnyTimeNeitherTearNorTurnBackNorSto
         Random random(7);
         std::uint64_t epoch = 0;
         for (std::int64_t n = 0; !stop.load(std::memory_order_relaxed);) {
-            // What is wanted, and now and then what will be wanted next.
+            // The wanted epoch, and now and then the next one.
             const std::uint64_t asked = wanted.load(std::memory_order_relaxed);
             if (asked > epoch || (asked == epoch && random.below(20) == 0)) {
                 timeline.begin_epoch(epoch = std::max(asked, epoch + 1));
@@ -350,7 +341,7 @@ bool write_marked(SurfaceTimeline& timeline, std::int64_t n) {
     return true;
 }
 
-TEST(SurfaceTimelineEye, SeesWhatTheHandHeldLast) {
+TEST(SurfaceTimelineEye, SeesHandsLastPair) {
     SurfaceTimeline timeline(6, SurfaceTimeline::Eye::one);
     EXPECT_EQ(timeline.look(), nullptr);
     for (int n : {0, 1, 2}) ASSERT_TRUE(write_marked(timeline, n));
@@ -371,7 +362,7 @@ TEST(SurfaceTimelineEye, SeesWhatTheHandHeldLast) {
     }
 }
 
-TEST(SurfaceTimelineEye, HowEverLongItLooksItKeepsItsFramesAndNobodyElseWaits) {
+TEST(SurfaceTimelineEye, KeepsFramesWithoutBlocking) {
     SurfaceTimeline timeline(6, SurfaceTimeline::Eye::one);
     for (int n : {0, 1}) ASSERT_TRUE(write_marked(timeline, n));
     FramePair pair;
@@ -393,7 +384,7 @@ TEST(SurfaceTimelineEye, HowEverLongItLooksItKeepsItsFramesAndNobodyElseWaits) {
     EXPECT_EQ(timeline.look()->pair.next.number, 199);
 }
 
-TEST(SurfaceTimelineEye, NeitherShowingNorLookingAllocates) {
+TEST(SurfaceTimelineEye, NeverAllocates) {
     SurfaceTimeline timeline(6, SurfaceTimeline::Eye::one);
     for (int n : {0, 1}) ASSERT_TRUE(write_marked(timeline, n));
     FramePair pair;
@@ -469,11 +460,11 @@ void expect_three_get_on(std::chrono::microseconds stare, int looks) {
     EXPECT_EQ(stuck, 0);
 }
 
-TEST(SurfaceTimelineThreads, AFastEyeTearsNothing) {
+TEST(SurfaceTimelineThreads, LetFastEyeLook) {
     expect_three_get_on(std::chrono::microseconds(0), 1000);
 }
 
-TEST(SurfaceTimelineThreads, AnEyeThatStallsKeepsNobodyWaiting) {
+TEST(SurfaceTimelineThreads, LetEyeStallWithoutBlocking) {
     expect_three_get_on(std::chrono::milliseconds(5), 8);
 }
 

@@ -7,17 +7,16 @@
 #include <limits>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "engine/scene/frames.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/frame/marked_frame.hpp"
+#include "tests/frame/must.hpp"
 #include "tests/frame/random.hpp"
 
-namespace touchable {
+namespace touchable::test {
 namespace {
-
-using test::fill;
-using test::holds;
 
 constexpr std::int64_t ms = 1'000'000;
 
@@ -29,13 +28,18 @@ bool publish(SurfaceTimeline& timeline, std::int64_t n) {
     EXPECT_TRUE(timeline.publish(n, n * ms));
     return true;
 }
+bool publish_all(SurfaceTimeline& timeline, const std::vector<std::int64_t>& frames) {
+    return std::ranges::all_of(frames, [&](std::int64_t n) { return publish(timeline, n); });
+}
 bool republish(SurfaceTimeline& timeline, std::int64_t n) {
     const Result<bool> done = timeline.republish(n, n * ms);
     EXPECT_TRUE(done);
     return done && *done;
 }
 
-void expect_pair(const FramePair& pair, std::int64_t prev, std::int64_t next, double blend) {
+void expect_pair_at(SurfaceTimeline& timeline, std::int64_t time, FramePair& pair, std::int64_t prev,
+                    std::int64_t next, double blend) {
+    ASSERT_TRUE(timeline.pair_at(time, pair));
     EXPECT_EQ(pair.prev.number, prev);
     EXPECT_EQ(pair.prev.time_ns, prev * ms);
     EXPECT_EQ(pair.next.number, next);
@@ -43,7 +47,7 @@ void expect_pair(const FramePair& pair, std::int64_t prev, std::int64_t next, do
     EXPECT_EQ(pair.blend, blend);
 }
 
-TEST(SurfaceTimeline, BeforeTheFirstFrameThereIsNoPair) {
+TEST(SurfaceTimeline, HasNoPairAtFirst) {
     SurfaceTimeline timeline(3);
     FramePair pair;
     EXPECT_FALSE(timeline.pair_at(0, pair));
@@ -53,55 +57,44 @@ TEST(SurfaceTimeline, BeforeTheFirstFrameThereIsNoPair) {
     EXPECT_EQ(pair.prev.frame, nullptr);
 }
 
-TEST(SurfaceTimeline, OneFrameIsThePairAtEveryTime) {
+TEST(SurfaceTimeline, PairsSingleFrameWithItself) {
     SurfaceTimeline timeline(3);
     ASSERT_TRUE(publish(timeline, 5));
     EXPECT_EQ(timeline.newest_time(), 5 * ms);
     for (std::int64_t t : {std::int64_t{0}, 5 * ms, 9 * ms, std::numeric_limits<std::int64_t>::min(),
                            std::numeric_limits<std::int64_t>::max()}) {
         FramePair pair;
-        ASSERT_TRUE(timeline.pair_at(t, pair));
-        expect_pair(pair, 5, 5, 0);
+        expect_pair_at(timeline, t, pair, 5, 5, 0);
         EXPECT_EQ(pair.prev.frame, pair.next.frame);
         EXPECT_TRUE(holds(*pair.prev.frame, 5));
     }
 }
 
-TEST(SurfaceTimeline, ThePairIsTheFramesAroundTheTimeAndItsBlend) {
+TEST(SurfaceTimeline, PairsFramesAroundTime) {
     SurfaceTimeline timeline(4);
-    for (int n : {10, 14, 15}) ASSERT_TRUE(publish(timeline, n));
+    ASSERT_TRUE(publish_all(timeline, {10, 14, 15}));
     FramePair pair;
-    ASSERT_TRUE(timeline.pair_at(9 * ms, pair));
-    expect_pair(pair, 10, 10, 0);  // before the first
-    ASSERT_TRUE(timeline.pair_at(10 * ms, pair));
-    expect_pair(pair, 10, 14, 0);
-    ASSERT_TRUE(timeline.pair_at(11 * ms, pair));
-    expect_pair(pair, 10, 14, 0.25);
+    expect_pair_at(timeline, 9 * ms, pair, 10, 10, 0);  // before the first
+    expect_pair_at(timeline, 10 * ms, pair, 10, 14, 0);
+    expect_pair_at(timeline, 11 * ms, pair, 10, 14, 0.25);
     EXPECT_TRUE(holds(*pair.prev.frame, 10));
     EXPECT_TRUE(holds(*pair.next.frame, 14));
-    ASSERT_TRUE(timeline.pair_at(14 * ms - 1, pair));
-    expect_pair(pair, 10, 14, 3999999.0 / 4000000.0);
-    ASSERT_TRUE(timeline.pair_at(14 * ms, pair));
-    expect_pair(pair, 14, 15, 0);
-    ASSERT_TRUE(timeline.pair_at(15 * ms, pair));
-    expect_pair(pair, 15, 15, 0);
-    ASSERT_TRUE(timeline.pair_at(99 * ms, pair));
-    expect_pair(pair, 15, 15, 0);  // after the last
+    expect_pair_at(timeline, 14 * ms - 1, pair, 10, 14, 3999999.0 / 4000000.0);
+    expect_pair_at(timeline, 14 * ms, pair, 14, 15, 0);
+    expect_pair_at(timeline, 15 * ms, pair, 15, 15, 0);
+    expect_pair_at(timeline, 99 * ms, pair, 15, 15, 0);  // after the last
 }
 
-TEST(SurfaceTimeline, AnEarlierTimeGivesTheEarliestFrameHeldAtBlendZero) {
+TEST(SurfaceTimeline, GivesEarliestFrameForPast) {
     SurfaceTimeline timeline(4);
-    for (int n : {1, 2, 3}) ASSERT_TRUE(publish(timeline, n));
+    ASSERT_TRUE(publish_all(timeline, {1, 2, 3}));
     FramePair pair;
-    ASSERT_TRUE(timeline.pair_at(5 * ms / 2, pair));
-    expect_pair(pair, 2, 3, 0.5);
-    ASSERT_TRUE(timeline.pair_at(1 * ms, pair));
-    expect_pair(pair, 2, 2, 0);
-    ASSERT_TRUE(timeline.pair_at(5 * ms / 2, pair));
-    expect_pair(pair, 2, 3, 0.5);
+    expect_pair_at(timeline, 5 * ms / 2, pair, 2, 3, 0.5);
+    expect_pair_at(timeline, 1 * ms, pair, 2, 2, 0);
+    expect_pair_at(timeline, 5 * ms / 2, pair, 2, 3, 0.5);
 }
 
-TEST(SurfaceTimeline, BlendIsBelowOneAndExactForTheFarthestTimes) {
+TEST(SurfaceTimeline, BlendsFarthestTimesExactly) {
     SurfaceTimeline timeline(3);
     const std::int64_t first = std::numeric_limits<std::int64_t>::min() + 1;
     const std::int64_t last = std::numeric_limits<std::int64_t>::max();
@@ -118,14 +111,12 @@ TEST(SurfaceTimeline, BlendIsBelowOneAndExactForTheFarthestTimes) {
     EXPECT_GT(pair.blend, 0.999999);
 }
 
-TEST(SurfaceTimeline, ALateProducerLeavesTheNewestFrameStanding) {
+TEST(SurfaceTimeline, HoldsNewestFrame) {
     SurfaceTimeline timeline(3);
-    ASSERT_TRUE(publish(timeline, 0));
-    ASSERT_TRUE(publish(timeline, 1));
+    ASSERT_TRUE(publish_all(timeline, {0, 1}));
     FramePair pair;
     for (std::int64_t t = 1; t < 1000; ++t) {
-        ASSERT_TRUE(timeline.pair_at(t * ms, pair));
-        expect_pair(pair, 1, 1, 0);
+        expect_pair_at(timeline, t * ms, pair, 1, 1, 0);
         ASSERT_TRUE(holds(*pair.prev.frame, 1));
     }
     ASSERT_TRUE(publish(timeline, 1200));
@@ -134,34 +125,31 @@ TEST(SurfaceTimeline, ALateProducerLeavesTheNewestFrameStanding) {
     EXPECT_EQ(pair.next.number, 1200);
 }
 
-TEST(SurfaceTimeline, RunsManyTimesAroundItsRing) {
+TEST(SurfaceTimeline, WrapsAroundItsRing) {
     for (int slots : {3, 4, 7}) {
         SurfaceTimeline timeline(slots);
         FramePair pair;
         for (std::int64_t n = 0; n < 2000; ++n) {
             ASSERT_TRUE(publish(timeline, n));
             if (n == 0) continue;
-            ASSERT_TRUE(timeline.pair_at(n * ms - ms / 2, pair));
-            expect_pair(pair, n - 1, n, 0.5);
+            expect_pair_at(timeline, n * ms - ms / 2, pair, n - 1, n, 0.5);
             ASSERT_TRUE(holds(*pair.prev.frame, n - 1));
             ASSERT_TRUE(holds(*pair.next.frame, n));
         }
     }
 }
 
-TEST(SurfaceTimeline, ASlowReaderStopsTheWriterAndLosesNothing) {
+TEST(SurfaceTimeline, StopsWriterForSlowReader) {
     SurfaceTimeline timeline(5);
     for (int n = 0; n < 5; ++n) ASSERT_TRUE(publish(timeline, n));  // the reader has not even begun
     EXPECT_EQ(timeline.acquire(), nullptr);
 
     FramePair pair;
-    ASSERT_TRUE(timeline.pair_at(0, pair));
-    expect_pair(pair, 0, 1, 0);
+    expect_pair_at(timeline, 0, pair, 0, 1, 0);
     EXPECT_EQ(timeline.acquire(), nullptr);
 
     ASSERT_TRUE(timeline.pair_at(2 * ms + ms / 2, pair));  // moves past 0 and 1
-    ASSERT_TRUE(publish(timeline, 5));
-    ASSERT_TRUE(publish(timeline, 6));
+    ASSERT_TRUE(publish_all(timeline, {5, 6}));
     EXPECT_EQ(timeline.acquire(), nullptr);
     EXPECT_TRUE(holds(*pair.prev.frame, 2));
     EXPECT_TRUE(holds(*pair.next.frame, 3));
@@ -172,10 +160,9 @@ TEST(SurfaceTimeline, ASlowReaderStopsTheWriterAndLosesNothing) {
     }
 }
 
-TEST(SurfaceTimeline, ThePairInHandIsNeverRecycled) {
+TEST(SurfaceTimeline, NeverRecyclesHeldPair) {
     SurfaceTimeline timeline(3);
-    ASSERT_TRUE(publish(timeline, 0));
-    ASSERT_TRUE(publish(timeline, 1));
+    ASSERT_TRUE(publish_all(timeline, {0, 1}));
     FramePair pair;
     ASSERT_TRUE(timeline.pair_at(ms / 2, pair));
     SurfaceFrame* slot = timeline.acquire();
@@ -192,7 +179,7 @@ TEST(SurfaceTimeline, ThePairInHandIsNeverRecycled) {
     EXPECT_EQ(timeline.acquire(), first);
 }
 
-TEST(SurfaceTimeline, AcquiringAgainGivesTheSameSlot) {
+TEST(SurfaceTimeline, AcquiresSameSlotAgain) {
     SurfaceTimeline timeline(3);
     SurfaceFrame* slot = timeline.acquire();
     ASSERT_NE(slot, nullptr);
@@ -201,16 +188,14 @@ TEST(SurfaceTimeline, AcquiringAgainGivesTheSameSlot) {
     EXPECT_NE(timeline.acquire(), slot);
 }
 
-TEST(SurfaceTimeline, EqualAndEarlierTimesAreRefusedByNameAndTheSlotIsKept) {
+TEST(SurfaceTimeline, RejectsEqualAndEarlierTimes) {
     SurfaceTimeline timeline(3);
     ASSERT_TRUE(publish(timeline, 7));
     SurfaceFrame* slot = timeline.acquire();
     fill(*slot, 8);
     for (std::int64_t time : {7 * ms, 6 * ms, -ms, std::numeric_limits<std::int64_t>::min()}) {
         const Result<void> refused = timeline.publish(8, time);
-        ASSERT_FALSE(refused);
-        EXPECT_EQ(refused.error().kind, ErrorKind::input);
-        EXPECT_NE(refused.error().message.find("frame 8"), std::string::npos);
+        expect_error(refused, ErrorKind::input, "frame 8");
         EXPECT_NE(refused.error().message.find(std::to_string(time)), std::string::npos);
         EXPECT_NE(refused.error().message.find("7000000"), std::string::npos);
         EXPECT_FALSE(timeline.republish(8, time));
@@ -218,16 +203,14 @@ TEST(SurfaceTimeline, EqualAndEarlierTimesAreRefusedByNameAndTheSlotIsKept) {
         EXPECT_EQ(timeline.acquire(), slot);
     }
     FramePair pair;
-    ASSERT_TRUE(timeline.pair_at(9 * ms, pair));
-    expect_pair(pair, 7, 7, 0);
+    expect_pair_at(timeline, 9 * ms, pair, 7, 7, 0);
     ASSERT_TRUE(timeline.publish(8, 8 * ms));
-    ASSERT_TRUE(timeline.pair_at(9 * ms, pair));
-    expect_pair(pair, 8, 8, 0);
+    expect_pair_at(timeline, 9 * ms, pair, 8, 8, 0);
     EXPECT_EQ(pair.prev.frame, slot);
     EXPECT_TRUE(holds(*slot, 8));
 }
 
-TEST(SurfaceTimeline, PublishingWithoutAFrameIsRefused) {
+TEST(SurfaceTimeline, RejectsPublishingNothing) {
     SurfaceTimeline timeline(3);
     EXPECT_FALSE(timeline.publish(0, 0));
     EXPECT_FALSE(timeline.republish(0, 0));
@@ -237,21 +220,20 @@ TEST(SurfaceTimeline, PublishingWithoutAFrameIsRefused) {
     EXPECT_EQ(timeline.newest_time(), 1 * ms);
 }
 
-TEST(SurfaceTimeline, RepublishingShowsTheSameSlotAtALaterTime) {
+TEST(SurfaceTimeline, RepublishesSameSlot) {
     SurfaceTimeline timeline(3);
     ASSERT_TRUE(publish(timeline, 0));
     FramePair pair;
     for (std::int64_t n = 1; n < 500; ++n) {
         ASSERT_TRUE(republish(timeline, n));
         EXPECT_EQ(timeline.newest_time(), n * ms);
-        ASSERT_TRUE(timeline.pair_at(n * ms - ms / 4, pair));
-        expect_pair(pair, n - 1, n, 0.75);
+        expect_pair_at(timeline, n * ms - ms / 4, pair, n - 1, n, 0.75);
         EXPECT_EQ(pair.prev.frame, pair.next.frame);
         ASSERT_TRUE(holds(*pair.next.frame, 0));
     }
 }
 
-TEST(SurfaceTimeline, RepublishingKeepsTheSlotBeingBuilt) {
+TEST(SurfaceTimeline, KeepsAcquiredSlotWhenRepublishing) {
     SurfaceTimeline timeline(3);
     ASSERT_TRUE(publish(timeline, 0));
     SurfaceFrame* slot = timeline.acquire();
@@ -260,13 +242,12 @@ TEST(SurfaceTimeline, RepublishingKeepsTheSlotBeingBuilt) {
     EXPECT_EQ(timeline.acquire(), slot);
     ASSERT_TRUE(timeline.publish(2, 2 * ms));
     FramePair pair;
-    ASSERT_TRUE(timeline.pair_at(3 * ms / 2, pair));
-    expect_pair(pair, 1, 2, 0.5);
+    expect_pair_at(timeline, 3 * ms / 2, pair, 1, 2, 0.5);
     EXPECT_TRUE(holds(*pair.prev.frame, 0));
     EXPECT_TRUE(holds(*pair.next.frame, 2));
 }
 
-TEST(SurfaceTimeline, AFullRingRefusesRepublishingYetHasRoomForTheSlotBeingBuilt) {
+TEST(SurfaceTimeline, ReservesRoomForAcquiredSlot) {
     SurfaceTimeline timeline(3);
     ASSERT_TRUE(publish(timeline, 0));
     SurfaceFrame* slot = timeline.acquire();
@@ -281,8 +262,7 @@ TEST(SurfaceTimeline, AFullRingRefusesRepublishingYetHasRoomForTheSlotBeingBuilt
 
     FramePair pair;
     for (std::int64_t k = 0; k < n; ++k) {
-        ASSERT_TRUE(timeline.pair_at(k * ms + ms / 2, pair));
-        expect_pair(pair, k, k + 1, 0.5);
+        expect_pair_at(timeline, k * ms + ms / 2, pair, k, k + 1, 0.5);
         EXPECT_TRUE(holds(*pair.prev.frame, 0));
     }
     EXPECT_TRUE(holds(*pair.next.frame, n));
@@ -290,13 +270,12 @@ TEST(SurfaceTimeline, AFullRingRefusesRepublishingYetHasRoomForTheSlotBeingBuilt
     EXPECT_NE(timeline.acquire(), nullptr);
 }
 
-TEST(SurfaceTimeline, ARepublishedSlotIsRecycledOnlyPastItsLastTime) {
+TEST(SurfaceTimeline, RecyclesRepublishedSlotLast) {
     SurfaceTimeline timeline(3);
     ASSERT_TRUE(publish(timeline, 0));
     const SurfaceFrame* first = nullptr;
     for (int n : {1, 2}) ASSERT_TRUE(republish(timeline, n));
-    ASSERT_TRUE(publish(timeline, 3));
-    ASSERT_TRUE(publish(timeline, 4));
+    ASSERT_TRUE(publish_all(timeline, {3, 4}));
     FramePair pair;
     for (int n : {0, 1, 2}) {  // at 2 ms it is still the earlier of the pair
         ASSERT_TRUE(timeline.pair_at(n * ms, pair));
@@ -308,9 +287,9 @@ TEST(SurfaceTimeline, ARepublishedSlotIsRecycledOnlyPastItsLastTime) {
     EXPECT_EQ(timeline.acquire(), first);
 }
 
-TEST(SurfaceTimeline, OfTheFreeSlotsTheNewestContentIsRecycled) {
+TEST(SurfaceTimeline, RecyclesNewestFreeSlot) {
     SurfaceTimeline timeline(5);
-    for (int n : {0, 1, 2, 3}) ASSERT_TRUE(publish(timeline, n));
+    ASSERT_TRUE(publish_all(timeline, {0, 1, 2, 3}));
     FramePair pair;
     ASSERT_TRUE(timeline.pair_at(3 * ms, pair));
     const SurfaceFrame* slot = timeline.acquire();
@@ -318,7 +297,7 @@ TEST(SurfaceTimeline, OfTheFreeSlotsTheNewestContentIsRecycled) {
     EXPECT_TRUE(holds(*slot, 2));
 }
 
-TEST(SurfaceTimeline, NumbersWhatASlotHolds) {
+TEST(SurfaceTimeline, NumbersContents) {
     SurfaceTimeline timeline(3);
     ASSERT_TRUE(publish(timeline, 0));
     FramePair pair;
@@ -336,15 +315,15 @@ TEST(SurfaceTimeline, NumbersWhatASlotHolds) {
     EXPECT_GT(first.content, content) << "the slot was not recycled";
 }
 
-TEST(SurfaceTimeline, TheReaderDoesNotAllocate) {
+TEST(SurfaceTimeline, ReadsWithoutAllocation) {
     SurfaceTimeline timeline(4);
-    for (int n : {0, 1, 2, 3}) ASSERT_TRUE(publish(timeline, n));
+    ASSERT_TRUE(publish_all(timeline, {0, 1, 2, 3}));
     FramePair pair;
-    const std::size_t before = test::allocations();
+    const std::size_t before = allocations();
     ASSERT_GT(before, 0U);  // the counter counts
     bool found = true;
     for (std::int64_t t = -1; t < 40; ++t) found = timeline.pair_at(t * ms / 8, pair) && found;
-    EXPECT_EQ(test::allocations(), before);
+    EXPECT_EQ(allocations(), before);
     EXPECT_TRUE(found);
 }
 
@@ -431,7 +410,7 @@ Seen read_for_a_while(const Run& run, SurfaceTimeline& timeline) {
         return spent < std::chrono::milliseconds(400) ||
                (seen.between < enough_between && spent < std::chrono::seconds(30));
     };
-    test::Random random(6);
+    Random random(6);
     Seen seen;
     FramePair pair;
     std::int64_t time = 0, newest = 0;
@@ -468,14 +447,14 @@ void expect_order(const Run& run) {
                 static_cast<long long>(seen.between));
 }
 
-TEST(SurfaceTimelineThreads, ASaturatingWriterNeverTearsTurnsBackOrHidesAFrame) {
+TEST(SurfaceTimelineThreads, KeepOrderAtFullSpeed) {
     expect_order({3, 1, 512});
     expect_order({8, 3, 512});
 }
 
-TEST(SurfaceTimelineThreads, UnchangedFramesAtFullSpeedDoNotEither) {
+TEST(SurfaceTimelineThreads, KeepOrderOfUnchangedFrames) {
     expect_order({3, 100, 2});
 }
 
 }  // namespace
-}  // namespace touchable
+}  // namespace touchable::test
