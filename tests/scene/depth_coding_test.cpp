@@ -8,7 +8,7 @@
 #include "engine/scene/scene.hpp"
 #include "tests/scene/random.hpp"
 
-namespace touchable {
+namespace touchable::test {
 namespace {
 
 DepthCoding between_planes(DepthCodingKind kind, double near, double far, std::uint16_t code_max,
@@ -48,7 +48,7 @@ long double long_depth(const DepthCoding& coding, std::uint16_t code) {
     return 1 / (1 / far + (1 / near - 1 / far) * n / coding.code_max);
 }
 
-DepthCoding random_coding(Random& random) {
+DepthCoding random_coding(RandomBits& random) {
     const double near = random.between(0.01, 50), far = near + random.between(0.01, 200);
     const auto code_max = static_cast<std::uint16_t>(1 + random.below(random.below(2) ? 255 : 4095));
     DepthCoding coding;
@@ -86,8 +86,8 @@ std::vector<std::uint16_t> valid_codes(const DepthCoding& coding) {
     return codes;
 }
 
-TEST(DepthCoding, BothPlanesAreExact) {
-    Random random(21);
+TEST(DepthCoding, ReachesBothPlanesExactly) {
+    RandomBits random(21);
     for (int k = 0; k < 20000; ++k) {
         const double near = random.between(0.01, 50), far = near + random.between(1e-3, 200);
         const auto code_max = static_cast<std::uint16_t>(1 + random.below(65535));
@@ -102,8 +102,8 @@ TEST(DepthCoding, BothPlanesAreExact) {
     }
 }
 
-TEST(DepthCoding, EveryCodeAgreesWithTheFormulaInLongDouble) {
-    Random random(22);
+TEST(DepthCoding, AgreesWithLongDoubles) {
+    RandomBits random(22);
     for (int k = 0; k < 100; ++k) {
         const DepthCoding coding = random_coding(random);
         for (const std::uint16_t code : valid_codes(coding)) {
@@ -114,7 +114,7 @@ TEST(DepthCoding, EveryCodeAgreesWithTheFormulaInLongDouble) {
     }
 }
 
-TEST(DepthCoding, DepthIsStrictlyMonotoneAndWithinThePlanes) {
+TEST(DepthCoding, IsStrictlyMonotone) {
     for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::log})
         for (const bool near_is_high : {true, false}) {
             const DepthCoding coding = between_planes(kind, 0.1, 100, 65535, near_is_high);
@@ -132,7 +132,7 @@ TEST(DepthCoding, DepthIsStrictlyMonotoneAndWithinThePlanes) {
 }
 
 /// Numbers of the formula in lerobot's depth_utils.py, worked out by numpy; the code of a depth comes back.
-TEST(DepthCoding, LogIsWhatLeRobotWrites) {
+TEST(DepthCoding, MatchesLeRobotsLog) {
     DepthCoding coding = between_planes(DepthCodingKind::log, 0.01, 10, 4095, false);
     coding.shift = 3.5;
     coding.invalid_codes[0] = 0;
@@ -151,7 +151,7 @@ TEST(DepthCoding, LogIsWhatLeRobotWrites) {
                     1e-14);
 }
 
-TEST(DepthCoding, LinearCodesAreAllValidUpToCodeMax) {
+TEST(DepthCoding, AcceptsLinearCodesToMaximum) {
     const DepthCoding coding = between_planes(DepthCodingKind::linear, 40, 180, 1023, true);
     EXPECT_EQ(coding.valid_min, 0);
     EXPECT_EQ(coding.valid_max, 1023);
@@ -159,7 +159,7 @@ TEST(DepthCoding, LinearCodesAreAllValidUpToCodeMax) {
     EXPECT_FALSE(coding.is_valid(65535));
 }
 
-TEST(DepthCoding, MetricCodeZeroAndCodesBeyondTheEndsAreInvalid) {
+TEST(DepthCoding, RejectsMetricCodesBeyondEnds) {
     const DepthCoding coding = metric(0.001, 0, 4.0);
     EXPECT_FALSE(coding.is_valid(0));  // depth 0
     EXPECT_TRUE(coding.is_valid(1));
@@ -170,8 +170,8 @@ TEST(DepthCoding, MetricCodeZeroAndCodesBeyondTheEndsAreInvalid) {
     EXPECT_TRUE(cut.is_valid(500));
 }
 
-TEST(DepthCoding, ValidRangeHoldsExactlyTheCodesWhoseDepthFits) {
-    Random random(23);
+TEST(DepthCoding, AcceptsExactlyFittingCodes) {
+    RandomBits random(23);
     for (int k = 0; k < 300; ++k) {
         DepthCoding coding = random_coding(random);
         coding.invalid_code_count = 0;
@@ -185,12 +185,12 @@ TEST(DepthCoding, ValidRangeHoldsExactlyTheCodesWhoseDepthFits) {
     }
 }
 
-TEST(DepthCoding, NoCodeIsValidWhereNoneFits) {
+TEST(DepthCoding, AcceptsNothingIfNothingFits) {
     const DepthCoding coding = metric(1.0, 2.25, 2.75);
     EXPECT_TRUE(valid_codes(coding).empty());
 }
 
-TEST(DepthCoding, MarkedCodesAreInvalidWhereverTheyLie) {
+TEST(DepthCoding, RejectsMarkedCodes) {
     DepthCoding coding = between_planes(DepthCodingKind::linear, 40, 180, 255, true);
     coding.invalid_codes = {0, 255, 17, 0};
     coding.invalid_code_count = 3;
@@ -198,7 +198,7 @@ TEST(DepthCoding, MarkedCodesAreInvalidWhereverTheyLie) {
     EXPECT_FALSE(coding.is_valid(17));
 }
 
-TEST(DepthCoding, AStretchOfCodesIsValidWhereEachOfItIs) {
+TEST(DepthCoding, AcceptsRangesOfValidCodes) {
     DepthCoding coding = between_planes(DepthCodingKind::linear, 40, 180, 255, true);
     coding.invalid_codes = {0, 255, 17, 0};
     coding.invalid_code_count = 3;
@@ -214,8 +214,8 @@ TEST(DepthCoding, AStretchOfCodesIsValidWhereEachOfItIs) {
     }
 }
 
-TEST(DepthCoding, TheValidRangeEndsAtValidCodesWhateverIsMarked) {
-    Random random(25);
+TEST(DepthCoding, TrimsRangeToValidCodes) {
+    RandomBits random(25);
     int trimmed = 0, nothing_left = 0;
     for (int k = 0; k < 2000; ++k) {
         DepthCoding coding = random_coding(random);
@@ -247,7 +247,7 @@ TEST(DepthCoding, TheValidRangeEndsAtValidCodesWhateverIsMarked) {
     EXPECT_GT(nothing_left, 0);
 }
 
-TEST(DepthCoding, CodeUndoesDepthForEveryValidCode) {
+TEST(DepthCoding, InvertsEveryValidCode) {
     std::vector<DepthCoding> codings = {metric(0.001, 0, 65.535), metric(1.0 / 5000, 0.3, 12)};
     for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::log})
         for (const std::uint16_t code_max : {std::uint16_t{255}, std::uint16_t{1023}, std::uint16_t{65535}})
@@ -257,8 +257,8 @@ TEST(DepthCoding, CodeUndoesDepthForEveryValidCode) {
         for (const std::uint16_t code : valid_codes(coding)) ASSERT_EQ(coding.code(coding.depth(code)), code);
 }
 
-TEST(DepthCoding, CodeIsTheNearestValidOneOfAll) {
-    Random random(24);
+TEST(DepthCoding, EncodesToNearestValidCode) {
+    RandomBits random(24);
     for (int k = 0; k < 400; ++k) {
         const DepthCoding coding = random_coding(random);
         const std::vector<std::uint16_t> codes = valid_codes(coding);
@@ -275,7 +275,7 @@ TEST(DepthCoding, CodeIsTheNearestValidOneOfAll) {
     }
 }
 
-TEST(DepthCoding, TiesGoToTheLowerCode) {
+TEST(DepthCoding, BreaksTiesDownwards) {
     const DepthCoding falling = between_planes(DepthCodingKind::linear, 1, 5, 4, true);
     EXPECT_EQ(falling.code(2.5), 2);  // codes 2 and 3 stand for 3 and 2
     const DepthCoding rising = between_planes(DepthCodingKind::linear, 1, 5, 4, false);
@@ -283,14 +283,14 @@ TEST(DepthCoding, TiesGoToTheLowerCode) {
     EXPECT_EQ(metric(1, 0, 9).code(2.5), 2);
 }
 
-TEST(DepthCoding, CodeOfAnythingAtAllIsValid) {
+TEST(DepthCoding, EncodesAnythingValidly) {
     for (const DepthCoding& coding :
          {between_planes(DepthCodingKind::inverse, 0.3, 12, 255, true), metric(0.001, 0, 9)})
         for (const double depth : {-1.0, 0.0, 1e-300, 1e300, HUGE_VAL, -HUGE_VAL, std::nan("")})
             EXPECT_TRUE(coding.is_valid(coding.code(depth))) << depth;
 }
 
-TEST(DepthCoding, LevelIsTheRangeOver255WhateverTheBits) {
+TEST(DepthCoding, HasLevelsOf255thOfRange) {
     for (const std::uint16_t code_max : {std::uint16_t{255}, std::uint16_t{1023}, std::uint16_t{65535}})
         EXPECT_DOUBLE_EQ(between_planes(DepthCodingKind::linear, 40, 180, code_max, true).level(),
                          140.0 / 255);
@@ -310,7 +310,7 @@ LongPoint long_unproject(const Camera& camera, DepthSemantics semantics, double 
     return {along * u, along * v, -along};
 }
 
-Camera random_camera(Random& random, int width, int height) {
+Camera random_camera(RandomBits& random, int width, int height) {
     return {random.between(0.3, 4.0) * width, random.between(0.3, 4.0) * width,
             random.between(-0.2, 1.2) * width, random.between(-0.2, 1.2) * height};
 }
@@ -326,7 +326,7 @@ struct Preset {
 constexpr Preset presets[] = {
     {"A", 6.983, 0.00123, 7.3, 4.8}, {"A'", 6.983, 0.0123, 64.8, 45.8}, {"B", 4.7, 0.0112, 81.3, 59.5}};
 
-TEST(Camera, PaperPresetsHaveTheirFieldsOfView) {
+TEST(Camera, HasPublishedFieldsOfView) {
     for (const Preset& preset : presets) {
         const Camera camera = camera_from_focal_length(preset.focal_length, preset.pixel_width, 720, 480);
         EXPECT_NEAR(degrees_of_view(720, camera.fx), preset.horizontal, 0.05) << preset.name;
@@ -337,7 +337,7 @@ TEST(Camera, PaperPresetsHaveTheirFieldsOfView) {
     }
 }
 
-TEST(Camera, HorizontalFieldOfViewStaysWhenPixelWidthScales) {
+TEST(Camera, KeepsFieldOfView) {
     for (const Preset& preset : presets)
         for (const int width : {320, 1280, 1920, 3840}) {
             const Camera camera =
@@ -346,14 +346,14 @@ TEST(Camera, HorizontalFieldOfViewStaysWhenPixelWidthScales) {
         }
 }
 
-TEST(Camera, OddSizesHaveTheirCentreBetweenPixels) {
+TEST(Camera, CentresOddSizesBetweenPixels) {
     const Camera camera = camera_from_focal_length(4.7, 0.0112, 321, 241);
     EXPECT_EQ(camera.cx, 160.5);
     EXPECT_EQ(camera.cy, 119.5);
 }
 
 // Eq. 3 as printed: origin in the lower-left corner, y_p upwards, z_p from 0 (far) to 255 (near).
-TEST(Camera, AgreesWithThePapersEquation3) {
+TEST(Camera, MatchesEquation3) {
     for (const Preset& preset : presets)
         for (const auto& [W, H] : {std::pair{720, 480}, std::pair{320, 240}}) {
             const double f = preset.focal_length, sigma = preset.pixel_width, z_near = 40, z_far = 180;
@@ -361,7 +361,7 @@ TEST(Camera, AgreesWithThePapersEquation3) {
             DepthCoding coding;
             coding.near = z_near;
             coding.far = z_far;
-            Random random(11);
+            RandomBits random(11);
             for (int k = 0; k < 2000; ++k) {
                 const int i = static_cast<int>(random.below(static_cast<std::uint64_t>(W)));
                 const int j = static_cast<int>(random.below(static_cast<std::uint64_t>(H)));
@@ -381,7 +381,7 @@ TEST(Camera, AgreesWithThePapersEquation3) {
         }
 }
 
-TEST(Camera, RightInTheImageIsRightAndDownIsDown) {
+TEST(Camera, MapsImageRightAndDown) {
     const Camera camera{500, 400, 320, 240};
     const glm::dvec3 centre = unproject(camera, 320, 240, 2);
     EXPECT_EQ(centre, glm::dvec3(0, 0, -2));
@@ -391,7 +391,7 @@ TEST(Camera, RightInTheImageIsRightAndDownIsDown) {
 
 // Bound: x - cx, / fx and * d round once each; range adds the length of the ray and a division.
 TEST(Camera, UnprojectAgreesWithLongDouble) {
-    Random random(12);
+    RandomBits random(12);
     for (int k = 0; k < 100000; ++k) {
         const int width = 1 + static_cast<int>(random.below(4096)),
                   height = 1 + static_cast<int>(random.below(4096));
@@ -410,8 +410,8 @@ TEST(Camera, UnprojectAgreesWithLongDouble) {
 }
 
 // Bound: five roundings of x - cx on the way there and back, one of the sum with cx.
-TEST(Camera, ProjectUndoesUnprojectAtCornersAndBetween) {
-    Random random(13);
+TEST(Camera, ProjectsWhatItUnprojected) {
+    RandomBits random(13);
     for (int k = 0; k < 50000; ++k) {
         const int width = 1 + static_cast<int>(random.below(16384)),
                   height = 1 + static_cast<int>(random.below(16384));
@@ -439,8 +439,8 @@ TEST(Camera, ProjectUndoesUnprojectAtCornersAndBetween) {
     }
 }
 
-TEST(Camera, RangeIsTheDistanceFromTheCamera) {
-    Random random(14);
+TEST(Camera, MeasuresRangeFromCamera) {
+    RandomBits random(14);
     for (int k = 0; k < 10000; ++k) {
         const Camera camera = random_camera(random, 640, 480);
         const double i = random.between(0, 640), j = random.between(0, 480),
@@ -452,7 +452,7 @@ TEST(Camera, RangeIsTheDistanceFromTheCamera) {
     }
 }
 
-TEST(Camera, NothingIsSeenBesideOrBehindTheCamera) {
+TEST(Camera, SeesNothingBehindIt) {
     const Camera camera{500, 500, 320, 240};
     EXPECT_FALSE(project(camera, {0, 0, 0}));
     EXPECT_FALSE(project(camera, {1, 1, 0.5}));
@@ -460,15 +460,9 @@ TEST(Camera, NothingIsSeenBesideOrBehindTheCamera) {
     EXPECT_TRUE(project(camera, {0, 0, -1e-300}));
 }
 
-}  // namespace
-}  // namespace touchable
-
-namespace touchable::test {
-namespace {
-
 constexpr std::int64_t ms = 1'000'000;
 
-TEST(FrameRate, OfOwnTimesIsTheirsAndGoesOnAtTheirMean) {
+TEST(FrameRate, ExtendsOwnTimesByMean) {
     const auto rate = rate_of_own_times({50 * ms, 60 * ms, 100 * ms, 150 * ms});
     ASSERT_TRUE(rate);
     EXPECT_EQ(rate->per_second(), 30);
@@ -482,8 +476,8 @@ TEST(FrameRate, OfOwnTimesIsTheirsAndGoesOnAtTheirMean) {
 }
 
 /// Against a search through all frames.
-TEST(FrameRate, FindsTheFrameAtAMomentAndTheNearest) {
-    Random random(16);
+TEST(FrameRate, FindsFramesByTime) {
+    RandomBits random(16);
     std::vector<std::int64_t> times_ns{0};
     for (int n = 1; n < 40; ++n)
         times_ns.push_back(times_ns.back() + ms + static_cast<std::int64_t>(random.below(90)) * ms / 3);
@@ -505,7 +499,7 @@ TEST(FrameRate, FindsTheFrameAtAMomentAndTheNearest) {
     }
 }
 
-TEST(FrameRate, OfTimesThatNoClipHasIsNone) {
+TEST(FrameRate, RejectsImpossibleTimes) {
     EXPECT_FALSE(rate_of_own_times({}));
     EXPECT_FALSE(rate_of_own_times({5}));
     EXPECT_FALSE(rate_of_own_times({0, ms - 1}));

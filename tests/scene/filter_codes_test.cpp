@@ -10,7 +10,7 @@
 #include "engine/scene/scene.hpp"
 
 // Codes that are looked up because multiplied ones would not fit 15 bits.
-namespace touchable {
+namespace touchable::test {
 namespace {
 
 struct LookedUpCase {
@@ -59,7 +59,7 @@ Scene looked_up_scene(const LookedUpCase& of, double noise = 0) {
     return scene;
 }
 
-TEST(WorkingCodes, AreTheNearestToEveryStoredDepthAndInItsOrder) {
+TEST(WorkingCodes, AreNearestAndInOrder) {
     for (const LookedUpCase& of : looked_up_cases) {
         SCOPED_TRACE(of.name);
         const Scene scene = looked_up_scene(of);
@@ -83,7 +83,7 @@ TEST(WorkingCodes, AreTheNearestToEveryStoredDepthAndInItsOrder) {
 }
 
 // Rounding to codes is half of a step.
-TEST(WorkingCodes, AreFineAgainstAPixelFromAFiftiethOfTheDeepestDepthOn) {
+TEST(WorkingCodes, AreFineAgainstPixels) {
     for (const LookedUpCase& of : looked_up_cases) {
         const Scene scene = looked_up_scene(of);
         const DepthCoding coding = working_codes(scene)->coding;
@@ -94,7 +94,7 @@ TEST(WorkingCodes, AreFineAgainstAPixelFromAFiftiethOfTheDeepestDepthOn) {
     }
 }
 
-TEST(WorkingCodes, OfASurfaceDoNotDependOnWhatIsFarBehindIt) {
+TEST(WorkingCodes, StayFineDespiteFarStrays) {
     LookedUpCase stray = looked_up_cases[4];
     for (stray.far = 8.2; stray.far < 42; stray.far *= 1.3) {
         const DepthCoding coding = working_codes(looked_up_scene(stray))->coding;
@@ -104,7 +104,7 @@ TEST(WorkingCodes, OfASurfaceDoNotDependOnWhatIsFarBehindIt) {
 }
 
 // The curves are what a double says, but for rounding coefficients and two of three products down.
-TEST(WorkingCodes, LevelsAndStepsAreThoseOfTheScene) {
+TEST(WorkingCodes, KeepLevelsAndSteps) {
     for (const double noise : {0.0, 0.5, 4.0})
         for (const LookedUpCase& of : looked_up_cases) {
             SCOPED_TRACE(of.name);
@@ -128,8 +128,8 @@ TEST(WorkingCodes, LevelsAndStepsAreThoseOfTheScene) {
         }
 }
 
-/// Of however few codes, as no curve of levels is exact in them; the step is that of every depth, roughly.
-TEST(WorkingCodes, OfLogCodesAreAlwaysLookedUp) {
+/// However few codes there are, no curve of levels is exact in them; the step fits every depth, roughly.
+TEST(WorkingCodes, AreLookedUpForLog) {
     LookedUpCase lerobot = looked_up_cases[7];
     Scene scene = looked_up_scene(lerobot);
     scene.depth.code_max = 4095;
@@ -158,27 +158,21 @@ TEST(WorkingCodes, AreLookedUpOnce) {
     EXPECT_FALSE(temporal_filter(scene)->working.table) << "averaging alone has room in the stored codes";
 }
 
-TEST(WorkingCodes, AreNotThereWhereLevelsLeaveNoRoom) {
+TEST(WorkingCodes, NeedRoomBetweenLevels) {
     Scene scene = looked_up_scene(looked_up_cases[2]);
     scene.filter.levels = {1e9, 0};
     EXPECT_FALSE(has_working_codes(scene));
     EXPECT_FALSE(terrace_filter(scene));
 }
 
-}  // namespace
-}  // namespace touchable
-
-namespace touchable::test {
-namespace {
-
-// The table of filters' settings, by which scene files, options, windows and reports go.
+// The table of filters' settings, which scene files, options, windows and reports use.
 
 const FilterSetting& setting_of(std::string_view name) {
     return *std::ranges::find(filter_settings(), name,
                               [](const FilterSetting& setting) { return std::string_view(setting.name); });
 }
 
-TEST(SettingRange, TakesNamesNumbersAndNothingElse) {
+TEST(SettingRange, TakesNamesAndNumbersOnly) {
     const SettingRange names{.words = {"off", "on", "auto"}}, sides{.words = {"0", "3", "5"}, .whole = true},
         passes{.most = 16, .whole = true, .unit = "passes"}, force{.least = 0.1, .most = 20, .unit = "N"};
     EXPECT_EQ(names.value_of("auto"), 2);
@@ -199,7 +193,7 @@ TEST(SettingRange, TakesNamesNumbersAndNothingElse) {
         EXPECT_EQ(force.value_of(word), std::nullopt) << word;
 }
 
-TEST(FilterSetting, EachHasANameAndADefaultOfItsOwn) {
+TEST(FilterSetting, HasOwnNameAndDefault) {
     std::set<std::string> names;
     for (const FilterSetting& setting : filter_settings()) {
         EXPECT_TRUE(names.insert(setting.name).second) << setting.name;
@@ -216,7 +210,7 @@ TEST(FilterSetting, EachHasANameAndADefaultOfItsOwn) {
     EXPECT_EQ(setting_of("fill_holes").typed_name(), "fill-holes");
 }
 
-TEST(FilterSetting, ReadsWhatAPersonTypes) {
+TEST(FilterSetting, ReadsTypedValues) {
     FilterSettings filter;
     EXPECT_TRUE(setting_of("terraces").read("auto", filter));
     EXPECT_EQ(filter, FilterSettings{.terraces = TerraceRemoval::automatic});
@@ -238,7 +232,7 @@ TEST(FilterSetting, ReadsWhatAPersonTypes) {
     EXPECT_EQ(filter.flying_pixels, (DepthLength{2, 0}));
 }
 
-TEST(FilterSetting, IsCopiedWithTheLengthThatGoesWithIt) {
+TEST(FilterSetting, CopiesItsLength) {
     const FilterSetting& temporal = setting_of("temporal");
     FilterSettings scene{.median = 5, .temporal_noise = {3, 0}};
     temporal.copy({.median = 3, .temporal = true}, scene);
@@ -247,7 +241,7 @@ TEST(FilterSetting, IsCopiedWithTheLengthThatGoesWithIt) {
     EXPECT_EQ(scene, (FilterSettings{.median = 5, .temporal_noise = {4, 1}}));
 }
 
-TEST(FilterSetting, ReachIsLeftOpenWithRemovalAlone) {
+TEST(FilterSetting, LeavesReachOpenWithRemoval) {
     const FilterSetting& reach = setting_of("terrace_reach");
     EXPECT_TRUE(reach.is_open_if_left_out({}, {.terraces = true}));
     EXPECT_TRUE(reach.is_open_if_left_out({.terraces = TerraceRemoval::automatic}, {}));
@@ -256,20 +250,24 @@ TEST(FilterSetting, ReachIsLeftOpenWithRemovalAlone) {
     EXPECT_FALSE(setting_of("levels").is_open_if_left_out({}, {}));
 }
 
-}  // namespace
-}  // namespace touchable::test
-
-namespace touchable {
-namespace {
-
-Scene coded(DepthCodingKind kind, int code_max, bool near_is_high, DepthLength noise) {
+/// The camera of a globe, and `bits` of depth between its planes.
+Scene globe_scene(DepthCodingKind kind, int bits, bool near_is_high = true) {
     Scene scene;
     scene.width = 720;
     scene.height = 480;
     scene.camera = {420, 420, 360, 239};
-    scene.depth_bits = 16;
+    scene.depth_bits = bits;
     scene.depth.kind = kind;
     scene.depth.near_is_high = near_is_high;
+    scene.depth.near = 40;
+    scene.depth.far = 180;
+    scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
+    derive_valid_range(scene.depth);
+    return scene;
+}
+
+Scene coded(DepthCodingKind kind, int code_max, bool near_is_high, DepthLength noise) {
+    Scene scene = globe_scene(kind, 16, near_is_high);
     scene.depth.near = 400;
     scene.depth.far = 2800;
     scene.depth.scale = kind == DepthCodingKind::metric ? 1 : 0;
@@ -283,7 +281,7 @@ constexpr DepthCodingKind kinds[] = {DepthCodingKind::linear, DepthCodingKind::i
                                      DepthCodingKind::metric, DepthCodingKind::hue};
 constexpr int largest_codes[] = {3, 100, 255, 1023, 1536, 4095, 16383, 65535};
 
-TEST(Temporal, TheGateIsTheNoiseInCodesOfEveryCoding) {
+TEST(TemporalCodes, ExpressGateInEveryCoding) {
     for (const DepthLength noise : {DepthLength{6, 0}, DepthLength{0, 4e-6}, DepthLength{2, 1e-6}})
         for (const DepthCodingKind kind : kinds)
             for (const int code_max : largest_codes)
@@ -309,7 +307,7 @@ TEST(Temporal, TheGateIsTheNoiseInCodesOfEveryCoding) {
 }
 
 /// LeRobot's planes in mm, and a camera's: by codes of their own, of which the gate is exact.
-TEST(Temporal, TheGateOfLogarithmicDepthIsTheNoiseToo) {
+TEST(TemporalCodes, ExpressGateInLogCodes) {
     for (const auto& [near, far, shift] : {std::tuple{10.0, 10000.0, 3500.0}, {400.0, 2800.0, 0.0}})
         for (const DepthLength noise : {DepthLength{20, 0}, DepthLength{0, 2e-5}, DepthLength{12, 1e-5}})
             for (const bool near_is_high : {false, true}) {
@@ -330,7 +328,7 @@ TEST(Temporal, TheGateOfLogarithmicDepthIsTheNoiseToo) {
             }
 }
 
-TEST(Temporal, TheGateGrowsWithTheNoiseAlongTheCodes) {
+TEST(TemporalCodes, GrowGateWithNoise) {
     for (const DepthCodingKind kind : kinds)
         for (const int code_max : {600, 4095, 65535})
             for (const bool near_is_high : {false, true}) {
@@ -346,7 +344,7 @@ TEST(Temporal, TheGateGrowsWithTheNoiseAlongTheCodes) {
             }
 }
 
-TEST(Temporal, ATwentiethOfAMillimetreOrAKilometreOfNoiseOverflowsNothing) {
+TEST(TemporalCodes, NeverOverflow) {
     for (const double noise : {0.05, 1e3, 1e12})
         for (const DepthCodingKind kind : kinds)
             for (const int code_max : largest_codes)
@@ -365,7 +363,7 @@ TEST(Temporal, ATwentiethOfAMillimetreOrAKilometreOfNoiseOverflowsNothing) {
                 }
 }
 
-TEST(Temporal, PlanesThatDoublesHardlyTellApartHaveTheLargestCoefficients) {
+TEST(TemporalCodes, LimitCoefficientsOfEqualPlanes) {
     Scene scene = coded(DepthCodingKind::inverse, 255, true, {6, 1e-6});
     scene.depth.near = 1.5000000000000002;
     scene.depth.far = std::nextafter(scene.depth.near, 2);
@@ -374,7 +372,7 @@ TEST(Temporal, PlanesThatDoublesHardlyTellApartHaveTheLargestCoefficients) {
     for (const int coefficient : {gate.constant, gate.linear, gate.quadratic}) EXPECT_EQ(coefficient, 21845);
 }
 
-TEST(Temporal, AMedianLeavesLessNoiseAndSoASmallerGate) {
+TEST(TemporalCodes, ShrinkGateAfterMedian) {
     Scene scene = coded(DepthCodingKind::linear, 65535, true, {6, 0});
     const int after5 = temporal_filter(scene)->gate.at(0);
     EXPECT_NEAR(after5, 6 * 65535 / 2400, 1);
@@ -384,7 +382,7 @@ TEST(Temporal, AMedianLeavesLessNoiseAndSoASmallerGate) {
     EXPECT_NEAR(temporal_filter(scene)->gate.at(0), after5 * 2, 1);
 }
 
-TEST(Temporal, CodesAreAsMuchFinerAsBeforeTerraceRemoval) {
+TEST(TemporalCodes, AreFinerLikeTerraceCodes) {
     for (const int code_max : {255, 1023, 16383, 65535}) {
         Scene scene = coded(DepthCodingKind::linear, code_max, true, {6, 0});
         const auto filter = temporal_filter(scene);
@@ -411,30 +409,14 @@ TEST(Temporal, CodesAreAsMuchFinerAsBeforeTerraceRemoval) {
     }
 }
 
-TEST(Temporal, IsOffUnlessAskedFor) {
+TEST(TemporalCodes, AreOffByDefault) {
     Scene scene = coded(DepthCodingKind::linear, 255, true, {6, 0});
     scene.filter.temporal = false;
     EXPECT_FALSE(temporal_filter(scene));
 }
 
-/// The camera of a globe, and `bits` of depth between its planes.
-Scene terrace_scene(DepthCodingKind kind, int bits, bool near_is_high = true) {
-    Scene scene;
-    scene.width = 720;
-    scene.height = 480;
-    scene.camera = {420, 420, 360, 239};
-    scene.depth_bits = bits;
-    scene.depth.kind = kind;
-    scene.depth.near_is_high = near_is_high;
-    scene.depth.near = 40;
-    scene.depth.far = 180;
-    scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
-    derive_valid_range(scene.depth);
-    return scene;
-}
-
 Scene millimetres(double near, double far) {
-    Scene scene = terrace_scene(DepthCodingKind::metric, 16);
+    Scene scene = globe_scene(DepthCodingKind::metric, 16);
     scene.depth.scale = 1;
     scene.depth.near = near;
     scene.depth.far = far;
@@ -455,15 +437,15 @@ int multiplied_by(const Scene& scene) {
 }
 
 // 32767 over the largest code and room for the gate, five factors.
-TEST(Terraces, TheFactorIsWhatSixteenBitsHaveRoomFor) {
+TEST(TerraceCodes, MultiplyWithinSixteenBits) {
     const std::pair<int, int> expected[] = {{8, 126}, {9, 63}, {10, 31}, {11, 15},
                                             {12, 7},  {13, 3}, {14, 0},  {16, 0}};
     for (const auto& [bits, factor] : expected)
-        EXPECT_EQ(multiplied_by(terrace_scene(DepthCodingKind::linear, bits)), factor) << bits;
-    Scene few = terrace_scene(DepthCodingKind::linear, 8);
+        EXPECT_EQ(multiplied_by(globe_scene(DepthCodingKind::linear, bits)), factor) << bits;
+    Scene few = globe_scene(DepthCodingKind::linear, 8);
     few.depth.code_max = 15;
     EXPECT_EQ(multiplied_by(few), 126);
-    Scene hue = terrace_scene(DepthCodingKind::hue, 8, false);
+    Scene hue = globe_scene(DepthCodingKind::hue, 8, false);
     hue.depth.code_max = 1536;
     EXPECT_EQ(multiplied_by(hue), 21);
     EXPECT_EQ(multiplied_by(millimetres(300, 1000)), 32) << "codes beyond `far` need no room";
@@ -473,8 +455,8 @@ TEST(Terraces, TheFactorIsWhatSixteenBitsHaveRoomFor) {
         << "four times as many would be coarse near the camera";
 }
 
-TEST(Terraces, FinerCodesAreValidFromTheLeastToTheLargestValidOne) {
-    Scene scene = terrace_scene(DepthCodingKind::linear, 8);
+TEST(TerraceCodes, KeepValidRange) {
+    Scene scene = globe_scene(DepthCodingKind::linear, 8);
     scene.depth.invalid_codes = {0, 255, 1, 90};
     scene.depth.invalid_code_count = 4;
     derive_valid_range(scene.depth);
@@ -485,9 +467,9 @@ TEST(Terraces, FinerCodesAreValidFromTheLeastToTheLargestValidOne) {
     EXPECT_EQ(fine.depth(770), scene.depth.depth(77));
 }
 
-TEST(Terraces, CodesAndGateFitTheRangeWithTheMostNoise) {
+TEST(TerraceCodes, FitRangeWithMostNoise) {
     for (int code_max = 255; code_max < 65536; code_max = code_max * 9 / 8) {
-        Scene scene = terrace_scene(DepthCodingKind::linear, 16);
+        Scene scene = globe_scene(DepthCodingKind::linear, 16);
         scene.depth.code_max = static_cast<std::uint16_t>(code_max);
         derive_valid_range(scene.depth);
         const auto filter = terrace_filter(removed(scene, most_terrace_noise));
@@ -499,12 +481,12 @@ TEST(Terraces, CodesAndGateFitTheRangeWithTheMostNoise) {
     }
 }
 
-TEST(Terraces, AFinerCodeOfAnUnchangedPixelIsTheSameDepthToTheBit) {
+TEST(TerraceCodes, KeepUnchangedDepthsExactly) {
     std::vector<Scene> scenes;
     for (const auto kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
         for (const int bits : {8, 10, 13})
             for (const bool near_is_high : {false, true})
-                scenes.push_back(terrace_scene(kind, bits, near_is_high));
+                scenes.push_back(globe_scene(kind, bits, near_is_high));
     scenes.push_back(millimetres(300, 2000));
     scenes.back().depth.scale = 0.977;
     for (Scene scene : scenes) {
@@ -525,20 +507,20 @@ TEST(Terraces, AFinerCodeOfAnUnchangedPixelIsTheSameDepthToTheBit) {
     }
 }
 
-TEST(Terraces, GateAndMostAreOfALevelAndOfNoise) {
-    const auto quiet = terrace_filter(removed(terrace_scene(DepthCodingKind::linear, 8)));
+TEST(TerraceCodes, GateByLevelAndNoise) {
+    const auto quiet = terrace_filter(removed(globe_scene(DepthCodingKind::linear, 8)));
     EXPECT_EQ(quiet->gate_at(0), 157);  // 5/4 of 126
     EXPECT_EQ(quiet->most_at(0), 126);
-    const auto noisy = terrace_filter(removed(terrace_scene(DepthCodingKind::linear, 8), 1));
+    const auto noisy = terrace_filter(removed(globe_scene(DepthCodingKind::linear, 8), 1));
     EXPECT_EQ(noisy->gate_at(0), 252);  // (5 x 126 + 3 x 126)/4
     EXPECT_EQ(noisy->most_at(0), 220);
-    const auto ten = terrace_filter(removed(terrace_scene(DepthCodingKind::linear, 10), 0.3));
+    const auto ten = terrace_filter(removed(globe_scene(DepthCodingKind::linear, 10), 0.3));
     EXPECT_EQ(ten->gate_at(0), (5 * 31 + 3 * 9) / 4);  // 0.3 x 31 = 9.3
     EXPECT_EQ(ten->most_at(0), (4 * 31 + 3 * 9) / 4);
 }
 
-// Of a camera that measures disparity and stores millimetres: 11 mm apart at 2 m.
-TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
+// A camera that measures disparity and stores millimetres: levels are 11 mm apart at 2 m.
+TEST(TerraceCodes, WidenGateForCoarseLevels) {
     Scene scene = removed(millimetres(500, 2000));
     scene.filter.levels = {0, 2.75e-6};
     const auto filter = terrace_filter(scene);
@@ -559,9 +541,9 @@ TEST(Terraces, LevelsThatAreFartherApartThanCodesMakeGateAndKappaWider) {
 }
 
 // Levels as of disparity are as far apart everywhere in inverse depth.
-TEST(Terraces, LevelsOfInverseCodesAreToldInCodesToo) {
+TEST(TerraceCodes, ExpressInverseLevels) {
     for (const bool near_is_high : {true, false}) {
-        Scene scene = removed(terrace_scene(DepthCodingKind::inverse, 10, near_is_high));
+        Scene scene = removed(globe_scene(DepthCodingKind::inverse, 10, near_is_high));
         const double step = (1.0 / 40 - 1.0 / 180) / 1023;
         scene.filter.levels = {0, 3 * step};
         const auto filter = terrace_filter(scene);
@@ -573,14 +555,14 @@ TEST(Terraces, LevelsOfInverseCodesAreToldInCodesToo) {
     }
 }
 
-TEST(Terraces, CodesAndGateFitTheRangeWhateverTheLevels) {
+TEST(TerraceCodes, FitRangeWithAnyLevels) {
     for (const double constant : {0.0, 3.0, 500.0, 1e9})
         for (const double quadratic : {0.0, 1e-6, 1e-3, 1e9})
             for (const auto kind :
                  {DepthCodingKind::linear, DepthCodingKind::inverse, DepthCodingKind::metric})
                 for (const int bits : {8, 10, 12, 16}) {
                     Scene scene = kind == DepthCodingKind::metric ? millimetres(20, (1 << bits) - 1)
-                                                                  : terrace_scene(kind, bits);
+                                                                  : globe_scene(kind, bits);
                     scene = removed(scene, most_terrace_noise);
                     scene.filter.levels = {constant, quadratic};
                     const auto filter = terrace_filter(scene);
@@ -595,11 +577,11 @@ TEST(Terraces, CodesAndGateFitTheRangeWhateverTheLevels) {
 }
 
 // Half-way between the planes, at 110, a pixel is 110/420 wide and a step (180 - 40)/255 deep.
-TEST(Terraces, AreRemovedAutomaticallyWhereKappaSaysSo) {
-    Scene scene = terrace_scene(DepthCodingKind::linear, 8);
+TEST(TerraceCodes, AdviseRemovalByKappa) {
+    Scene scene = globe_scene(DepthCodingKind::linear, 8);
     EXPECT_NEAR(kappa_of_scene(scene), 140.0 / 255 / (110.0 / 420), 1e-9);
     for (const auto& [bits, advised] : {std::pair{8, true}, {11, true}, {12, false}, {16, false}}) {
-        scene = terrace_scene(DepthCodingKind::linear, bits);
+        scene = globe_scene(DepthCodingKind::linear, bits);
         EXPECT_EQ(terraces_advised(scene), advised) << bits;
         EXPECT_FALSE(terrace_filter(scene)) << "off unless asked for";
         scene.filter.terraces = TerraceRemoval::automatic;
@@ -611,4 +593,4 @@ TEST(Terraces, AreRemovedAutomaticallyWhereKappaSaysSo) {
 }
 
 }  // namespace
-}  // namespace touchable
+}  // namespace touchable::test

@@ -6,7 +6,7 @@
 
 #include "engine/scene/scene.hpp"
 
-namespace touchable {
+namespace touchable::test {
 
 /// A depth camera's recording: metric, with holes, read from a folder.
 inline constexpr const char* recording = R"({
@@ -33,9 +33,9 @@ inline SceneDescription described(const std::string& json) {
     return read ? *read : SceneDescription{};
 }
 
-/// What is stated in it.
+/// The stated scene, without what is open.
 inline Scene parsed(const std::string& json) {
     return described(json).scene;
 }
 
-}  // namespace touchable
+}  // namespace touchable::test

@@ -33,7 +33,7 @@ std::string refusal_of(const std::filesystem::path& file, std::size_t largest = 
     return read ? "" : read.error().message;
 }
 
-TEST(GivenFile, WhatIsNoOrdinaryFileIsToldAtOnce) {
+TEST(GivenFile, RejectsSpecialFilesAtOnce) {
     const TemporaryFolder folder;
     ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
     const int socket_number = socket(AF_UNIX, SOCK_STREAM, 0);
@@ -42,7 +42,7 @@ TEST(GivenFile, WhatIsNoOrdinaryFileIsToldAtOnce) {
     std::strncpy(name.sun_path, (folder / "socket").c_str(), sizeof name.sun_path - 1);
     ASSERT_EQ(bind(socket_number, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
     close(socket_number);
-    alarm(30);  // who opens a pipe waits for a writer
+    alarm(30);  // opening a pipe would wait for a writer
     const std::pair<std::filesystem::path, std::string> kinds[] = {
         {folder.path(), "is a folder"},
         {folder / "pipe", "is a pipe, no ordinary file"},
@@ -56,7 +56,7 @@ TEST(GivenFile, WhatIsNoOrdinaryFileIsToldAtOnce) {
     EXPECT_EQ(GivenFile::open(folder.path(), "NAME", "a list").error().kind, ErrorKind::input);
 }
 
-TEST(GivenFile, OneThatIsTooLargeIsNotRead) {
+TEST(GivenFile, RejectsTooLargeFiles) {
     const TemporaryFolder folder;
     write_file(folder / "list", "some");
     EXPECT_EQ(refusal_of(folder / "list", 4), "");
@@ -79,7 +79,7 @@ std::string stretch(GivenFile& file, std::uint64_t at, std::size_t count) {
     return read ? bytes : read.error().message;
 }
 
-TEST(GivenFile, IsReadAnywhereInPiecesOfAnySize) {
+TEST(GivenFile, ReadsAnyPiece) {
     const TemporaryFolder folder;
     const std::string bytes = telling_bytes(300'000);
     write_file(folder / "file", bytes);
@@ -96,7 +96,7 @@ TEST(GivenFile, IsReadAnywhereInPiecesOfAnySize) {
 }
 
 /// A recorder goes on writing; another program cuts the file.
-TEST(GivenFile, EndsWhereItEndedWhenItWasOpened) {
+TEST(GivenFile, KeepsSizeFromOpening) {
     const TemporaryFolder folder;
     write_file(folder / "file", telling_bytes(100'000));
     auto file = GivenFile::open(folder / "file", "NAME", "a file");
@@ -109,7 +109,7 @@ TEST(GivenFile, EndsWhereItEndedWhenItWasOpened) {
 }
 
 /// File systems of other machines do not tell what is in memory.
-TEST(GivenFile, IsTheSameFromADiskThatLetsPeopleWait) {
+TEST(GivenFile, ReadsFromSlowDisks) {
     const std::string bytes = telling_bytes(200'000);
     GivenFile file(
         [&bytes](std::uint64_t at, char* to, std::size_t count, bool may_wait) -> std::ptrdiff_t {
@@ -122,7 +122,7 @@ TEST(GivenFile, IsTheSameFromADiskThatLetsPeopleWait) {
     EXPECT_EQ(stretch(file, 7, 150'000), bytes.substr(7, 150'000));
 }
 
-TEST(GivenFile, AFaultOfTheDiskIsTold) {
+TEST(GivenFile, ReportsDiskFaults) {
     GivenFile file([](std::uint64_t, char*, std::size_t, bool) -> std::ptrdiff_t { return -EIO; }, 10);
     EXPECT_EQ(stretch(file, 0, 10), "cannot be read: Input/output error");
 }
@@ -148,7 +148,7 @@ TEST(GivenFile, AFaultOfTheDiskIsTold) {
     end_with(file.read(0, bytes, sizeof bytes));
 }
 
-TEST(GivenFileDeathTest, ADiskThatNeverAnswersIsNotWaitedForOnceSomebodyAsksToStop) {
+TEST(GivenFileDeathTest, LeavesHungDiskAtStop) {
     EXPECT_EXIT(stop_while_a_disk_is_waited_for(), ::testing::ExitedWithCode(0), "");
 }
 
@@ -166,7 +166,7 @@ TEST(GivenFileDeathTest, ADiskThatNeverAnswersIsNotWaitedForOnceSomebodyAsksToSt
     end_with(read);
 }
 
-TEST(GivenFileDeathTest, NothingIsReadOnceSomebodyAsksToStop) {
+TEST(GivenFileDeathTest, ReadsNothingAfterStop) {
     EXPECT_EXIT(stop_in_the_middle(), ::testing::ExitedWithCode(0), "");
 }
 
@@ -186,11 +186,11 @@ TEST(GivenFileDeathTest, NothingIsReadOnceSomebodyAsksToStop) {
     std::_Exit(stop_requested() ? 0 : 4);
 }
 
-TEST(GivenFileDeathTest, WhatIsLeftToDoAfterAStopIsReadByTheThreadThatDoesIt) {
+TEST(GivenFileDeathTest, ReadsAfterStopWithinScope) {
     EXPECT_EXIT(read_after_a_stop(), ::testing::ExitedWithCode(0), "");
 }
 
-TEST(NearestWord, IsTheOneWithTheFewestLettersBetween) {
+TEST(NearestWord, HasFewestEdits) {
     const std::vector<std::string> words{"touch", "play", "plot", "info"};
     EXPECT_EQ(nearest_word("tuoch", words), "touch");
     EXPECT_EQ(nearest_word("plat", words), "play") << "the first of two";
@@ -198,7 +198,7 @@ TEST(NearestWord, IsTheOneWithTheFewestLettersBetween) {
     EXPECT_EQ(nearest_word("nfo", words), "info");
 }
 
-TEST(NearestWord, IsNoneWhereNoneIsNear) {
+TEST(NearestWord, NeedsAWordNearby) {
     const std::vector<std::string> words{"touch", "play"};
     EXPECT_EQ(nearest_word("convert", words), "");
     EXPECT_EQ(nearest_word("", words), "");
@@ -207,20 +207,14 @@ TEST(NearestWord, IsNoneWhereNoneIsNear) {
     EXPECT_EQ(nearest_word("touch", {}), "");
 }
 
-}  // namespace
-}  // namespace touchable::test
-
-namespace touchable {
-namespace {
-
-TEST(Formatted, IsWhatPrintfWritesOfAnyLength) {
+TEST(Formatted, MatchesPrintfAtAnyLength) {
     EXPECT_EQ(formatted("nothing"), "nothing");
     EXPECT_EQ(formatted("%d x %.2f %% of %s", 3, 0.125, "it"), "3 x 0.12 % of it");
     const std::string many(100'000, 'x');
     EXPECT_EQ(formatted("<%s>", many.c_str()), "<" + many + ">");
 }
 
-TEST(ExactNumber, HasTheFewestDigitsThatAreReadAsIt) {
+TEST(ExactNumber, HasFewestExactDigits) {
     EXPECT_EQ(exact_number(0.1), "0.1");
     EXPECT_EQ(exact_number(0.1F), "0.1");
     EXPECT_EQ(exact_number(static_cast<double>(0.1F)), "0.10000000149011612");
@@ -229,12 +223,12 @@ TEST(ExactNumber, HasTheFewestDigitsThatAreReadAsIt) {
     EXPECT_EQ(exact_number(-12), "-12");
 }
 
-TEST(DecimalOf, AFloatIsTheNumberThatWasWritten) {
+TEST(DecimalOf, RestoresWrittenNumber) {
     EXPECT_EQ(decimal_of(0.001F), 0.001);
     EXPECT_EQ(decimal_of(-3.0F), -3.0);
 }
 
-TEST(ShortNumber, KeepsAllDigitsOfALargeOne) {
+TEST(ShortNumber, KeepsDigitsOfLargeNumbers) {
     EXPECT_EQ(short_number(0.00123456), "0.001235");
     EXPECT_EQ(short_number(123456.4), "123456");
     EXPECT_EQ(short_number(1e-9, 2), "1e-09");
@@ -247,7 +241,7 @@ TEST(TrimmedNumber, EndsInNoZeros) {
     EXPECT_EQ(trimmed_number(0.0000004), "0");
 }
 
-TEST(Printable, OrdinaryTextStaysAsItIs) {
+TEST(Printable, KeepsOrdinaryText) {
     EXPECT_EQ(printable("depth_%04d.png"), "depth_%04d.png");
     EXPECT_EQ(printable("Größe 3 µm"), "Größe 3 µm");
     EXPECT_EQ(printable("\xff\xfe"), "\xff\xfe");  // names of files need not be UTF-8
@@ -255,7 +249,7 @@ TEST(Printable, OrdinaryTextStaysAsItIs) {
     EXPECT_EQ(in_quotes("a"), "\"a\"");
 }
 
-TEST(Printable, AFileInACommandIsOneWordOfAShell) {
+TEST(Printable, QuotesFilesForShell) {
     EXPECT_EQ(shell_word("clips/my-clip_1.mkv"), "clips/my-clip_1.mkv");
     EXPECT_EQ(shell_word("Größe.json"), "Größe.json");
     EXPECT_EQ(shell_word("-clip.mkv"), "./-clip.mkv");
@@ -275,21 +269,21 @@ TEST(Printable, AFileInACommandIsOneWordOfAShell) {
     }
 }
 
-TEST(Printable, ControlCharactersAreEscaped) {
+TEST(Printable, EscapesControlCharacters) {
     EXPECT_EQ(printable(std::string("a\nb\r\t\0\x1b[0m\x7f", 11)), "a\\nb\\r\\t\\x00\\x1b[0m\\x7f");
     EXPECT_EQ(printable("\xc2\x9b"
                         "31m"),
               "\\xc2\\x9b31m");  // an escape sequence begins so, too
 }
 
-TEST(Printable, LongTextIsCutBetweenCharacters) {
+TEST(Printable, CutsLongTextBetweenCharacters) {
     EXPECT_EQ(printable(std::string(3'000'000, 'x')), std::string(80, 'x') + "...");
     EXPECT_EQ(printable("abcdé", 5), "abcd...");
     EXPECT_EQ(printable("abcd\n", 5), "abcd...");
     EXPECT_EQ(printable(std::string("abc\0", 4), 5), "abc...");
 }
 
-TEST(Printable, WhateverASceneFileHoldsTheErrorIsShort) {
+TEST(Printable, KeepsErrorsShort) {
     const std::string long_text(1'000'000, 'y');
     for (const std::string& text :
          {"{\"" + long_text, "{\"" + long_text + "\": 1}", "[\"\x1b" + long_text, "\"" + long_text + "\"",
@@ -302,4 +296,4 @@ TEST(Printable, WhateverASceneFileHoldsTheErrorIsShort) {
 }
 
 }  // namespace
-}  // namespace touchable
+}  // namespace touchable::test

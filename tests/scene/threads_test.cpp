@@ -35,7 +35,7 @@ TEST(StopScope, EndsWorkAtItsDeadline) {
     EXPECT_FALSE(stop_requested()) << "around it nothing is late";
 }
 
-TEST(StopScope, ForAllLeavesOutWhatIsAround) {
+TEST(StopScope, HidesOuterScopesForAll) {
     std::stop_source given_up, within;
     given_up.request_stop();
     const StopScope outer(given_up.get_token());
@@ -50,7 +50,7 @@ TEST(StopScope, ForAllLeavesOutWhatIsAround) {
     EXPECT_TRUE(stop_requested());
 }
 
-TEST(StopScope, AfterStopStillEndsByItsScopes) {
+TEST(StopScope, EndsByScopesAfterStop) {
     std::stop_source given_up;
     const StopScope goes_on = StopScope::after_stop();
     const StopScope until(given_up.get_token());
@@ -71,11 +71,11 @@ TEST(StopScope, AfterStopStillEndsByItsScopes) {
     std::_Exit(stop_requested() ? 3 : 0);
 }
 
-TEST(StopScopeDeathTest, ForAllGoesOnAfterAStopOnlyWhereItsCallerDoes) {
+TEST(StopScopeDeathTest, FollowsCallerAfterStop) {
     EXPECT_EXIT(work_for_all_after_a_stop(), ::testing::ExitedWithCode(0), "");
 }
 
-TEST(StopScope, RowBandsTakeOnTheCallers) {
+TEST(StopScope, ReachesRowBands) {
     constexpr int rows = 64;
     std::stop_source given_up;
     given_up.request_stop();
@@ -96,7 +96,7 @@ TEST(StopScope, RowBandsTakeOnTheCallers) {
     EXPECT_EQ(heard, 0) << "and let go of it";
 }
 
-TEST(WaitUnlessStopped, EndsWithItsConditionOrAStop) {
+TEST(WaitUnlessStopped, EndsWithConditionOrStop) {
     int looks = 0;
     EXPECT_TRUE(wait_unless_stopped([&] { return ++looks == 3; }, milliseconds(1)));
     EXPECT_EQ(looks, 3);
@@ -106,7 +106,7 @@ TEST(WaitUnlessStopped, EndsWithItsConditionOrAStop) {
     EXPECT_GE(steady_clock::now(), deadline);
 }
 
-TEST(WaitUnlessStopped, HearsAConditionVariableAndAStop) {
+TEST(WaitUnlessStopped, HearsConditionVariableAndStop) {
     std::mutex mutex;
     std::condition_variable changed;
     bool is_there = false;
@@ -128,7 +128,7 @@ TEST(WaitUnlessStopped, HearsAConditionVariableAndAStop) {
     other.join();
 }
 
-TEST(WaitUnlessStopped, HearsADescriptorAndAStop) {
+TEST(WaitUnlessStopped, HearsDescriptorAndStop) {
     int ends[2];
     ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
     EXPECT_TRUE(wait_unless_stopped(ends[1], POLLOUT));
@@ -141,7 +141,7 @@ TEST(WaitUnlessStopped, HearsADescriptorAndAStop) {
     EXPECT_TRUE(wait_unless_stopped(ends[0], POLLIN)) << "a closed one is of no use any more";
 }
 
-TEST(WaitUnlessStopped, EndsAtItsMomentOrAStop) {
+TEST(WaitUnlessStopped, EndsAtMomentOrStop) {
     const auto moment = steady_clock::now() + milliseconds(30);
     EXPECT_TRUE(wait_unless_stopped(moment));
     EXPECT_GE(steady_clock::now(), moment);
@@ -156,7 +156,7 @@ void await_abandoned() {
     EXPECT_EQ(abandoned_threads, 0);
 }
 
-TEST(UnlessStopped, GivesWhatWorkGivesOrThrows) {
+TEST(UnlessStopped, PassesOnResultsAndExceptions) {
     EXPECT_EQ(unless_stopped([] { return 7; }), 7);
     EXPECT_THROW((void)unless_stopped([]() -> int { throw std::bad_alloc(); }), std::bad_alloc);
 }
@@ -177,7 +177,7 @@ TEST(UnlessStopped, AbandonedWorkHearsIt) {
     EXPECT_TRUE(*has_ended);
 }
 
-TEST(UnlessStopped, LeavesWorkBehindAtADeadline) {
+TEST(UnlessStopped, LeavesWorkAtDeadline) {
     const auto may_end = std::make_shared<std::atomic<bool>>(false);
     const auto made = work_until(steady_clock::now() + milliseconds(30), [&] {
         return unless_stopped([may_end] {
@@ -246,7 +246,7 @@ TEST(ChildProcess, IsBoundedInTime) {
     EXPECT_FALSE(has_children());
 }
 
-TEST(ChildProcess, IsBoundedInMemoryAndProcessorTime) {
+TEST(ChildProcess, IsBoundedInItsResources) {
     const ChildLimits little{.memory_bytes = std::uint64_t{256} << 20, .processor_seconds = 0};
     const auto output = output_of({"sh", "-c", "sleep 0.1; dd if=/dev/zero of=/dev/null bs=1G count=1"},
                                   1 << 20, ample, little);
@@ -259,7 +259,7 @@ TEST(ChildProcess, IsBoundedInMemoryAndProcessorTime) {
 }
 
 /// As in a program that links this library.
-TEST(ChildProcess, EndsWhereTheProgramIgnoresItsChildren) {
+TEST(ChildProcess, EndsWithIgnoredChildren) {
     const auto before = std::signal(SIGCHLD, SIG_IGN);
     const auto output = output_of({"sh", "-c", "sleep 0.1; echo words"});
     std::signal(SIGCHLD, before);
@@ -277,7 +277,7 @@ TEST(ChildProcess, AStopEndsItsOutput) {
     EXPECT_EQ(output.error().kind, ErrorKind::interrupted);
 }
 
-TEST(StartThread, CarriesItsNameAndDoesItsWork) {
+TEST(StartThread, NamesAndRunsThread) {
     std::array<char, 16> name{};
     std::thread thread;
     ASSERT_TRUE(start_thread(thread, "fifteen-letters", "that is a test",
@@ -286,7 +286,7 @@ TEST(StartThread, CarriesItsNameAndDoesItsWork) {
     EXPECT_EQ(std::string(name.data()), "fifteen-letters");
 }
 
-TEST(RowBands, GiveEveryRowToOneBandWhateverTheRowsStepsAndThreads) {
+TEST(RowBands, CoverEachRowOnce) {
     for (const int threads : {1, 2, 3, 7}) {
         RowBands bands(threads);
         for (const int step : {1, 3, 16})
@@ -304,7 +304,7 @@ TEST(RowBands, GiveEveryRowToOneBandWhateverTheRowsStepsAndThreads) {
     }
 }
 
-TEST(RowBands, NeverHaveAThreadAtTwoBandsAtOnce) {
+TEST(RowBands, RunOneBandPerThread) {
     RowBands bands(3);
     std::mutex mutex;
     std::set<int> busy, seen;
@@ -323,7 +323,7 @@ TEST(RowBands, NeverHaveAThreadAtTwoBandsAtOnce) {
 }
 
 /// One band waits until another has begun, which only another thread can have.
-TEST(RowBands, AreWorkedOnByAnotherThreadToo) {
+TEST(RowBands, UseAnotherThread) {
     RowBands bands(2);
     std::mutex mutex;
     std::condition_variable other_came;
@@ -337,7 +337,7 @@ TEST(RowBands, AreWorkedOnByAnotherThreadToo) {
     EXPECT_EQ(workers.size(), 2U);
 }
 
-TEST(RowBands, ShowWhatOneRunWroteToTheBandsOfTheNext) {
+TEST(RowBands, ShowWritesToNextRun) {
     RowBands bands(3);
     std::vector<int> values(512), sums(512);
     for (int round = 1; round <= 100; ++round) {
@@ -353,7 +353,7 @@ TEST(RowBands, ShowWhatOneRunWroteToTheBandsOfTheNext) {
     }
 }
 
-TEST(RowBands, StartNoThreadForASinglePieceOfWork) {
+TEST(RowBands, RunSingleBandOnCaller) {
     RowBands bands(4);
     for (int round = 0; round < 3; ++round)
         bands.for_each_band(16, 16, [caller = std::this_thread::get_id()](const RowBand& band) {
@@ -362,7 +362,7 @@ TEST(RowBands, StartNoThreadForASinglePieceOfWork) {
         });
 }
 
-TEST(RowBands, GiveTheCallerWhatABandThrewAndGoOn) {
+TEST(RowBands, PassOnExceptions) {
     for (const int threads : {1, 3}) {
         RowBands bands(threads);
         for (int round = 0; round < 20; ++round) {
@@ -475,7 +475,7 @@ TEST(PlaneMemory, KeepsABoundedAmountFree) {
     forget_other_sizes();
 }
 
-TEST(PlaneMemory, KnowsTheBlockOfAPlane) {
+TEST(PlaneMemory, KnowsBlocksOfPlanes) {
     const Lease lease = take_plane_memory(4 * page);
     const auto block = plane_block_of(lease.get(), 4 * page);
     ASSERT_NE(block, nullptr);
@@ -492,7 +492,7 @@ TEST(PlaneMemory, KnowsTheBlockOfAPlane) {
     EXPECT_EQ(plane_block_of(nullptr, 1), nullptr);
 }
 
-TEST(PlaneMemory, StaysMappedWhileItsBlockIsHeld) {
+TEST(PlaneMemory, StaysMappedWhileHeld) {
     Lease lease = take_plane_memory(7 * page);
     auto block = plane_block_of(lease.get(), 7 * page);
     std::uint8_t* const data = lease.get();
@@ -508,7 +508,7 @@ TEST(PlaneMemory, StaysMappedWhileItsBlockIsHeld) {
     EXPECT_FALSE(is_mapped());
 }
 
-TEST(PlaneMemory, IsOneThreadsAtATime) {
+TEST(PlaneMemory, BelongsToOneThread) {
     constexpr int threads = 4, rounds = 2000, held = 3;
     const auto work = [](int number, bool& is_own) {
         const auto mark = static_cast<std::uint8_t>(number + 1);
