@@ -65,7 +65,7 @@ TEST(CpuBuilder, ForgetsHolesOfPreviousFrame) {
     }
 }
 
-/// What it remembers of a row another thread may have written.
+/// The remembered rows may have been written by another thread.
 TEST(CpuBuilder, RemembersFramesWithAnyPlan) {
     for (const TerraceRemoval terraces : {TerraceRemoval::off, TerraceRemoval::on}) {
         const Scene scene =
@@ -110,7 +110,7 @@ TEST(CpuBuilder, AllocatesOnlyForFirstFrame) {
         }
 }
 
-// What has changed, and what has to be built again because of it.
+// Changed pixels, and the blocks that have to be built again because of them.
 
 constexpr std::pair<int, int> sizes[] = {{1, 1},   {31, 15}, {32, 16},  {33, 17}, {34, 33},
                                          {97, 48}, {7, 130}, {203, 81}, {64, 64}};

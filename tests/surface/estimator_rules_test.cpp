@@ -19,8 +19,8 @@
 namespace touchable::test {
 namespace {
 
-/// What docs/conventions.md says is measured of a recording, in plain words and loops: every number of that
-/// page stands here once more. It shares nothing with engine/surface but codes and their depths.
+/// The measurements of docs/conventions.md in plain loops: every number of that page stands here once more.
+/// It shares nothing with engine/surface but codes and their depths.
 struct PlainEstimator {
     double median_depth = 0;  ///< 0: nothing is valid
     DepthLength levels;
@@ -32,10 +32,10 @@ struct PlainEstimator {
 };
 
 constexpr int nothing = CodePicture::invalid;
-/// What is at a limit is within it, whatever rounding says.
+/// A value at a limit is within it, despite rounding.
 constexpr double rounding = 1 + 1e-12;
 
-/// What a measure is made of, of one window: sizes in codes, and what is averaged.
+/// One sample of a window: its size in codes, and the values that are averaged.
 struct Sample {
     std::int64_t size, product, square;
 };
@@ -179,7 +179,7 @@ private:
         const double wider = 2 / (1 + least);
         return {wider * share * n * f / (n + f), wider * share / (n + f)};
     }
-    /// Of two or more.
+    /// A divisor of two or more.
     static bool have_a_divisor(const std::map<int, std::int64_t>& levels) {
         for (int divisor = 2; divisor <= levels.begin()->first; ++divisor)
             if (std::all_of(levels.begin(), levels.end(),
@@ -321,7 +321,7 @@ private:
         }
         return flight;
     }
-    /// Of codes along a line: that of the surface at its end, and the steps to there.
+    /// The code of the surface at a line's end, and the steps to there.
     static std::pair<int, int> surface_along(const std::vector<int>& codes, int gate) {
         const int count = static_cast<int>(codes.size());
         const auto step = [&](int k) {
@@ -370,7 +370,7 @@ private:
         const std::int64_t d2 = at(b, there, y) - at(a, there, y), e2 = at(c, there, y) - at(b, there, y);
         pairs_.push_back({static_cast<double>(at(b, x, y)), static_cast<double>(-(d * e2 + e * d2)) / 2});
     }
-    /// What a pixel and one far away have in common is no more than an eighth of the codes' variance.
+    /// A film's distant pixels share at most an eighth of the codes' variance.
     struct Pair {
         double code, common;
     };
@@ -483,8 +483,8 @@ PlainEstimator plain_estimator(const DepthCoding& coding, const std::vector<Code
     return Measuring(coding, pictures).all();
 }
 
-// What is measured of a recording, against the numbers of docs/conventions.md (plain_estimator), over random
-// pictures that come near to each of them; and from where on it tells of a camera.
+// Measurements against the numbers of docs/conventions.md (plain_estimator), over random pictures near each
+// limit; and the limits from which they indicate a camera.
 
 /// Codes from 600 to 4000, 1 unit or about it apart, 0 being none.
 DepthCoding coding_of_codes(SplitMix64& random) {
@@ -628,7 +628,7 @@ DepthLength noise_of_what_is_left(double share) {
 
 TEST(EstimatorRules, IgnoreMostlyClippedWindows) {
     for (const double share : {0.4, 0.5}) {
-        // Of nine even numbers the standard deviation is 2.58.
+        // The standard deviation of nine even numbers is 2.58.
         EXPECT_NEAR(noise_of_what_is_left(share).constant, 2.58, 0.15) << share;
     }
     for (const double share : {0.51, 0.6}) EXPECT_EQ(noise_of_what_is_left(share), DepthLength{}) << share;

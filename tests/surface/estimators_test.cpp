@@ -1,4 +1,4 @@
-// What the depths that occur tell of the camera that made them.
+// The camera behind depths, recognised by the codes that occur.
 
 #include <gtest/gtest.h>
 
@@ -14,6 +14,7 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/estimators.hpp"
+#include "tests/frame/must.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"
@@ -28,7 +29,7 @@ Scene millimetres(double far = 6000) {
     return metric_scene(width, height, {262, 262, 159.5, 119.5}, far);
 }
 
-/// What one picture tells.
+/// Measures one picture.
 MeasuredDepth measured_of(const Scene& scene, const std::vector<std::uint16_t>& codes) {
     DepthEstimator estimator(scene);
     estimator.add(store_plane(scene.width, scene.height, codes, {}).frame());
@@ -117,10 +118,9 @@ TEST(DepthEstimator, ExcludesFarPlaneFromMedian) {
 std::optional<MeasuredDepth> measured_clip(ClipReader& clip, bool all = false) {
     DepthEstimator estimator(clip.scene());
     while (all || !estimator.enough()) {
-        const auto frame = clip.next();
-        EXPECT_TRUE(frame) << frame.error().message;
-        if (!frame || !*frame) break;
-        estimator.add(**frame);
+        const auto frame = must(clip.next());
+        if (!frame) break;
+        estimator.add(*frame);
     }
     return estimator.measured();
 }
@@ -129,9 +129,8 @@ const auto scene_files = std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/sc
 
 /// Views from different places, by structured light.
 MeasuredDepth measured_redwood(const std::filesystem::path& folder, const std::filesystem::path& scene_file) {
-    auto clip = open_clip(folder, scene_file);
-    EXPECT_TRUE(clip) << clip.error().message;
-    const auto measured = measured_clip(**clip, true);
+    auto clip = must(open_clip(folder, scene_file));
+    const auto measured = measured_clip(*clip, true);
     EXPECT_TRUE(measured);
     EXPECT_EQ(measured->noise, DepthLength{}) << "views from different places are no noise";
     EXPECT_TRUE(measured->from_a_camera());
@@ -277,10 +276,9 @@ TEST(ChosenReach, RespectsStatedRemoval) {
 
 FilterSettings chosen_of_recording(const std::filesystem::path& file,
                                    const std::filesystem::path& scene_file = {}) {
-    auto clip = scene_file.empty() ? open_clip(file) : open_clip(file, scene_file);
-    EXPECT_TRUE(clip) << clip.error().message;
-    Scene scene = (*clip)->scene();
-    choose_filters(measured_clip(**clip), all_unstated, scene);
+    auto clip = must(scene_file.empty() ? open_clip(file) : open_clip(file, scene_file));
+    Scene scene = clip->scene();
+    choose_filters(measured_clip(*clip), all_unstated, scene);
     return scene.filter;
 }
 
@@ -312,7 +310,7 @@ INSTANTIATE_TEST_SUITE_P(Recordings, OtherRecordings,
                                          "castel_sr300", "visp_cube_realsense", "depthkit_typing/Test.mov"),
                          [](const auto& test) { return "Number" + std::to_string(test.index); });
 
-// What the first frames of a clip tell of its noise and holes, and which filters that asks for.
+// Noise and holes measured in the first frames of a clip, and the filters that they call for.
 
 constexpr int estimate_width = 160, estimate_height = 120;
 
@@ -428,8 +426,7 @@ TEST(NoiseEstimator, IgnoresUnrelatedPictures) {
     }
 }
 
-// Of a camera that turns by an eighth of the picture from frame to frame, and of one that is shaken to and
-// fro.
+// A camera turns by an eighth of the picture from frame to frame, or is shaken to and fro.
 TEST(NoiseEstimator, FindsNoiseInFastFilm) {
     for (const double speed : {0.0, 2.0, 8.0, 20.0})
         for (const bool is_shaken : {false, true}) {
@@ -562,13 +559,12 @@ TEST(FilterChoice, LimitsGeneratedScenesToTerraces) {
                 options.height = 160;
                 options.bits = bits;
                 options.properties = properties;
-                const auto made = make_scene(name, options);
-                ASSERT_TRUE(made) << made.error().message;
-                Scene scene = (*made)->scene();
+                const auto made = must(make_scene(name, options));
+                Scene scene = made->scene();
                 DepthEstimator estimator(scene);
                 for (int frame = 0; !estimator.enough(); ++frame) {
                     ASSERT_LT(frame, DepthEstimator::first_few) << name << ", " << bits << " bits";
-                    estimator.add((*made)->frame(frame));
+                    estimator.add(made->frame(frame));
                 }
                 const auto measured = estimator.measured();
                 ASSERT_TRUE(measured);

@@ -98,7 +98,7 @@ TEST(ChosenFilters, RaiseTemporalNoiseAfterMedian) {
     EXPECT_EQ(chosen_by(measured).temporal_noise, (DepthLength{1.8, 0}));
 }
 
-// Those that were tried, where the scene states neither of the two filters.
+// The tried filters decide unless the scene states one of the two.
 TEST(ChosenFilters, TakeMildestOfBestTried) {
     MeasuredDepth measured = of_a_camera();
     measured.roughness = 2;
@@ -119,7 +119,7 @@ TEST(ChosenFilters, TakeMildestOfBestTried) {
     choose_filters(measured, unstated, scene);
     EXPECT_EQ(scene.filter.median, 5);
     EXPECT_EQ(scene.filter.levels, DepthLength{}) << "as measured";
-    // Where the scene states that nothing is averaged, what was tried without averaging counts.
+    // If the scene states that averaging is off, the trials without averaging count.
     scene = open_scene();
     unstated = all_unstated;
     unstated.temporal = false;
@@ -144,7 +144,7 @@ TEST(ChosenFilters, LandFlyingPixelsOfCamera) {
     EXPECT_NE(chosen_by(measured).flying_pixels, DepthLength{});
 }
 
-// Of depth that shows nothing of a camera: a phone's, or a rendered one's.
+// Depth without signs of a camera: a phone's, or a rendered one's.
 TEST(ChosenFilters, LandMidwayPixelsWithoutCamera) {
     MeasuredDepth measured = of_a_camera();
     measured.dropouts = 0;
@@ -492,7 +492,7 @@ TEST(SmoothPatches, LeaveOutLowRelief) {
     }
 }
 
-// Where relief is everywhere, it is better to judge filters by it than by nothing.
+// With relief everywhere, judging filters by it is better than not judging them.
 TEST(SmoothPatches, KeepReliefThatIsEverywhere) {
     CodePicture picture = Wall{.sigma = 2}.picture();
     change(picture, [](int x, int, int code) { return x % 16 < 5 ? code - 10 : code; });

@@ -14,6 +14,7 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "tests/frame/must.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"
@@ -49,7 +50,7 @@ std::string changes(const std::function<int(int x, int y)>& code) {
     return words;
 }
 
-/// Of pictures that are the same across, from left to right or downwards.
+/// For pictures that vary along one direction only: from left to right, or downwards.
 void expect_landed(bool down, const std::function<int(int along)>& stored,
                    const std::function<int(int along)>& expected) {
     const auto picture = landed_picture([&](int x, int y) { return stored(down ? y : x); });
@@ -268,7 +269,7 @@ Scene portrait_scene(int bits) {
     return scene;
 }
 
-/// Of 11 bits, as of half floats.
+/// Rounded to 11 bits, like half floats.
 double as_half(double value) {
     int exponent = 0;
     const double mantissa = std::frexp(value, &exponent);
@@ -392,7 +393,7 @@ TEST(Portrait, LeavesCleanEdgesAlone) {
         }
 }
 
-// What a phone's filter does to a pen and to relief that were clean.
+// A phone's filter leaves a clean pen and clean relief alone.
 TEST(Portrait, KeepsPenAndRelief) {
     for (const int bits : {8, 16}) {
         const DepthAt relief = [](double x, double y) {
@@ -477,11 +478,10 @@ struct Off {
 
 void expect_faces_on_planes(const std::filesystem::path& folder, const std::filesystem::path& scene_file,
                             const Off& limits) {
-    auto reader = open_clip(folder, scene_file);
-    ASSERT_TRUE(reader) << reader.error().message;
-    Scene scene = (*reader)->scene();
+    auto reader = must(open_clip(folder, scene_file));
+    Scene scene = reader->scene();
     DepthEstimator estimator(scene);
-    const auto first = (*reader)->next();
+    const auto first = reader->next();
     ASSERT_TRUE(first && *first);
     estimator.add(**first);
     const DepthLength levels = estimator.measured()->levels;

@@ -12,7 +12,7 @@ namespace {
 
 #ifdef TOUCHABLE_HAS_OPENCV
 
-/// Where two pictures differ first, or nothing.
+/// The first difference of two pictures, or nothing.
 std::string first_difference_of(const cv::Mat& expected, const SurfaceFrame& frame, int bits) {
     for (int y = 0; y < frame.height; ++y)
         for (int x = 0; x < frame.width; ++x) {

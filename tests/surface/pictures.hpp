@@ -48,7 +48,7 @@ Scene depth_scene(int width, int height, int bits, Marking marking, FilterSettin
 /// Planar depth in 16-bit codes of `scale` units each, up to `far`; code 0 is invalid.
 Scene metric_scene(int width, int height, const Camera& camera, double far, double scale = 1);
 
-/// What makes a filter stumble.
+/// Pictures that make filters stumble.
 enum class Fill {
     all_least,
     all_greatest,
@@ -73,7 +73,7 @@ enum class Fill {
 inline constexpr int fill_count = static_cast<int>(Fill::slanted_edges) + 1;
 
 std::vector<std::uint16_t> fill_picture(const Scene& scene, Fill fill, Random& random);
-/// That picture of the seed, stored without awkwardness.
+/// The picture of this seed, stored without padding.
 StoredPlane noisy_plane(const Scene& scene, Fill fill, std::uint64_t seed);
 
 /// A sum of 12 uniform numbers: about normal, of mean 0 and variance 1.
@@ -84,10 +84,10 @@ double normal(Uniform&& uniform) {
     return sum;
 }
 
-/// Where two frames differ first, bit for bit, or nothing.
+/// The first difference of two frames, bit for bit, or nothing.
 std::string first_difference(const SurfaceFrame& expected, const SurfaceFrame& actual);
 
-/// Where a frame's vertices answer otherwise than an expected frame's codes, or nothing.
+/// The first vertex that differs from an expected frame's codes, or nothing.
 std::string first_vertex_difference(const SurfaceFrame& expected, const VertexSource& actual);
 
 /// The first tile whose bounds leave out a depth of the expected frame, or nothing.

@@ -11,7 +11,7 @@
 namespace touchable::test {
 
 /// The kernels on the GPU that is here, which the validation layer watches; one for all tests of a program.
-/// Where there is none, or the layer has something to say in the end, the tests fail.
+/// The tests fail without a GPU, and if the layer reports anything.
 std::shared_ptr<SurfaceKernels> test_kernels();
 
 /// On that GPU; throws where that cannot be.
@@ -28,17 +28,17 @@ std::string plan_text(const SurfacePlan& plan);
 /// Builds frames by every builder, in slots that are used again for frames of other sizes.
 class BuilderComparison {
 public:
-    /// Where a builder differs from the reference, or nothing.
+    /// The first builder that differs from the reference, and its difference; or nothing.
     std::string difference(const Scene& scene, const RawFrame& raw, const SurfaceFrame& reference,
                            std::span<const SurfacePlan> plans = all_plans);
-    /// Of the last frame, by the lazy builder.
+    /// The lazy builder's, for the last frame.
     const VertexSource& lazy_vertices() const { return *lazy_.vertices; }
 
 private:
     SurfaceFrame cpu_, lazy_, vulkan_;
 };
 
-/// Fails with a GPU's error, or another, at frame `at` and later; gives the CPU builder's frames before.
+/// Fails with this error from frame `at` on; gives the CPU builder's frames before.
 class FailingBuilder final : public SurfaceBuilder {
 public:
     FailingBuilder(const Scene& scene, std::int64_t at, Error error)

@@ -12,6 +12,7 @@
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "tests/frame/must.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 #include "tests/sweep.hpp"
@@ -125,9 +126,8 @@ TEST(VulkanBuilder, EqualsReferenceInAnyGroups) {
         for (const std::uint32_t segment_texels : {0U, 4U, 20U})
             for (const bool along_x : {false, true}) {
                 const SurfacePlan plan{group_size, segment_texels, along_x, false};
-                auto builder = make_vulkan_builder(scene, test_kernels(), plan);
-                ASSERT_TRUE(builder) << builder.error().message;
-                ASSERT_TRUE((*builder)->build(plane.frame(), frame));
+                auto builder = must(make_vulkan_builder(scene, test_kernels(), plan));
+                ASSERT_TRUE(builder->build(plane.frame(), frame));
                 EXPECT_EQ(first_difference(reference, frame), "") << plan_text(plan);
             }
 }
@@ -141,9 +141,8 @@ TEST(VulkanBuilder, KeepsFramesInFlightOrdered) {
     for (const FilterSettings& filter : {FilterSettings{3, 0}, FilterSettings{0, 2}, remembering})
         for (const SurfacePlan& plan : all_plans) {
             const Scene scene = depth_scene(83, 45, 16, Marking::zero, filter);
-            auto made = make_vulkan_builder(scene, test_kernels(), plan);
-            ASSERT_TRUE(made) << made.error().message;
-            SurfaceBuilder& builder = **made;
+            auto made = must(make_vulkan_builder(scene, test_kernels(), plan));
+            SurfaceBuilder& builder = *made;
             EXPECT_EQ(builder.frames_in_flight(), plan.builds_in_part() ? 1 : 3);
             const auto twin = make_reference_builder(scene);
             std::vector<std::shared_ptr<StoredPlane>> planes;
@@ -166,8 +165,7 @@ TEST(VulkanBuilder, KeepsFramesInFlightOrdered) {
                     ASSERT_TRUE(builder.begin(frame(begun)));
                 SurfaceFrame reference;
                 ASSERT_TRUE(twin->build(frame(n), reference));
-                const auto finished = builder.finish(slots[n % 4]);
-                ASSERT_TRUE(finished) << finished.error().message;
+                must(builder.finish(slots[n % 4]));
                 EXPECT_EQ(first_difference(reference, slots[n % 4]), "")
                     << plan_text(plan) << ", frame " << n;
                 // The frames before are not written over.
@@ -185,8 +183,7 @@ TEST(VulkanBuilder, ReadsPlanesInPlace) {
     for (const auto& [width, plan] :
          {std::pair{83, all_plans[2]}, {96, all_plans[2]}, {83, all_plans[3]}, {96, all_plans[3]}}) {
         const Scene scene = depth_scene(width, 31, 16, Marking::zero, {3, 0});
-        auto made = make_vulkan_builder(scene, test_kernels(), plan);
-        ASSERT_TRUE(made) << made.error().message;
+        auto made = must(make_vulkan_builder(scene, test_kernels(), plan));
         std::vector<std::shared_ptr<std::uint8_t>> leases;
         for (std::uint64_t n = 0; n < 80; ++n) {
             if (n == 40) leases.clear();  // what follows is in blocks that are imported
@@ -206,7 +203,7 @@ TEST(VulkanBuilder, ReadsPlanesInPlace) {
             const long before = owners();
             SurfaceFrame reference, frame;
             ASSERT_TRUE(make_reference_builder(scene)->build(raw, reference));
-            ASSERT_TRUE((*made)->build(raw, frame));
+            ASSERT_TRUE(made->build(raw, frame));
             EXPECT_EQ(first_difference(reference, frame), "") << width << " wide, stride " << stride;
             // Rows that are not whole texels the CPU copies.
             EXPECT_TRUE(n >= 40 || (owners() > before) == (n % 5 != 4)) << stride;
@@ -267,14 +264,13 @@ TEST(BuilderRace, DecidesOnBusAccess) {
 
 /// For every plan: a device whose limits just suffice makes the builder; one less of any limit refuses it.
 TEST(VulkanBuilder, RejectsFramesBeyondDeviceLimits) {
-    auto device = GpuDevice::open();
-    ASSERT_TRUE(device) << device.error().message;
-    const auto kernels = std::make_shared<SurfaceKernels>(*device);
+    auto device = must(GpuDevice::open());
+    const auto kernels = std::make_shared<SurfaceKernels>(device);
     const Scene scene = depth_scene(640, 400, 16, Marking::zero, {3, 0});
     constexpr std::uint32_t row_texels = 80, texels = row_texels * 400, strips = 200;
-    GpuFacts::Limits& limits = (*device)->vulkan()->facts.limits;
+    GpuFacts::Limits& limits = device->vulkan()->facts.limits;
     const GpuFacts::Limits whole = limits;
-    for (const SurfacePlan& plan : {all_plans[0], all_plans[1], plan_for((*device)->facts())}) {
+    for (const SurfacePlan& plan : {all_plans[0], all_plans[1], plan_for(device->facts())}) {
         const std::uint32_t segments =
             plan.segment_texels > 0 ? groups_for(row_texels, plan.segment_texels) : 1;
         const auto make_with = [&](std::uint32_t most_texels, std::uint32_t most_bytes,
@@ -290,9 +286,7 @@ TEST(VulkanBuilder, RejectsFramesBeyondDeviceLimits) {
         const auto fitting = make_with(texels, bytes, groups);
         EXPECT_TRUE(fitting) << plan_text(plan) << ": " << fitting.error().message;
         const auto expect_refusal = [&](const Result<std::unique_ptr<VulkanSurfaceBuilder>>& made) {
-            ASSERT_FALSE(made) << plan_text(plan);
-            EXPECT_EQ(made.error().kind, ErrorKind::gpu);
-            EXPECT_NE(made.error().message.find("640x400"), std::string::npos) << made.error().message;
+            expect_error(made, ErrorKind::gpu, "640x400");
         };
         expect_refusal(make_with(texels - 1, bytes, groups));
         expect_refusal(make_with(texels, bytes - 1, groups));
