@@ -22,6 +22,7 @@
 #include "tests/sweep.hpp"
 
 namespace touchable::test {
+namespace {
 
 /// Things of known outline on a table before a wall, as a camera sees them that looks down at them. Metres
 /// from a place on the table: x to the right, y up, z to the camera. The same bits on every machine: + - * /
@@ -77,7 +78,7 @@ struct GeneratedFrame {
 using Vector = std::array<double, 3>;
 
 /// The camera is at (0, 0.75, 0.9) and looks along (0, -0.6, -0.8).
-inline Vector camera_at(const GeneratedTable& table, int frame) {
+Vector camera_at(const GeneratedTable& table, int frame) {
     return {table.camera_speed[0] * frame, 0.75 + table.camera_speed[1] * frame,
             0.9 + table.camera_speed[2] * frame};
 }
@@ -87,11 +88,11 @@ struct Hit {
     Vector normal{};
 };
 
-inline void nearer(Hit& hit, double distance, const Vector& normal) {
+void nearer(Hit& hit, double distance, const Vector& normal) {
     if (distance > 1e-6 && distance < hit.distance) hit = {distance, normal};
 }
 
-inline Hit hit_of(const Thing& thing, const Vector& from, const Vector& ray) {
+Hit hit_of(const Thing& thing, const Vector& from, const Vector& ray) {
     Hit hit;
     const auto along = [&](double t, int axis) {
         return from[static_cast<std::size_t>(axis)] + t * ray[static_cast<std::size_t>(axis)];
@@ -155,7 +156,7 @@ inline Hit hit_of(const Thing& thing, const Vector& from, const Vector& ray) {
     return hit;
 }
 
-inline GeneratedFrame generate(const GeneratedTable& table, int frame, std::uint64_t seed = 1) {
+GeneratedFrame generate(const GeneratedTable& table, int frame, std::uint64_t seed = 1) {
     const int width = table.width, height = table.height;
     const auto pixels = static_cast<std::size_t>(width * height);
     GeneratedFrame out{std::vector<std::uint8_t>(3 * pixels),
@@ -207,9 +208,9 @@ inline GeneratedFrame generate(const GeneratedTable& table, int frame, std::uint
     return out;
 }
 
-/// Where what is seen at a pixel of a frame was in the one before: its place in the picture, if it was seen.
-inline std::optional<std::size_t> place_before(const GeneratedTable& table, const GeneratedFrame& now,
-                                               const GeneratedFrame& before, int frame, std::size_t at) {
+/// The previous place in the picture of the point seen at a pixel, if it was seen in the frame before.
+std::optional<std::size_t> place_before(const GeneratedTable& table, const GeneratedFrame& now,
+                                        const GeneratedFrame& before, int frame, std::size_t at) {
     const Thing& thing = table.things[now.truth[at] - 1U];
     const Vector from = camera_at(table, frame - 1);
     Vector place{};
@@ -226,7 +227,7 @@ inline std::optional<std::size_t> place_before(const GeneratedTable& table, cons
 }
 
 /// Mean over things of the best segment's intersection over union.
-inline double mean_iou(const std::vector<std::uint16_t>& truth, const std::vector<std::uint16_t>& labels) {
+double mean_iou(const std::vector<std::uint16_t>& truth, const std::vector<std::uint16_t>& labels) {
     std::map<std::pair<int, int>, double> both;
     std::map<int, double> true_pixels, label_pixels;
     for (std::size_t k = 0; k < truth.size(); ++k) {
@@ -245,16 +246,11 @@ inline double mean_iou(const std::vector<std::uint16_t>& truth, const std::vecto
 }
 
 /// A table with things at random, which do not stand in each other.
-inline GeneratedTable random_table(std::uint64_t seed, int width = 320, int height = 240) {
+GeneratedTable random_table(std::uint64_t seed, int width = 320, int height = 240) {
     Numbers numbers(seed + 77);
     const auto between = [&](int least, int most) { return least + numbers.below(most - least + 1); };
-    constexpr std::array<std::array<int, 3>, 7> colours{{{190, 50, 45},
-                                                         {50, 80, 170},
-                                                         {60, 140, 70},
-                                                         {215, 190, 60},
-                                                         {60, 60, 65},
-                                                         {225, 225, 220},
-                                                         {150, 70, 140}}};
+    constexpr int colours[][3] = {{190, 50, 45}, {50, 80, 170},   {60, 140, 70}, {215, 190, 60},
+                                  {60, 60, 65},  {225, 225, 220}, {150, 70, 140}};
     GeneratedTable table;
     table.width = width;
     table.height = height;
@@ -264,27 +260,17 @@ inline GeneratedTable random_table(std::uint64_t seed, int width = 320, int heig
     for (int k = 0; k < 5; ++k) {
         const double x = (k % 3 - 1) * 0.34 + between(-30, 30) / 1000.0,
                      z = (k < 3 ? -0.3 : 0.08) + between(-30, 30) / 1000.0;
-        const std::array<int, 3>& colour = colours[static_cast<std::size_t>((first + k) % 7)];
+        const std::array<int, 3> colour = std::to_array(colours[(first + k) % 7]);
         const double across = between(80, 130) / 1000.0;
         const double shift = k < 3 ? 0 : 0.17;
         const int stripes = between(0, 10);
-        if (k % 3 == 0)
-            table.things.push_back(
-                {Thing::Kind::box, {x + shift, 0, z}, {1.6 * across, across, across}, colour, stripes});
-        else if (k % 3 == 1)
-            table.things.push_back(
-                {Thing::Kind::ball, {x + shift, across, z}, {across, 0, 0}, colour, stripes});
-        else
-            table.things.push_back(
-                {Thing::Kind::can, {x + shift, 0, z}, {0.6 * across, 2 * across, 0}, colour, stripes});
+        Thing thing{Thing::Kind::can, {x + shift, 0, z}, {0.6 * across, 2 * across, 0}, colour, stripes};
+        if (k % 3 == 0) thing.kind = Thing::Kind::box, thing.size = {1.6 * across, across, across};
+        if (k % 3 == 1) thing.kind = Thing::Kind::ball, thing.at[1] = across, thing.size = {across, 0, 0};
+        table.things.push_back(thing);
     }
     return table;
 }
-
-}  // namespace touchable::test
-
-namespace touchable::test {
-namespace {
 
 // Segments of generated clips, of which it is known what every pixel shows.
 
@@ -312,7 +298,7 @@ TEST(Segmenter, FindsThingsOnATable) {
 }
 
 /// As good at the sizes of other cameras. What a frame takes is printed: 640x480 has to be 5 a second.
-TEST(Segmenter, FindsThemInPicturesOfAnySize) {
+TEST(Segmenter, FindsThingsAtAnySize) {
     for (const auto& [width, height] : {std::pair{640, 480}, {1920, 1080}}) {
         if (short_sweeps && width > 640) continue;
         const GeneratedTable table = random_table(3, width, height);
@@ -365,7 +351,7 @@ Changes changes_of(const GeneratedTable& table, int frames, int from) {
     return changes;
 }
 
-TEST(Segmenter, IsSteadyBeforeAStillCamera) {
+TEST(Segmenter, IsSteadyForStillCamera) {
     for (const int seed : short_sweeps ? std::vector{0, 2} : std::vector{0, 1, 2}) {
         GeneratedTable table = random_table(static_cast<std::uint64_t>(seed));
         table.colour_noise = 5;
@@ -374,7 +360,7 @@ TEST(Segmenter, IsSteadyBeforeAStillCamera) {
     }
 }
 
-TEST(Segmenter, FollowsWhatMoves) {
+TEST(Segmenter, FollowsMotion) {
     for (const int seed : short_sweeps ? std::vector{0, 2} : std::vector{0, 1, 2}) {
         GeneratedTable table = random_table(static_cast<std::uint64_t>(seed));
         if (seed != 1) table.things[3].speed = {0.008, 0, 0};
@@ -415,42 +401,44 @@ private:
     std::vector<GeneratedFrame> frames_;
 };
 
-/// Of GCC, Clang, with and without optimisation, and with any number of threads.
-TEST(Segmenter, HasTheSameBitsEverywhere) {
+/// By GCC and Clang, with and without optimisation, and with any number of threads.
+TEST(Segmenter, HasSameBitsEverywhere) {
     const HashedClip clip;
     for (const int threads : {1, 2, 4}) EXPECT_EQ(clip.hash(threads), 14712688257145656365U) << threads;
 }
 
+void expect_mostly_equal(const std::vector<std::uint16_t>& before, const std::vector<std::uint16_t>& after) {
+    std::size_t same = 0;
+    for (std::size_t k = 0; k < before.size(); ++k) same += before[k] == after[k] ? 1U : 0U;
+    EXPECT_GE(same * 100, before.size() * 97);
+}
+
 /// After a cut things that are where they were, and look as they did, have the labels that they had.
-TEST(Segmenter, KnowsThingsAgainAfterACut) {
+TEST(Segmenter, RecognisesThingsAfterCut) {
     GeneratedTable table = random_table(3), other = random_table(4);
     Segmenter segmenter(table.scene());
     const GeneratedFrame frame = generate(table, 0), later = generate(table, 1), cut = generate(other, 0);
     const std::vector<std::uint16_t> before = segmenter.next(frame.raw(), false).labels;
     segmenter.next(cut.raw(), false);
     const std::vector<std::uint16_t>& after = segmenter.next(later.raw(), false).labels;
-    std::size_t same = 0;
-    for (std::size_t k = 0; k < before.size(); ++k) same += before[k] == after[k] ? 1U : 0U;
-    EXPECT_GE(same * 100, before.size() * 97);
+    expect_mostly_equal(before, after);
 }
 
-/// Somebody draws the curtains: things do not look as they did, but are where they were.
-TEST(Segmenter, KeepsLabelsWhereTheLightChanges) {
+/// Curtains are drawn: things look different, but are where they were.
+TEST(Segmenter, KeepsLabelsWhenLightChanges) {
     const GeneratedTable table = random_table(3);
     Segmenter segmenter(table.scene());
     GeneratedFrame frame = generate(table, 0);
     const std::vector<std::uint16_t> before = segmenter.next(frame.raw(0), false).labels;
     for (std::uint8_t& sample : frame.colour) sample = static_cast<std::uint8_t>(sample / 2);
     const std::vector<std::uint16_t>& after = segmenter.next(frame.raw(1), true).labels;
-    std::size_t same = 0;
-    for (std::size_t k = 0; k < before.size(); ++k) same += before[k] == after[k] ? 1U : 0U;
-    EXPECT_GE(same * 100, before.size() * 97);
+    expect_mostly_equal(before, after);
 }
 
 // Segments of pictures of any size, without colour, without depth, and with holes.
 
 /// A frame by functions of column and row.
-class SegmentsOf : public ::testing::Test {
+class SegmentedPictures : public ::testing::Test {
 protected:
     template <class Code>
     RawFrame depth_of(int width, int height, Code&& code) {
@@ -495,7 +483,7 @@ protected:
     std::vector<std::uint8_t> colour_;
 };
 
-TEST_F(SegmentsOf, TheSmallestPictures) {
+TEST_F(SegmentedPictures, MayBeTiny) {
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 2}, {1, 50}, {50, 1}, {5, 3}}) {
         Segmenter segmenter(scene_of(width, height));
         RawFrame frame = depth_of(width, height, [](int, int) { return 1000; });
@@ -509,7 +497,7 @@ TEST_F(SegmentsOf, TheSmallestPictures) {
     }
 }
 
-TEST_F(SegmentsOf, NothingButHolesAreNone) {
+TEST_F(SegmentedPictures, HaveNoSegmentsInHoles) {
     Segmenter segmenter(scene_of(64, 48));
     RawFrame frame = depth_of(64, 48, [](int, int) { return 0; });
     paint(frame, 64, 48, [](int x, int) { return x; });
@@ -526,7 +514,7 @@ TEST_F(SegmentsOf, NothingButHolesAreNone) {
     EXPECT_EQ(segmenter.next(depth_of(64, 48, surface), true).labels, labels);
 }
 
-TEST_F(SegmentsOf, WithoutColourAStepOfDepthTellsThemApart) {
+TEST_F(SegmentedPictures, SplitAtDepthSteps) {
     for (const bool with_colour : {false, true}) {
         Segmenter segmenter(scene_of(160, 120));
         const auto is_near = [](int x, int y) { return x > 50 && x < 110 && y > 30 && y < 90; };
@@ -548,8 +536,8 @@ TEST_F(SegmentsOf, WithoutColourAStepOfDepthTellsThemApart) {
     }
 }
 
-/// What a slanted floor has of depth is no step, and neither is a gap in it.
-TEST_F(SegmentsOf, AFloorWithAGapIsOneSegment) {
+/// Neither the slope of a slanted floor nor a gap in it is a step.
+TEST_F(SegmentedPictures, JoinFloorAcrossGap) {
     Segmenter segmenter(scene_of(160, 120));
     const RawFrame frame = depth_of(160, 120, [](int x, int y) {
         const double down = 0.2 + y / 120.0;  // of a floor depth is 1 over it
@@ -560,7 +548,7 @@ TEST_F(SegmentsOf, AFloorWithAGapIsOneSegment) {
     EXPECT_EQ(found.segments.size(), 1U);
 }
 
-TEST_F(SegmentsOf, ColourOfAnotherSizeIsTakenWhereItLies) {
+TEST_F(SegmentedPictures, ScaleLargerColour) {
     const auto found_with = [&](int times) {
         Segmenter segmenter(scene_of(160, 120));
         RawFrame frame = depth_of(160, 120, [](int, int) { return 1000; });
@@ -578,7 +566,7 @@ TEST_F(SegmentsOf, ColourOfAnotherSizeIsTakenWhereItLies) {
 }
 
 /// Every coding of depth, and depth along the ray.
-TEST_F(SegmentsOf, AnyCodingOfDepthIsReadAsADepth) {
+TEST_F(SegmentedPictures, ReadAnyDepthCoding) {
     for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse})
         for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar}) {
             Scene scene = small_scene(160, 120, 16);
@@ -597,7 +585,7 @@ TEST_F(SegmentsOf, AnyCodingOfDepthIsReadAsADepth) {
         }
 }
 
-TEST_F(SegmentsOf, TextureIsMeasured) {
+TEST_F(SegmentedPictures, MeasureTexture) {
     const auto contrast_of = [&](auto&& grey) {
         Segmenter segmenter(scene_of(160, 120));
         RawFrame frame = depth_of(160, 120, [](int, int) { return 1000; });
@@ -612,7 +600,7 @@ TEST_F(SegmentsOf, TextureIsMeasured) {
 }
 
 /// Depth of 8 bits is a staircase: its steps are no edges.
-TEST_F(SegmentsOf, DepthOfEightBitsHasNoSegmentsOfItsOwn) {
+TEST_F(SegmentedPictures, IgnoreEightBitSteps) {
     double sum = 0;
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
         GeneratedTable table = random_table(seed);
