@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <source_location>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -10,15 +11,20 @@
 
 namespace touchable::test {
 
-/// The value; without one, the test fails with the reason.
+[[noreturn]] inline void fail_at(const std::source_location& at, const Error& error) {
+    throw std::runtime_error(at.file_name() + (":" + std::to_string(at.line())) + ": " + error.message);
+}
+
+/// The value; without one, the test fails with the reason and the line of the call.
 template <class T>
-T must(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
+T must(Result<T> result, const std::source_location& at = std::source_location::current()) {
+    if (!result) fail_at(at, result.error());
     return std::move(*result);
 }
 
-inline void must(const Result<void>& result) {
-    if (!result) throw std::runtime_error(result.error().message);
+inline void must(const Result<void>& result,
+                 const std::source_location& at = std::source_location::current()) {
+    if (!result) fail_at(at, result.error());
 }
 
 /// Fails unless it is an error whose message has these words.

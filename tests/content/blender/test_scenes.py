@@ -95,7 +95,7 @@ def moving():
         scene.camera.keyframe_insert("location", frame=frame)
         made["touchable_stiffness"] = 0.1 * frame
         made.keyframe_insert('["touchable_stiffness"]', frame=frame)
-    bpy.data.objects.new("Empty that nobody sees", None)
+    bpy.data.objects.new("Hidden empty", None)
 
 
 def ordinary():
