@@ -18,7 +18,7 @@ namespace {
 constexpr int width = 640, height = 480;
 
 /// Boxes before a wall. Their colour is moved, and smaller or larger than they are.
-class ColourEdgesOf : public ::testing::Test {
+class ColourEdgeFit : public ::testing::Test {
 protected:
     /// `x`, `y`: 0 or more. `uneven_`: each is at another place of its square of 80 pixels, of
     /// another size.
@@ -30,15 +30,16 @@ protected:
         return column >= 20 - larger && column < end && row >= 20 - larger && row < end;
     }
     ClipQuality::ColourFit fit(int right, int below, int colour_larger, bool with_shadow = false) {
+        depth_.clear();
+        colour_.clear();
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
                 const bool shadow = with_shadow && !in_box(x + 80, y + 80) && in_box(x + 87, y + 80);
                 depth_.push_back(shadow ? invalid : in_box(x + 80, y + 80) ? 200 : 60);
                 const bool is_red = in_box(x - right + 80, y - below + 80, colour_larger);
                 const int noise = (x * 7 + y * 13) % 11;
-                colour_.push_back(static_cast<std::uint8_t>((is_red ? 190 : 40) + noise));
-                colour_.push_back(static_cast<std::uint8_t>(60 + noise));
-                colour_.push_back(static_cast<std::uint8_t>((is_red ? 30 : 170) + noise));
+                for (const int channel : {is_red ? 190 : 40, 60, is_red ? 30 : 170})
+                    colour_.push_back(static_cast<std::uint8_t>(channel + noise));
             }
         RawFrame frame;
         frame.depth = {depth_.data(), width, width, height, 1, 1};
@@ -54,57 +55,56 @@ protected:
         EXPECT_TRUE(found);
         return found.value_or(ClipQuality::ColourFit{});
     }
+    /// Of colour that is shifted alone.
+    void expect_fit(int right, int below) {
+        const auto fitted = fit(right, below, 0);
+        EXPECT_NEAR(fitted.right.value_or(9), right, 0.01);
+        EXPECT_NEAR(fitted.below.value_or(9), below, 0.01);
+        EXPECT_NEAR(fitted.rim, 0, 0.51);
+    }
 
     static constexpr std::uint8_t invalid = 0;
     bool uneven_ = false;
     std::vector<std::uint8_t> depth_, colour_, where;
 };
 
-TEST_F(ColourEdgesOf, RegisteredPicturesFit) {
-    const auto fitted = fit(0, 0, 0);
-    EXPECT_NEAR(fitted.right.value_or(9), 0, 0.01);
-    EXPECT_NEAR(fitted.below.value_or(9), 0, 0.01);
-    EXPECT_NEAR(fitted.rim, 0, 0.51);
+TEST_F(ColourEdgeFit, IsZeroForRegisteredPictures) {
+    expect_fit(0, 0);
     EXPECT_EQ(std::count(where.begin(), where.end(), 1), 0);
 }
 
-TEST_F(ColourEdgesOf, ShiftIsTold) {
-    const auto fitted = fit(3, -2, 0);
-    EXPECT_NEAR(fitted.right.value_or(9), 3, 0.01);
-    EXPECT_NEAR(fitted.below.value_or(9), -2, 0.01);
-    EXPECT_NEAR(fitted.rim, 0, 0.51);
+TEST_F(ColourEdgeFit, MeasuresShift) {
+    expect_fit(3, -2);
     EXPECT_GT(std::count(where.begin(), where.end(), 1), 500);
 }
 
-TEST_F(ColourEdgesOf, RimIsToldFromAShift) {
+TEST_F(ColourEdgeFit, TellsRimFromShift) {
     const auto narrow = fit(-2, 0, -3);
     EXPECT_NEAR(narrow.right.value_or(9), -2, 0.01);
     EXPECT_NEAR(narrow.rim, 3, 0.51);
 }
 
-TEST_F(ColourEdgesOf, ColourBeyondTheSurfaceIsARimBelowZero) {
+TEST_F(ColourEdgeFit, RimIsNegativeBeyondSurface) {
     const auto fitted = fit(0, 1, 2);
     EXPECT_NEAR(fitted.below.value_or(9), 1, 0.01);
     EXPECT_NEAR(fitted.rim, -2, 0.51);
 }
 
-TEST_F(ColourEdgesOf, ColourFarBesideDepthAgreesOnNoPlace) {
+TEST_F(ColourEdgeFit, DisagreesForDistantColour) {
     uneven_ = true;
     EXPECT_TRUE(fit(3, -2, 0).agrees());
     for (const auto& [right, below] : {std::pair{30, 0}, {-30, 0}, {0, -30}}) {
-        depth_.clear();
-        colour_.clear();
         const auto fitted = fit(right, below, 0);
         EXPECT_FALSE(fitted.agrees()) << right << ' ' << below << ": " << fitted.agreement;
     }
 }
 
-TEST_F(ColourEdgesOf, ShadowWithoutDepthChangesNothing) {
+TEST_F(ColourEdgeFit, IgnoresShadowWithoutDepth) {
     const auto fitted = fit(2, 0, 0, true);
     EXPECT_NEAR(fitted.right.value_or(9), 2, 0.01);
 }
 
-TEST(ColourEdgesWithout, EdgesSayNothing) {
+TEST_F(ColourEdgeFit, IsEmptyWithoutEdges) {
     const std::vector<std::uint8_t> depth(width * height, 100), colour(3 * width * height, 100);
     RawFrame frame;
     frame.depth = {depth.data(), width, width, height, 1, 1};
@@ -121,8 +121,9 @@ TEST(ColourEdgesWithout, EdgesSayNothing) {
 // How frames follow each other.
 
 /// A frame of one pixel of depth and one of colour.
-RawFrame frame_at(std::int64_t number, std::int64_t ms, std::uint8_t depth, std::uint8_t colour = 0) {
-    auto bytes = std::make_shared<std::array<std::uint8_t, 4>>(std::array{depth, colour, colour, colour});
+RawFrame frame_at(std::int64_t number, std::int64_t ms, int depth, int colour = 0) {
+    const auto d = static_cast<std::uint8_t>(depth), c = static_cast<std::uint8_t>(colour);
+    auto bytes = std::make_shared<std::array<std::uint8_t, 4>>(std::array{d, c, c, c});
     RawFrame frame;
     frame.number = number;
     frame.time_ns = ms * 1000000;
@@ -132,10 +133,17 @@ RawFrame frame_at(std::int64_t number, std::int64_t ms, std::uint8_t depth, std:
     return frame;
 }
 
-TEST(FrameTimes, AreAllRight) {
+/// Of frames 33 ms apart.
+ClipQuality::FrameTimes times_of(
+    int frames, const std::function<int(int)>& depth,
+    const std::function<int(int)>& colour = [](int) { return 0; }) {
     FrameTimesEstimator estimator;
-    for (int k = 0; k < 20; ++k) estimator.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k)));
-    const ClipQuality::FrameTimes times = estimator.times();
+    for (int k = 0; k < frames; ++k) estimator.add(frame_at(k, 33 * k, depth(k), colour(k)));
+    return estimator.times();
+}
+
+TEST(FrameTimes, HaveNoFaultWhenEven) {
+    const ClipQuality::FrameTimes times = times_of(20, [](int k) { return k; });
     EXPECT_EQ(times.frames, 20);
     EXPECT_EQ(times.repeated, 0);
     EXPECT_EQ(times.missing, 0);
@@ -143,36 +151,28 @@ TEST(FrameTimes, AreAllRight) {
     EXPECT_EQ(times.usual_ms, 33);
 }
 
-TEST(FrameTimes, RepeatedOnesAreCountedAndThoseUnderNewColour) {
-    FrameTimesEstimator estimator;
-    for (int k = 0; k < 20; ++k)
-        estimator.add(
-            frame_at(k, 33 * k, static_cast<std::uint8_t>(k / 2), static_cast<std::uint8_t>(k / 4)));
-    EXPECT_EQ(estimator.times().repeated, 8);  // not the first and the last, which are not between changes
-    EXPECT_EQ(estimator.times().of_new_colour, 0);  // colour changes with every fourth, when depth does
-    FrameTimesEstimator quick;
-    for (int k = 0; k < 20; ++k)
-        quick.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k / 2), static_cast<std::uint8_t>(k)));
-    EXPECT_EQ(quick.times().of_new_colour, 8);
+TEST(FrameTimes, CountRepeatedDepth) {
+    const auto twice = [](int k) { return k / 2; };
+    const auto slow = times_of(20, twice, [](int k) { return k / 4; });
+    EXPECT_EQ(slow.repeated, 8);       // not the first and the last, which are not between changes
+    EXPECT_EQ(slow.of_new_colour, 0);  // colour changes with every fourth, when depth does
+    EXPECT_EQ(times_of(20, twice, [](int k) { return k; }).of_new_colour, 8);
 }
 
-TEST(FrameTimes, WhatStandsStillForLongIsNotRepeated) {
-    FrameTimesEstimator estimator;
-    for (int k = 0; k < 30; ++k)  // moves, stands still for ten frames, moves on
-        estimator.add(frame_at(k, 33 * k, static_cast<std::uint8_t>(k < 10 ? k : k < 20 ? 10 : k)));
-    EXPECT_EQ(estimator.times().repeated, 0);
-    EXPECT_EQ(estimator.times().changed, 20);
-    FrameTimesEstimator still;
-    for (int k = 0; k < 30; ++k) still.add(frame_at(k, 33 * k, 7));
-    EXPECT_EQ(still.times().repeated, 0);
+TEST(FrameTimes, LongStillnessIsNotRepetition) {
+    // Moves, stands still for ten frames, moves on.
+    const auto times = times_of(30, [](int k) { return k < 10 || k >= 20 ? k : 10; });
+    EXPECT_EQ(times.repeated, 0);
+    EXPECT_EQ(times.changed, 20);
+    EXPECT_EQ(times_of(30, [](int) { return 7; }).repeated, 0);
 }
 
-TEST(FrameTimes, GapsAndJumpsAreCounted) {
+TEST(FrameTimes, CountGapsAndJumps) {
     FrameTimesEstimator estimator;
     std::int64_t ms = 0;
     for (int k = 0; k < 20; ++k) {
         ms += k == 5 ? 132 : k == 9 ? 0 : k == 12 ? 66 : 33;
-        estimator.add(frame_at(k, ms, static_cast<std::uint8_t>(k)));
+        estimator.add(frame_at(k, ms, k));
     }
     const ClipQuality::FrameTimes times = estimator.times();
     EXPECT_EQ(times.missing, 3 + 1);
@@ -181,18 +181,18 @@ TEST(FrameTimes, GapsAndJumpsAreCounted) {
     EXPECT_EQ(times.longest_at, 5);
 }
 
-TEST(FrameTimes, OfOneFrameThereAreNone) {
+TEST(FrameTimes, AreZeroForOneFrame) {
     FrameTimesEstimator estimator;
     EXPECT_EQ(estimator.times().frames, 0);
     estimator.add(frame_at(0, 0, 1));
     EXPECT_EQ(estimator.times().usual_ms, 0);
 }
 
-// What haptic pictures ask of a device.
+// What haptic pictures need of a device.
 
 constexpr int columns = 100, rows = 10;
 
-class HapticValuesOf : public ::testing::Test {
+class HapticPictureValues : public ::testing::Test {
 protected:
     ClipQuality::HapticValues values(const std::function<std::array<int, 3>(int, int)>& rgb) {
         Scene scene = small_scene(columns, rows);
@@ -215,7 +215,7 @@ protected:
     ClipQuality::Where::Haptic where;
 };
 
-TEST_F(HapticValuesOf, SharesAreThoseOfThePicture) {
+TEST_F(HapticPictureValues, AreSharesOfPicture) {
     const ClipQuality::HapticValues found = values([](int x, int) {
         return std::array{x < 25 ? 255 : 51, 100, x < 10 ? 200 : 50};
     });
@@ -227,18 +227,18 @@ TEST_F(HapticValuesOf, SharesAreThoseOfThePicture) {
     EXPECT_EQ(marked(where.more_dynamic), 10 * rows);
 }
 
-TEST_F(HapticValuesOf, AreasAndSmoothChangesAreNotMixed) {
+TEST_F(HapticPictureValues, GradientsAreNotMixed) {
     EXPECT_EQ(values([](int x, int) { return std::array{x, 255 - x, 30}; }).mixed, 0);
     EXPECT_EQ(values([](int x, int) { return std::array{x / 10 * 20, 100, 30}; }).mixed, 0);
 }
 
-TEST_F(HapticValuesOf, NoiseOfACodecIsMixed) {
+TEST_F(HapticPictureValues, CodecNoiseIsMixed) {
     std::minstd_rand random(3);
     const ClipQuality::HapticValues found = values([&](int, int) {
         const int noise = static_cast<int>(random() / 16 % 5);
         return std::array{100 + noise, 120 - noise, 60};
     });
-    EXPECT_GT(found.mixed, 0.1);  // five times what is told of
+    EXPECT_GT(found.mixed, 0.1);  // five times what is reported
     EXPECT_EQ(marked(where.mixed), static_cast<std::int64_t>(found.mixed * columns * rows + 0.5));
 }
 
@@ -272,7 +272,7 @@ std::optional<double> pumping_of(int frames, const std::function<double(int)>& s
     return estimator.share();
 }
 
-TEST(Pumping, IsThatOfScalesThatChangeByChance) {
+TEST(Pumping, MeasuresRandomScales) {
     std::mt19937 random(7);
     std::vector<double> scales;
     for (int k = 0; k < 400; ++k)
@@ -282,19 +282,19 @@ TEST(Pumping, IsThatOfScalesThatChangeByChance) {
     EXPECT_NEAR(*share, 0.01 / std::sqrt(3.0), 0.0006);  // of an even distribution
 }
 
-TEST(Pumping, IsNotWhatStandsStillOrMovesOn) {
+TEST(Pumping, IgnoresStillAndSteadyMotion) {
     EXPECT_LT(pumping_of(30, [](int) { return 1.0; }).value_or(9), 1e-9);
     EXPECT_LT(pumping_of(30, [](int k) { return 1 - 0.01 * k; }).value_or(9), 1e-9);
 }
 
 /// A shot of one frame between two of another place.
-TEST(Pumping, IsNotWhatACutChanges) {
+TEST(Pumping, IgnoresCuts) {
     const auto scale = [](int k) { return k % 6 == 3 ? 1.4 : 1.0; };
     EXPECT_LT(pumping_of(30, scale, [](int k) { return k % 6 == 3 ? 200 : 60; }).value_or(9), 1e-9);
     EXPECT_GT(pumping_of(30, scale, [](int k) { return k % 6 == 3 ? 70 : 60; }).value_or(0), 0.05);
 }
 
-TEST(Pumping, IsNotKnownOfFewFrames) {
+TEST(Pumping, NeedsMoreThanThreeFrames) {
     EXPECT_FALSE(pumping_of(1, [](int) { return 1.0; }));
     EXPECT_FALSE(pumping_of(3, [](int k) { return 1.0 + 0.1 * (k % 2); }));
 }
