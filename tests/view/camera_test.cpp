@@ -21,67 +21,63 @@
 namespace touchable {
 namespace {
 
-Scene any_scene() {
-    Scene scene;
-    scene.width = 640;
-    scene.height = 480;
-    scene.camera = {600, 590, 311.5, 243.25};
-    scene.depth.near = 50;
-    scene.depth.far = 900;
-    return scene;
-}
+const Scene usual_scene = [] {
+    Scene any;
+    any.width = 640;
+    any.height = 480;
+    any.camera = {600, 590, 311.5, 243.25};
+    any.depth.near = 50;
+    any.depth.far = 900;
+    return any;
+}();
 
 void expect_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance) {
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(a[axis], b[axis], tolerance);
 }
 
-TEST(ViewCamera, OwnViewShowsEachVertexAtTheCentreOfItsPixel) {
-    const Scene scene = any_scene();
-    const ViewCamera view = own_view(scene, scene.width, scene.height, 1.0);
+TEST(ViewCamera, OwnViewCentresPixels) {
+    const ViewCamera view = own_view(usual_scene, usual_scene.width, usual_scene.height, 1.0);
     for (const double x : {0.0, 17.0, 311.0, 639.0})
         for (const double y : {0.0, 100.0, 479.0})
             for (const double depth : {50.0, 333.3, 900.0}) {
-                const auto screen = view.project(unproject(scene.camera, x, y, depth));
+                const auto screen = view.project(unproject(usual_scene.camera, x, y, depth));
                 ASSERT_TRUE(screen);
                 expect_near(*screen, {x + 0.5, y + 0.5, 1.0 / depth}, 1e-9);
             }
 }
 
-TEST(ViewCamera, OwnViewOfAnotherShapeIsAsLargeAsFitsAndCentred) {
-    const Scene scene = any_scene();
-    const ViewCamera view = own_view(scene, 1280, 720, 1.0);
-    const auto corner = view.project(unproject(scene.camera, -0.5, -0.5, 100));
-    const auto other = view.project(unproject(scene.camera, 639.5, 479.5, 100));
+TEST(ViewCamera, OwnViewFitsAndCentres) {
+    const ViewCamera view = own_view(usual_scene, 1280, 720, 1.0);
+    const auto corner = view.project(unproject(usual_scene.camera, -0.5, -0.5, 100));
+    const auto other = view.project(unproject(usual_scene.camera, 639.5, 479.5, 100));
     ASSERT_TRUE(corner && other);
     expect_near(*corner, {160, 0, 0.01}, 1e-9);
     expect_near(*other, {1120, 720, 0.01}, 1e-9);
 }
 
-TEST(ViewCamera, WhatIsNearIsNotCutOffAsSoonAsAViewIsTurned) {
-    const Scene scene = any_scene();
+TEST(ViewCamera, KeepsNearSurfaceWhenTurned) {
     for (const double depth : {2.0, 4.0, 50.0, 900.0, 1e5})
         for (const double turned : {0.0, 0.05, -0.1}) {
             Viewpoint viewpoint;
             viewpoint.own = turned == 0.0;
             viewpoint.azimuth = turned;
-            const auto seen = make_view(viewpoint, scene, {0, 0, -400}, 800, 600)
-                                  .project(unproject(scene.camera, 311.5, 243.25, depth));
+            const auto seen = make_view(viewpoint, usual_scene, {0, 0, -400}, 800, 600)
+                                  .project(unproject(usual_scene.camera, 311.5, 243.25, depth));
             ASSERT_TRUE(seen) << depth << ", turned by " << turned;
             EXPECT_GT(seen->z, 0);
         }
 }
 
-TEST(ViewCamera, TheLatticeAndTheWorldAreSeenAtTheSamePlace) {
-    const Scene scene = any_scene();
+TEST(ViewCamera, LatticeAndWorldProjectAlike) {
     Viewpoint viewpoint;
     viewpoint.azimuth = 31;
     viewpoint.elevation = -12;
     viewpoint.zoom = 1.4;
-    const ViewCamera view = make_view(viewpoint, scene, {12, -7, -400}, 800, 600);
+    const ViewCamera view = make_view(viewpoint, usual_scene, {12, -7, -400}, 800, 600);
     for (const double x : {3.0, 300.0, 600.0})
         for (const double depth : {200.0, 500.0}) {
             const glm::dvec4 lattice = view.clip_from_lattice * glm::dvec4(x, 77, 1, 1 / depth);
-            const auto world = view.project(unproject(scene.camera, x, 77, depth));
+            const auto world = view.project(unproject(usual_scene.camera, x, 77, depth));
             ASSERT_TRUE(world);
             expect_near(
                 {(lattice.x / lattice.w + 1) * 400, (lattice.y / lattice.w + 1) * 300, lattice.z / lattice.w},
@@ -89,13 +85,12 @@ TEST(ViewCamera, TheLatticeAndTheWorldAreSeenAtTheSamePlace) {
         }
 }
 
-TEST(ViewCamera, OrbitKeepsItsCentreInTheMiddleAndItsDistance) {
-    const Scene scene = any_scene();
+TEST(ViewCamera, OrbitKeepsCentreAndDistance) {
     const glm::dvec3 centre(40, 25, -300);
     for (const double azimuth : {-120.0, 0.0, 45.0})
         for (const double elevation : {-80.0, 0.0, 30.0}) {
             Viewpoint viewpoint{false, azimuth, elevation, 2, std::nullopt};
-            const ViewCamera view = make_view(viewpoint, scene, centre, 640, 480);
+            const ViewCamera view = make_view(viewpoint, usual_scene, centre, 640, 480);
             const auto screen = view.project(centre);
             ASSERT_TRUE(screen);
             EXPECT_NEAR(screen->x, 320, 1e-6);
@@ -104,12 +99,11 @@ TEST(ViewCamera, OrbitKeepsItsCentreInTheMiddleAndItsDistance) {
         }
 }
 
-TEST(ViewCamera, OrbitGoesToTheRightAndUp) {
-    const Scene scene = any_scene();
-    const ViewCamera right = make_view({false, 30, 0, 1, std::nullopt}, scene, {0, 0, -300}, 640, 480);
+TEST(ViewCamera, OrbitTurnsRightAndUp) {
+    const ViewCamera right = make_view({false, 30, 0, 1, std::nullopt}, usual_scene, {0, 0, -300}, 640, 480);
     EXPECT_GT(right.eye.x, 0);
     EXPECT_NEAR(right.eye.y, 0, 1e-9);
-    const ViewCamera above = make_view({false, 0, 30, 1, std::nullopt}, scene, {0, 0, -300}, 640, 480);
+    const ViewCamera above = make_view({false, 0, 30, 1, std::nullopt}, usual_scene, {0, 0, -300}, 640, 480);
     EXPECT_GT(above.eye.y, 0);
     // Up is up, and right is right.
     const auto higher = above.project({0, 10, -300}), rightmost = above.project({10, 0, -300});
@@ -117,14 +111,12 @@ TEST(ViewCamera, OrbitGoesToTheRightAndUp) {
     EXPECT_GT(rightmost->x, 320);
 }
 
-TEST(ViewCamera, FieldOfViewIsThatOfThePicturesHeight) {
-    const Scene scene = any_scene();
-    const ViewCamera view = make_view({false, 0, 0, 1, 90.0}, scene, {0, 0, -300}, 640, 480);
+TEST(ViewCamera, FieldOfViewIsVertical) {
+    const ViewCamera view = make_view({false, 0, 0, 1, 90.0}, usual_scene, {0, 0, -300}, 640, 480);
     EXPECT_NEAR(view.project({0, 300, -300})->y, 0, 1e-6);
 }
 
-TEST(ViewCamera, TheWholeZoomShowsEveryPointAndNoMoreThanItHasTo) {
-    const Scene scene = any_scene();
+TEST(ViewCamera, WholeZoomFitsPoints) {
     const glm::dvec3 centre(0, 0, -300);
     std::vector<glm::dvec3> ball;
     for (int k = 0; k < 100; ++k)
@@ -137,10 +129,10 @@ TEST(ViewCamera, TheWholeZoomShowsEveryPointAndNoMoreThanItHasTo) {
     for (const auto& [width, height] : {std::pair(640, 480), std::pair(300, 900), std::pair(900, 200)})
         for (const std::optional<double> fov : {std::optional<double>(), std::optional(30.0)}) {
             Viewpoint viewpoint{false, 20, 15, std::nullopt, fov};
-            viewpoint.zoom = whole_zoom(viewpoint, scene, centre, ball, width, height);
+            viewpoint.zoom = whole_zoom(viewpoint, usual_scene, centre, ball, width, height);
             ASSERT_LT(*viewpoint.zoom, 1);
             ASSERT_GT(*viewpoint.zoom, 0.1);
-            const ViewCamera view = make_view(viewpoint, scene, centre, width, height);
+            const ViewCamera view = make_view(viewpoint, usual_scene, centre, width, height);
             double farthest = 0;  // from the middle, in halves of the picture
             for (const glm::dvec3& point : ball) {
                 const auto screen = view.project(point);
@@ -153,30 +145,30 @@ TEST(ViewCamera, TheWholeZoomShowsEveryPointAndNoMoreThanItHasTo) {
         }
 }
 
-TEST(ViewCamera, TheWholeZoomOfWhatIsSmallOrNothingIsOne) {
+TEST(ViewCamera, WholeZoomNeverExceedsOne) {
     const glm::dvec3 centre(0, 0, -300);
     const std::vector<glm::dvec3> points{{10, 0, -300}, {0, 10, -290}};
-    EXPECT_EQ(whole_zoom({}, any_scene(), centre, points, 640, 480), 1);
-    EXPECT_EQ(whole_zoom({}, any_scene(), centre, {}, 640, 480), 1);
+    EXPECT_EQ(whole_zoom({}, usual_scene, centre, points, 640, 480), 1);
+    EXPECT_EQ(whole_zoom({}, usual_scene, centre, {}, 640, 480), 1);
 }
 
-TEST(ViewCamera, UnprojectIsTheInverseOfProject) {
-    const Scene scene = any_scene();
-    const ViewCamera view = make_view({false, -50, 20, 1.5, std::nullopt}, scene, {5, 6, -250}, 300, 200);
+TEST(ViewCamera, UnprojectInvertsProject) {
+    const ViewCamera view =
+        make_view({false, -50, 20, 1.5, std::nullopt}, usual_scene, {5, 6, -250}, 300, 200);
     const glm::dvec3 point(31, -14, -222);
     const auto screen = view.project(point);
     ASSERT_TRUE(screen);
     expect_near(view.unproject(screen->x, screen->y, screen->z), point, 1e-8);
 }
 
-TEST(ViewCamera, NothingBehindTheNearPlaneIsProjected) {
-    const ViewCamera view = own_view(any_scene(), 640, 480, 10);
+TEST(ViewCamera, RejectsPointsBehindNearPlane) {
+    const ViewCamera view = own_view(usual_scene, 640, 480, 10);
     EXPECT_TRUE(view.project({0, 0, -10.001}));
     EXPECT_FALSE(view.project({0, 0, -9.999}));
     EXPECT_FALSE(view.project({0, 0, 5}));
 }
 
-TEST(Viewpoint, IsReadFromWords) {
+TEST(Viewpoint, ParsesWords) {
     EXPECT_TRUE(parse_viewpoint("own")->own);
     EXPECT_FALSE(parse_viewpoint("orbit")->own);
     const auto orbit = parse_viewpoint("orbit:az=-20.5,el=10,zoom=1.25,fov=40");
@@ -187,7 +179,7 @@ TEST(Viewpoint, IsReadFromWords) {
     EXPECT_EQ(orbit->fov, 40);
 }
 
-TEST(Viewpoint, RefusesWhatItDoesNotKnowAndSaysWhatWouldBeRight) {
+TEST(Viewpoint, RejectsInvalidWithHint) {
     for (const char* words :
          {"", "front", "orbits", "orbit:az", "orbit:az=", "orbit:az=1x", "orbit:az=nan", "orbit:roll=3",
           "orbit:el=90", "orbit:az=1,az=1", "orbit:zoom=0", "orbit:fov=180", "orbit:az=181"}) {
@@ -209,7 +201,7 @@ namespace {
 // What is under a place of a picture, against the plain picture.
 
 ViewCamera view_from(const Shown& shown, const HeightField& field, const char* from) {
-    return make_view(*parse_viewpoint(from), shown.scene, subject_of(field).middle, 160, 100);
+    return view_of(shown, field, from, 160, 100);
 }
 
 /// Places whose pixel is drawn as its neighbours are, at about one depth: where the picture has no edge.
@@ -221,6 +213,19 @@ bool is_inside(const PicturePlanes& planes, int x, int y) {
             if ((there > 0) != (here > 0) || std::fabs(there - here) > 0.02F * here) return false;
         }
     return true;
+}
+
+/// Planar depth of the surface under a place of the picture, by the cell's two triangles.
+double plain_depth_at(const HeightField& field, double x, double y) {
+    const int i = std::min(static_cast<int>(x), field.width() - 2),
+              j = std::min(static_cast<int>(y), field.height() - 2);
+    const auto q = [&](int di, int dj) {
+        return 1 / planar_depth(field.scene().camera, field.scene().depth.semantics, i + di, j + dj,
+                                field.vertex(i + di, j + dj).depth);
+    };
+    const double a = x - i, b = y - j;
+    return 1 / (a >= b ? q(0, 0) + a * (q(1, 0) - q(0, 0)) + b * (q(1, 1) - q(1, 0))
+                       : q(0, 0) + b * (q(0, 1) - q(0, 0)) + a * (q(1, 1) - q(0, 1)));
 }
 
 struct Compared {
@@ -255,7 +260,7 @@ Compared compare(const Shown& shown, const HeightField& field, const ViewCamera&
     return counts;
 }
 
-TEST(SurfacePick, IsWhatIsDrawn) {
+TEST(SurfacePick, MatchesPlainPicture) {
     const char* views[] = {"own", "orbit:az=20,el=15", "orbit:az=-75,el=-30,zoom=2", "orbit:az=170,el=20",
                            "orbit:az=0,el=89,fov=90"};
     for (const char* scene : {"globe", "rough"}) {
@@ -276,7 +281,7 @@ TEST(SurfacePick, IsWhatIsDrawn) {
 }
 
 /// Also on walls, which the clip's own view shows: there a rounding of a place is some depth.
-TEST(SurfacePick, OfTheClipsOwnViewIsEveryPixelOfIt) {
+TEST(SurfacePick, OwnViewMatchesEveryPixel) {
     for (const char* scene : {"globe", "cliffs"}) {
         const auto shown = shown_scene(scene, 120, 80);
         const HeightField field = shown->field();
@@ -302,7 +307,7 @@ TEST(SurfacePick, OfTheClipsOwnViewIsEveryPixelOfIt) {
     }
 }
 
-TEST(SurfacePick, LooksNoFartherThanItIsTold) {
+TEST(SurfacePick, StopsAtGivenDistance) {
     const auto shown = shown_scene("globe", 120, 80);
     const HeightField field = shown->field();
     const ViewCamera camera = view_from(*shown, field, "orbit:az=-75,el=-30,zoom=2");
@@ -322,7 +327,7 @@ TEST(SurfacePick, LooksNoFartherThanItIsTold) {
     EXPECT_GT(met, 30);
 }
 
-TEST(SurfacePick, IsExactWhereRoundingsOfPicturesAreNot) {
+TEST(SurfacePick, LiesExactlyOnTriangle) {
     const auto shown = shown_scene("globe", 120, 80);
     const HeightField field = shown->field();
     const ViewCamera camera = view_from(*shown, field, "orbit:az=20,el=15");
@@ -332,25 +337,17 @@ TEST(SurfacePick, IsExactWhereRoundingsOfPicturesAreNot) {
         if (!found) continue;
         // The point is on the triangle of its cell, and on the line of sight. Vertices at edges are drawn
         // elsewhere.
-        const double i = std::floor(found->x), j = std::floor(found->y);
-        if (DrawnLattice(field, true).is_near_edges(static_cast<int>(i), static_cast<int>(j))) continue;
+        const auto i = static_cast<int>(found->x), j = static_cast<int>(found->y);
+        if (DrawnLattice(field, true).is_near_edges(i, j)) continue;
         ++inside;
-        const double a = found->x - i, b = found->y - j;
-        const auto q = [&](double di, double dj) {
-            const auto x = static_cast<std::int64_t>(i + di), y = static_cast<std::int64_t>(j + dj);
-            return 1 / planar_depth(shown->scene.camera, shown->scene.depth.semantics, i + di, j + dj,
-                                    field.vertex(x, y).depth);
-        };
-        const double on = a >= b ? q(0, 0) + a * (q(1, 0) - q(0, 0)) + b * (q(1, 1) - q(1, 0))
-                                 : q(0, 0) + b * (q(0, 1) - q(0, 0)) + a * (q(1, 1) - q(0, 1));
-        EXPECT_NEAR(on * found->depth, 1, 1e-9);
+        EXPECT_NEAR(found->depth / plain_depth_at(field, found->x, found->y), 1, 1e-9);
         const glm::dvec3 way = found->point - camera.eye;
         EXPECT_LT(glm::length(glm::cross(way, found->direction)), 1e-9 * glm::length(way));
     }
     EXPECT_GT(inside, 100);
 }
 
-TEST(SurfacePick, AWallIsDrawnInTheClipsOwnViewAndAHoleInNone) {
+TEST(SurfacePick, TellsWallsFromHoles) {
     auto shown = shown_scene("plane", 60, 40);
     std::vector<double> depths(60 * 40);
     for (std::size_t k = 0; k < depths.size(); ++k)
@@ -381,7 +378,7 @@ TEST(SurfacePick, AWallIsDrawnInTheClipsOwnViewAndAHoleInNone) {
     EXPECT_GT(through, 10);
 }
 
-TEST(PixelValues, AreInUnitsOfTheSceneAndMillimetres) {
+TEST(PixelValues, AreSceneUnitsAndMillimetres) {
     const auto shown = shown_scene("globe", 120, 80);
     const FramePair pair = shown->pair(0.25);
     const HeightField field = shown->field(0.25);
@@ -403,20 +400,7 @@ TEST(PixelValues, AreInUnitsOfTheSceneAndMillimetres) {
     EXPECT_GT(highest, 0);
 }
 
-/// Planar depth of the surface under a place of the picture, by the cell's two triangles.
-double plain_depth_at(const HeightField& field, double x, double y) {
-    const int i = std::min(static_cast<int>(x), field.width() - 2),
-              j = std::min(static_cast<int>(y), field.height() - 2);
-    const auto q = [&](int di, int dj) {
-        return 1 / planar_depth(field.scene().camera, field.scene().depth.semantics, i + di, j + dj,
-                                field.vertex(i + di, j + dj).depth);
-    };
-    const double a = x - i, b = y - j;
-    return 1 / (a >= b ? q(0, 0) + a * (q(1, 0) - q(0, 0)) + b * (q(1, 1) - q(1, 0))
-                       : q(0, 0) + b * (q(0, 1) - q(0, 0)) + a * (q(1, 1) - q(0, 1)));
-}
-
-TEST(SurfaceOnWay, IsWhatManyPlacesOfItSay) {
+TEST(SurfaceOnWay, MatchesSampledWay) {
     const auto shown = shown_scene("globe", 90, 60);
     const HeightField field = shown->field();
     const Camera& camera = field.scene().camera;
@@ -449,7 +433,7 @@ TEST(SurfaceOnWay, IsWhatManyPlacesOfItSay) {
     EXPECT_GT(behind, 10) << "nothing was in any way";
 }
 
-TEST(SurfaceOnWay, IsThatOfThePictureAlone) {
+TEST(SurfaceOnWay, CoversPictureOnly) {
     const auto shown = shown_scene("globe", 90, 60);
     const HeightField field = shown->field();
     const Camera& camera = field.scene().camera;
@@ -478,11 +462,12 @@ protected:
     }
 
     /// q and tiles of the kernels against their twins.
+    template <class Frames>
+    void compare(const Frames& frames, double blend) {
+        compare(frames.scene, frames.prev, frames.next, blend);
+    }
     void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
-        FramePair pair;
-        pair.prev = {0, 0, &prev};
-        pair.next = {1, 1'000'000, &next};
-        pair.blend = blend;
+        const FramePair pair{{0, 0, &prev}, {1, 1'000'000, &next}, blend};
         const HeightField field(scene, pair);
         const ViewSurface surface = must(lattices->surface_of(field, pair, {}));
         const std::vector<float> twin = q_of(field), &made = surface.q;
@@ -494,52 +479,44 @@ protected:
     std::optional<GpuLattices> lattices;
 };
 
-TEST_F(Unproject, AgreesWithItsTwinForEveryCoding) {
-    for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse,
-                                       DepthCodingKind::metric, DepthCodingKind::hue, DepthCodingKind::log})
-        for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
-            for (const bool near_is_high : {true, false})
-                for (const bool heights : {false, true}) {
-                    const Codes codes(coding_of(kind, semantics, near_is_high), 171, 93, heights);
-                    for (const double blend : {0.0, 0.25, 0.5, 0.9})
-                        compare(codes.scene, codes.prev, codes.next, blend);
-                }
+TEST_F(Unproject, MatchesTwinForEveryCoding) {
+    for_every_coding(171, 93, [&](const Codes& codes, double blend) { compare(codes, blend); });
 }
 
-TEST_F(Unproject, AgreesForPicturesOfAnySize) {
+TEST_F(Unproject, MatchesTwinForAnySize) {
     const DepthCoding coding = coding_of(DepthCodingKind::linear, DepthSemantics::range, true);
     for (const int width : {1, 2, 7, 8, 9, 31, 32, 33, 260})
         for (const int height : {1, 2, 5}) {
             const Codes codes(coding, width, height, false);
-            compare(codes.scene, codes.prev, codes.next, 0.6);
+            compare(codes, 0.6);
         }
 }
 
-TEST_F(Unproject, AgreesOnTheGlobe) {
+TEST_F(Unproject, MatchesTwinOnGlobe) {
     const auto globe = shown_scene("globe", 360, 240);
-    for (const double blend : {0.0, 0.37}) compare(globe->scene, globe->prev, globe->next, blend);
+    for (const double blend : {0.0, 0.37}) compare(*globe, blend);
 }
 
-TEST_F(Unproject, AgreesOnWhatACameraStores) {
+TEST_F(Unproject, MatchesTwinOnCameraDepth) {
     const auto castel = shown_stand_in("castel_sr300");
     ASSERT_TRUE(castel);
-    compare(castel->scene, castel->prev, castel->next, 0.6);
+    compare(*castel, 0.6);
 }
 
-TEST_F(Unproject, AgreesOnARecording) {
+TEST_F(Unproject, MatchesTwinOnRecording) {
     TOUCHABLE_NEEDS_DATA(real_data("castel_sr300"));
     const auto castel = shown_recording("castel_sr300", "castel_sr300");
     ASSERT_TRUE(castel);
-    compare(castel->scene, castel->prev, castel->next, 0.6);
+    compare(*castel, 0.6);
 }
 
-TEST_F(Unproject, HoldsTheEarlierFrameWhereTheSceneDoes) {
+TEST_F(Unproject, HoldsEarlierFrameOnRequest) {
     Codes codes(coding_of(DepthCodingKind::linear, DepthSemantics::planar, true), 64, 20, false);
     codes.scene.interpolation = FrameInterpolation::hold;
-    compare(codes.scene, codes.prev, codes.next, 0.9);
+    compare(codes, 0.9);
 }
 
-TEST_F(Unproject, AsksTheVerticesWhereThereAreNoCodes) {
+TEST_F(Unproject, UsesVerticesWithoutCodes) {
     const auto globe = shown_scene("globe", 96, 64);
     SurfaceFrame lazy;
     ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy));
@@ -552,7 +529,7 @@ TEST_F(Unproject, AsksTheVerticesWhereThereAreNoCodes) {
     EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
 }
 
-TEST_F(Unproject, ReadsFramesOfTheVulkanBuilderWhereTheyAre) {
+TEST_F(Unproject, ReadsVulkanFramesInPlace) {
     const auto globe = shown_scene("globe", 171, 93);
     for (const bool copies : {false, true}) {
         auto builder = must(make_vulkan_builder(globe->scene, std::make_shared<SurfaceKernels>(gpu),
@@ -572,7 +549,7 @@ TEST_F(Unproject, ReadsFramesOfTheVulkanBuilderWhereTheyAre) {
     }
 }
 
-TEST_F(Unproject, FramesLargerThanTheDeviceReadsAreItsFaultSoThatAnotherPainterMayDraw) {
+TEST_F(Unproject, RejectsTooLargeFrame) {
     const auto globe = shown_scene("globe", 96, 64);
     SurfaceFrame frame;
     must(make_cpu_builder(globe->scene)->build(globe->raw_prev, frame));
@@ -584,7 +561,7 @@ TEST_F(Unproject, FramesLargerThanTheDeviceReadsAreItsFaultSoThatAnotherPainterM
     EXPECT_NE(surface.error().message.find("kernel unproject"), std::string::npos) << surface.error().message;
 }
 
-TEST_F(Unproject, UploadsFramesOfAnotherDevice) {
+TEST_F(Unproject, UploadsFramesOfOtherDevice) {
     const auto globe = shown_scene("globe", 70, 45);
     const auto other = must(GpuDevice::open());
     auto builder = must(make_vulkan_builder(globe->scene, other));

@@ -51,8 +51,31 @@ std::vector<FingerMark> fingers_on(const Viewpoint::Subject& subject, double siz
     return fingers;
 }
 
+/// A globe that is shown, with fingers on it.
+struct TouchedGlobe {
+    ViewCamera camera(const char* words, int width = 600, int height = 400) const {
+        return make_view(*parse_viewpoint(words), shown->scene, subject.middle, width, height);
+    }
+
+    double blend = 0;
+    std::unique_ptr<Shown> shown = shown_scene("globe", 203, 133);
+    PlaneView colour = shown->raw_prev.colour;
+    FramePair pair = shown->pair(blend);
+    HeightField field = shown->field(blend);
+    Viewpoint::Subject subject = subject_of(field);
+    MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
+    std::vector<FingerMark> fingers = fingers_on(subject, sizes.finger_radius);
+    ViewSurface surface = make_view_surface(field, colour);
+};
+
 class Drawing : public GpuTest {
 protected:
+    void show(SurfaceDrawing& drawing, const TouchedGlobe& globe) {
+        show(drawing, globe.field, globe.pair, globe.colour);
+    }
+    std::unique_ptr<SurfaceDrawing> drawing_by(const char* painter) {
+        return must(SurfaceDrawing::create(gpu, painter));
+    }
     Image picture_of(SurfaceDrawing& drawing, const ViewCamera& camera, std::span<const FingerMark> fingers,
                      const MarkSizes& sizes, const GpuImage& target) {
         auto commands = must(GpuCommands::begin(gpu, "picture"));
@@ -141,10 +164,10 @@ std::size_t different_beyond_edges(const Image& a, const Image& b, int most) {
     return count;
 }
 
-TEST_F(Drawing, ShowsSurfaceAndBackgroundAsTheCpuDoes) {
+TEST_F(Drawing, SurfaceMatchesCpu) {
     const auto shown = shown_scene("globe", 203, 133);
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        const auto drawing = drawing_by(painter);
         EXPECT_EQ(drawing->painter(), painter);
         const GpuImage target = target_of(300, 200);
         for (const double blend : {0.0, 0.35})
@@ -154,8 +177,7 @@ TEST_F(Drawing, ShowsSurfaceAndBackgroundAsTheCpuDoes) {
                 show(*drawing, field, shown->pair(blend), colour);
                 const ViewSurface surface = make_view_surface(field, colour);
                 for (const char* words : {"own", "orbit:az=25,el=10"}) {
-                    const ViewCamera camera =
-                        make_view(*parse_viewpoint(words), shown->scene, subject_of(field).middle, 300, 200);
+                    const ViewCamera camera = view_of(*shown, field, words, 300, 200);
                     const Image expected = cpu_picture(surface, camera, {}, {});
                     // Silhouettes, by the rounding of a projection; light by 2, and a rounding.
                     EXPECT_LE(different(picture_of(*drawing, camera, {}, {}, target), expected, 3), 60U)
@@ -166,56 +188,48 @@ TEST_F(Drawing, ShowsSurfaceAndBackgroundAsTheCpuDoes) {
 }
 
 /// What a window shows where nothing draws but the CPU.
-TEST_F(Drawing, HasATwinOnTheCpu) {
-    const auto shown = shown_scene("globe", 203, 133), other = shown_scene("step", 60, 40);
-    const HeightField field = shown->field(0.35);
-    const Viewpoint::Subject subject = subject_of(field);
-    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
-    const auto fingers = fingers_on(subject, sizes.finger_radius);
-    const ViewCamera camera =
-        make_view(*parse_viewpoint("orbit:az=25,el=10"), shown->scene, subject.middle, 600, 400);
+TEST_F(Drawing, CpuTwinMatchesRaster) {
+    const TouchedGlobe globe{.blend = 0.35};
+    const auto other = shown_scene("step", 60, 40);
+    const ViewCamera camera = globe.camera("orbit:az=25,el=10");
     const GpuImage target = target_of(600, 400);
-    const auto raster = must(SurfaceDrawing::create(gpu, "raster"));
+    const auto raster = drawing_by("raster");
     CpuDrawing twin;
     // Before anything is shown there is background.
-    EXPECT_EQ(must(twin.draw(camera, {}, sizes))->samples,
-              picture_of(*raster, camera, {}, sizes, target).samples);
+    EXPECT_EQ(must(twin.draw(camera, {}, globe.sizes))->samples,
+              picture_of(*raster, camera, {}, globe.sizes, target).samples);
     twin.show(other->field(), other->pair(), {}, Lighting::lit);
-    must(twin.draw(camera, {}, sizes));
+    must(twin.draw(camera, {}, globe.sizes));
     const std::vector<std::uint8_t> bytes(203 * 133 * 3, 77);
-    const PlaneView map{bytes.data(), 203 * 3, 203, 133, 1, 3}, colour = shown->raw_prev.colour;
+    const PlaneView map{bytes.data(), 203 * 3, 203, 133, 1, 3};
     for (const auto& [plane, lighting] :
-         {std::pair(colour, Lighting::lit), std::pair(PlaneView{}, Lighting::lit),
+         {std::pair(globe.colour, Lighting::lit), std::pair(PlaneView{}, Lighting::lit),
           std::pair(map, Lighting::plain)}) {
-        show(*raster, field, shown->pair(0.35), plane, lighting);
-        twin.show(field, shown->pair(0.35), plane, lighting);
-        const Image bare = *must(twin.draw(camera, {}, sizes));
-        EXPECT_LE(different(bare, picture_of(*raster, camera, {}, sizes, target), 3), 120U);
-        const Image touched = *must(twin.draw(camera, fingers, sizes));
+        show(*raster, globe.field, globe.pair, plane, lighting);
+        twin.show(globe.field, globe.pair, plane, lighting);
+        const Image bare = *must(twin.draw(camera, {}, globe.sizes));
+        EXPECT_LE(different(bare, picture_of(*raster, camera, {}, globe.sizes, target), 3), 120U);
+        const Image touched = *must(twin.draw(camera, globe.fingers, globe.sizes));
         const std::size_t marked = different(touched, bare, 3);
         EXPECT_GT(marked, 3000U);
-        EXPECT_LE(different(touched, picture_of(*raster, camera, fingers, sizes, target), 12), marked / 8);
-        EXPECT_EQ(must(twin.draw(camera, {}, sizes))->samples, bare.samples) << "a finger left something";
+        EXPECT_LE(different(touched, picture_of(*raster, camera, globe.fingers, globe.sizes, target), 12),
+                  marked / 8);
+        EXPECT_EQ(must(twin.draw(camera, {}, globe.sizes))->samples, bare.samples)
+            << "a finger left something";
     }
 }
 
-TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
-    const auto shown = shown_scene("globe", 203, 133);
-    const HeightField field = shown->field();
-    const Viewpoint::Subject subject = subject_of(field);
-    const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
-    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
-    const auto fingers = fingers_on(subject, sizes.finger_radius);
+TEST_F(Drawing, FingersMatchCpu) {
+    const TouchedGlobe globe;
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
-        show(*drawing, field, shown->pair(), shown->raw_prev.colour);
+        const auto drawing = drawing_by(painter);
+        show(*drawing, globe);
         const GpuImage target = target_of(600, 400);
         for (const char* words : {"own", "orbit:az=25,el=10", "orbit:az=-60,el=30,zoom=2"}) {
-            const ViewCamera camera =
-                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 600, 400);
-            const Image bare = cpu_picture(surface, camera, {}, {});
-            const Image expected = cpu_picture(surface, camera, fingers, sizes);
-            const Image drawn = picture_of(*drawing, camera, fingers, sizes, target);
+            const ViewCamera camera = globe.camera(words);
+            const Image bare = cpu_picture(globe.surface, camera, {}, {});
+            const Image expected = cpu_picture(globe.surface, camera, globe.fingers, globe.sizes);
+            const Image drawn = picture_of(*drawing, camera, globe.fingers, globe.sizes, target);
             const std::size_t marked = different(bare, expected, 3);
             EXPECT_GT(marked, 3000U);
             // What is left: the thin ends of threads, which are ribbons on a GPU, and the tips of arrows.
@@ -225,30 +239,25 @@ TEST_F(Drawing, ShowsFingersAsTheCpuDoes) {
 }
 
 /// Before the surface and half within it, from near and far: no pixel differs but those of edges.
-TEST_F(Drawing, BallsAreRoundAndMeetTheSurfaceAsTheCpuHasIt) {
-    const auto shown = shown_scene("globe", 203, 133);
-    const HeightField field = shown->field();
-    const Viewpoint::Subject subject = subject_of(field);
-    const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
-    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
+TEST_F(Drawing, BallsMatchCpu) {
+    const TouchedGlobe globe;
     std::vector<FingerMark> fingers(3);
     for (std::size_t k = 0; k < fingers.size(); ++k)
-        fingers[k].proxy = subject.points[subject.points.size() * (k + 1) / 4] +
-                           glm::dvec3(0, 0, static_cast<double>(k) * sizes.finger_radius);
+        fingers[k].proxy = globe.subject.points[globe.subject.points.size() * (k + 1) / 4] +
+                           glm::dvec3(0, 0, static_cast<double>(k) * globe.sizes.finger_radius);
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
-        show(*drawing, field, shown->pair(), shown->raw_prev.colour);
+        const auto drawing = drawing_by(painter);
+        show(*drawing, globe);
         const GpuImage target = target_of(600, 400);
         for (const char* words : {"own", "orbit:az=-60,el=30,zoom=3", "orbit:az=10,el=0,zoom=0.3"}) {
-            const ViewCamera camera =
-                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 600, 400);
-            const Image expected = cpu_picture(surface, camera, fingers, sizes);
+            const ViewCamera camera = globe.camera(words);
+            const Image expected = cpu_picture(globe.surface, camera, fingers, globe.sizes);
             double round = 0;  // pixels
             for (const FingerMark& finger : fingers)
-                round +=
-                    2 * 3.15 * camera.focal * sizes.finger_radius / glm::distance(camera.eye, finger.proxy);
-            EXPECT_LE(static_cast<double>(
-                          different(picture_of(*drawing, camera, fingers, sizes, target), expected, 12)),
+                round += 2 * 3.15 * camera.focal * globe.sizes.finger_radius /
+                         glm::distance(camera.eye, finger.proxy);
+            EXPECT_LE(static_cast<double>(different(
+                          picture_of(*drawing, camera, fingers, globe.sizes, target), expected, 12)),
                       1.5 * round)
                 << painter << ", " << words;
         }
@@ -256,34 +265,28 @@ TEST_F(Drawing, BallsAreRoundAndMeetTheSurfaceAsTheCpuHasIt) {
 }
 
 /// Dents alone, as far as they are seen beside the fingers that make them.
-TEST_F(Drawing, SurfacesGiveWayAsTheCpuHasIt) {
-    const auto shown = shown_scene("globe", 203, 133);
-    const HeightField field = shown->field();
-    const Viewpoint::Subject subject = subject_of(field);
-    const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
-    const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
-    const auto firm = fingers_on(subject, sizes.finger_radius);
-    auto fingers = firm;
+TEST_F(Drawing, DentsMatchCpu) {
+    const TouchedGlobe globe;
+    auto fingers = globe.fingers;
     for (FingerMark& finger : fingers) {
-        finger.under = under_finger(field, finger.proxy, sizes.finger_radius);
+        finger.under = under_finger(globe.field, finger.proxy, globe.sizes.finger_radius);
         if (finger.under) finger.under->height = 0;
-        if (finger.touching) finger.given_way = glm::dvec3(0.5, -0.3, -0.9) * sizes.finger_radius;
+        if (finger.touching) finger.given_way = glm::dvec3(0.5, -0.3, -0.9) * globe.sizes.finger_radius;
     }
     auto unmoved = fingers;
     for (FingerMark& finger : unmoved) finger.given_way = {};
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
-        show(*drawing, field, shown->pair(), shown->raw_prev.colour);
+        const auto drawing = drawing_by(painter);
+        show(*drawing, globe);
         const GpuImage target = target_of(600, 400);
         for (const char* words : {"own", "orbit:az=30,el=0", "orbit:az=-60,el=30,zoom=2"}) {
-            const ViewCamera camera =
-                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 600, 400);
-            const Image flat = picture_of(*drawing, camera, unmoved, sizes, target);
-            const Image dented = picture_of(*drawing, camera, fingers, sizes, target);
+            const ViewCamera camera = globe.camera(words);
+            const Image flat = picture_of(*drawing, camera, unmoved, globe.sizes, target);
+            const Image dented = picture_of(*drawing, camera, fingers, globe.sizes, target);
             const std::size_t gave_way = different(flat, dented, 3);
             EXPECT_GT(gave_way, 800U) << painter << ", " << words;
-            const Image expected_flat = cpu_picture(surface, camera, unmoved, sizes);
-            const Image expected = cpu_picture(surface, camera, fingers, sizes);
+            const Image expected_flat = cpu_picture(globe.surface, camera, unmoved, globe.sizes);
+            const Image expected = cpu_picture(globe.surface, camera, fingers, globe.sizes);
             // Beyond what differs without a dent: the edges of fingers. By the CPU colours come from places
             // that are exact to half a pixel.
             const bool by_cpu = drawing->painter() == "raster";
@@ -291,22 +294,21 @@ TEST_F(Drawing, SurfacesGiveWayAsTheCpuHasIt) {
             EXPECT_LE(different(dented, expected, most),
                       different(flat, expected_flat, most) + gave_way / (by_cpu ? 20 : 50))
                 << painter << ", " << words;
-            EXPECT_EQ(picture_of(*drawing, camera, unmoved, sizes, target).samples, flat.samples)
+            EXPECT_EQ(picture_of(*drawing, camera, unmoved, globe.sizes, target).samples, flat.samples)
                 << "a dent left something";
         }
     }
 }
 
-TEST_F(Drawing, RepeatsItself) {
+TEST_F(Drawing, RepeatsToTheBit) {
     const auto shown = shown_scene("globe", 96, 64);
     const HeightField field = shown->field();
     const Viewpoint::Subject subject = subject_of(field);
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     const auto fingers = fingers_on(subject, sizes.finger_radius);
-    const ViewCamera camera =
-        make_view({false, 20, 8, 1, std::nullopt}, shown->scene, subject.middle, 240, 160);
+    const ViewCamera camera = view_of(*shown, field, "orbit:az=20,el=8", 240, 160);
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        const auto drawing = drawing_by(painter);
         const GpuImage target = target_of(240, 160), other = target_of(240, 160);
         // All of it in one submission: what is uploaded for the second surface leaves the first alone.
         auto commands = must(GpuCommands::begin(gpu, "pictures"));
@@ -330,16 +332,14 @@ TEST_F(Drawing, RepeatsItself) {
 }
 
 /// As where something fails after it, or a window's picture is not finished.
-TEST_F(Drawing, MakesAgainWhatWasRecordedAndForgotten) {
+TEST_F(Drawing, RedoesDiscardedCommands) {
     const auto shown = shown_scene("cliffs", 150, 100);
     const HeightField field = shown->field();
     const PlaneView colour = shown->raw_prev.colour;
-    const ViewCamera camera =
-        make_view(*parse_viewpoint("orbit:az=25,el=10"), shown->scene, subject_of(field).middle, 300, 200);
+    const ViewCamera camera = view_of(*shown, field, "orbit:az=25,el=10", 300, 200);
     const GpuImage target = target_of(300, 200);
     for (const char* painter : gpu_painters) {
-        const auto unbroken = must(SurfaceDrawing::create(gpu, painter)),
-                   drawing = must(SurfaceDrawing::create(gpu, painter));
+        const auto unbroken = drawing_by(painter), drawing = drawing_by(painter);
         const Image background = picture_of(*unbroken, camera, {}, {}, target);
         show(*unbroken, field, shown->pair(), colour);
         const Image expected = picture_of(*unbroken, camera, {}, {}, target);
@@ -359,17 +359,16 @@ TEST_F(Drawing, MakesAgainWhatWasRecordedAndForgotten) {
     }
 }
 
-TEST_F(Drawing, GoesOnWithSurfacesAndPicturesOfOtherSizes) {
+TEST_F(Drawing, AcceptsChangingSizes) {
     const auto large = shown_scene("globe", 150, 100), small = shown_scene("step", 60, 40);
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        const auto drawing = drawing_by(painter);
         int height = 90;
         for (const auto* shown : {small.get(), large.get(), small.get()}) {
             const HeightField field = shown->field();
             show(*drawing, field, shown->pair(), {});
             height += 50;
-            const ViewCamera camera = make_view({false, 15, 5, 1, std::nullopt}, shown->scene,
-                                                subject_of(field).middle, 210, height % 140 + 20);
+            const ViewCamera camera = view_of(*shown, field, "orbit:az=15,el=5", 210, height % 140 + 20);
             const GpuImage target = target_of(camera.width, camera.height);
             const Image expected = cpu_picture(make_view_surface(field, {}), camera, {}, {});
             EXPECT_LE(different(picture_of(*drawing, camera, {}, {}, target), expected, 3), 60U) << painter;
@@ -377,7 +376,7 @@ TEST_F(Drawing, GoesOnWithSurfacesAndPicturesOfOtherSizes) {
     }
 }
 
-TEST_F(Drawing, OfNothingIsBackgroundAndFingers) {
+TEST_F(Drawing, EmptySurfaceShowsFingers) {
     auto shown = shown_scene("globe", 96, 64);
     const Viewpoint::Subject subject = subject_of(shown->field());
     shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, std::vector<double>(96 * 64, NAN));
@@ -388,7 +387,7 @@ TEST_F(Drawing, OfNothingIsBackgroundAndFingers) {
     const auto fingers = fingers_on(subject, sizes.finger_radius);
     const ViewSurface empty = make_view_surface(field, {});
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        const auto drawing = drawing_by(painter);
         const GpuImage target = target_of(192, 128);
         const Image expected = cpu_picture(empty, camera, {}, {});
         EXPECT_EQ(picture_of(*drawing, camera, {}, sizes, target).samples, expected.samples) << painter;
@@ -398,7 +397,7 @@ TEST_F(Drawing, OfNothingIsBackgroundAndFingers) {
     }
 }
 
-TEST_F(Drawing, UploadsIntoMemoryThatNobodyReads) {
+TEST_F(Drawing, ReusesUploadMemory) {
     UploadPool pool(gpu);
     const auto copy_of = must(GpuBuffer::create(*gpu, "copy", 64, GpuMemory::readback));
     const auto handle_of_next = [&](GpuCommands& commands) {
@@ -420,7 +419,7 @@ TEST_F(Drawing, MapsKeepTheirColours) {
     const std::vector<std::uint8_t> bytes(96 * 64 * 3, 77);
     const PlaneView map{bytes.data(), 96 * 3, 96, 64, 1, 3};
     for (const char* painter : gpu_painters) {
-        const auto drawing = must(SurfaceDrawing::create(gpu, painter));
+        const auto drawing = drawing_by(painter);
         show(*drawing, shown->field(), shown->pair(), map, Lighting::plain);
         const Image drawn =
             picture_of(*drawing, own_view(shown->scene, 96, 64, 1), {}, {}, target_of(96, 64));
@@ -469,7 +468,7 @@ protected:
     void SetUp() override {
         Drawing::SetUp();
         gpu->vulkan()->facts.unified_memory = GetParam();
-        drawing = must(SurfaceDrawing::create(gpu, "mesh"));
+        drawing = drawing_by("mesh");
         clip.emplace();
     }
     void TearDown() override {
@@ -477,6 +476,10 @@ protected:
         Drawing::TearDown();
     }
 
+    void publish_two() {
+        clip->publish(0);
+        clip->publish(1);
+    }
     PlaneView colour() const {
         PlaneView view = clip->colours.view();
         view.content = clip->content;
@@ -489,7 +492,7 @@ protected:
     }
     /// What a new drawing draws, and the CPU, and not what was drawn before.
     void expect_as_anew(const FramePair& pair, const char* what) {
-        const auto anew = must(SurfaceDrawing::create(gpu, "mesh"));
+        const auto anew = drawing_by("mesh");
         Image drawn = picture(*drawing, pair);
         EXPECT_EQ(drawn.samples, picture(*anew, pair).samples) << what;
         const HeightField field(clip->shown->scene, pair);
@@ -504,9 +507,8 @@ protected:
     Image last;
 };
 
-TEST_P(KeptPlanes, DrawWhatNewOnesDo) {
-    clip->publish(0);
-    clip->publish(1);
+TEST_P(KeptPlanes, DrawAsNewOnes) {
+    publish_two();
     const FramePair first = clip->pair_at(0.3);
     expect_as_anew(first, "the first pair");
     expect_as_anew(clip->pair_at(0.6), "the same pair later");
@@ -548,7 +550,7 @@ TEST_P(KeptPlanes, AreNotUploadedAgain) {
     EXPECT_GT(different(picture(*drawing, pair), before, 3), 5000U);
 }
 
-TEST_P(KeptPlanes, AreNoneOfFramesThatWereNotPublished) {
+TEST_P(KeptPlanes, ExcludeUnpublishedFrames) {
     Shown& shown = *clip->shown;
     for (SurfaceFrame* frame : {&shown.prev, &shown.next}) frame->heights.assign(120 * 80, 7);
     expect_as_anew(shown.pair(0.3), "heights");
@@ -556,9 +558,8 @@ TEST_P(KeptPlanes, AreNoneOfFramesThatWereNotPublished) {
     expect_as_anew(shown.pair(0.3), "other heights");
 }
 
-TEST_P(KeptPlanes, AreNoneOfCommandsThatWereForgotten) {
-    clip->publish(0);
-    clip->publish(1);
+TEST_P(KeptPlanes, ExcludeDiscardedCommands) {
+    publish_two();
     const FramePair pair = clip->pair_at(0.3);
     {
         auto forgotten = must(GpuCommands::begin(gpu, "forgotten"));
@@ -568,9 +569,8 @@ TEST_P(KeptPlanes, AreNoneOfCommandsThatWereForgotten) {
 }
 
 /// That took half a second each on a GPU.
-TEST_P(KeptPlanes, NeedNoProgramAfterTheFirstPicture) {
-    clip->publish(0);
-    clip->publish(1);
+TEST_P(KeptPlanes, KeepTheirPrograms) {
+    publish_two();
     const FramePair still = clip->pair_at(0);
     show(*drawing, HeightField(clip->shown->scene, still), still, {});
     picture_of(*drawing, camera(), {}, {}, target_of(240, 160));
@@ -579,8 +579,7 @@ TEST_P(KeptPlanes, NeedNoProgramAfterTheFirstPicture) {
     const FramePair pair = clip->pair_at(0.3);
     const HeightField field(clip->shown->scene, pair);
     show(*drawing, field, pair, colour());
-    const ViewCamera turned = make_view(*parse_viewpoint("orbit:az=25,el=10"), clip->shown->scene,
-                                        subject_of(field).middle, 240, 160);
+    const ViewCamera turned = view_of(*clip->shown, field, "orbit:az=25,el=10", 240, 160);
     picture_of(*drawing, turned, {}, {}, target_of(240, 160));
 }
 
@@ -588,11 +587,11 @@ INSTANTIATE_TEST_SUITE_P(Drawing, KeptPlanes, ::testing::Bool(), [](const auto& 
     return std::string(unified.param ? "UnifiedMemory" : "OwnMemory");
 });
 
-TEST_F(Drawing, TellsWhatCannotBe) {
+TEST_F(Drawing, RejectsInvalid) {
     const auto named = SurfaceDrawing::create(gpu, "cpu");
     ASSERT_FALSE(named);
     EXPECT_EQ(named.error().kind, ErrorKind::usage);
-    const auto drawing = must(SurfaceDrawing::create(gpu, "auto"));
+    const auto drawing = drawing_by("auto");
     const auto shown = shown_scene("plane", 32, 32);
     auto commands = must(GpuCommands::begin(gpu, "wrong"));
     const auto wrong = drawing->draw(commands, own_view(shown->scene, 32, 32, 1), {}, {}, target_of(32, 31));
@@ -640,7 +639,7 @@ TEST(PainterRace, DecidesWhichPainterAutoIs) {
 namespace touchable {
 namespace {
 
-TEST(CutRule, ATriangleWithAnInvalidCornerIsCut) {
+TEST(CutRule, CutsInvalidCorner) {
     EXPECT_TRUE(triangle_is_cut(0, 0, 0));
     EXPECT_TRUE(triangle_is_cut(0, 1, 1));
     EXPECT_TRUE(triangle_is_cut(1, 0, 1));
@@ -648,13 +647,13 @@ TEST(CutRule, ATriangleWithAnInvalidCornerIsCut) {
 }
 
 /// docs/play.md says so.
-TEST(CutRule, DepthsMayDifferBySixPercentAndNoMore) {
+TEST(CutRule, AllowsSixPercent) {
     const float most = 1.06F * 0.01F;
     EXPECT_FALSE(triangle_is_cut(0.01F, most, 0.0105F));
     EXPECT_TRUE(triangle_is_cut(0.01F, std::nextafter(most, 1.0F), 0.0105F));
 }
 
-TEST(CutRule, TheOrderOfCornersDoesNotMatter) {
+TEST(CutRule, CornerOrderDoesNotMatter) {
     for (const auto& corners : {std::array{1.0F, 1.03F, 1.059F}, std::array{1.0F, 1.03F, 1.061F}}) {
         std::array<int, 3> order{0, 1, 2};
         const bool expected = triangle_is_cut(corners[0], corners[1], corners[2]);
@@ -672,7 +671,7 @@ TEST(CutRule, ScaleDoesNotMatter) {
     }
 }
 
-TEST(CutRule, OfTheClipsOwnViewLeavesOutHolesAlone) {
+TEST(CutRule, OwnViewCutsOnlyHoles) {
     EXPECT_TRUE(triangle_has_hole(0, 1, 1));
     EXPECT_TRUE(triangle_has_hole(1, 0, 1));
     EXPECT_TRUE(triangle_has_hole(1, 1, 0));
@@ -718,7 +717,7 @@ void expect_every(const Shown& shown, double blend, int step, VectorUnit unit) {
     EXPECT_GT(valid, 20);
 }
 
-TEST(Decimation, HasEverySecondVertexAndEveryFourth) {
+TEST(Decimation, KeepsEveryNthVertex) {
     for (const auto& [width, height] : {std::pair{172, 133}, {65, 34}, {127, 128}})
         for (const char* scene : {"globe", "noise", "grain"}) {
             SCOPED_TRACE(std::string(scene) + " " + std::to_string(width));
@@ -728,7 +727,7 @@ TEST(Decimation, HasEverySecondVertexAndEveryFourth) {
         }
 }
 
-TEST(Decimation, TellsHolesAndHeights) {
+TEST(Decimation, KeepsHolesAndHeights) {
     for (const char* recording : {"castel_sr300", "redwood5"}) {
         const auto shown = shown_stand_in(recording);
         ASSERT_NE(shown, nullptr);
@@ -768,7 +767,7 @@ TEST(Decimation, MeansColoursAroundEachVertex) {
                 expect_means(width, height, threads, unit);
 }
 
-TEST(Decimation, IsOfWhatAWindowDoesNotTellApart) {
+TEST(Decimation, StepFollowsPixelsPerVertex) {
     EXPECT_EQ(SurfaceDrawing::step_for(1280.0 / 720), 1);
     EXPECT_EQ(SurfaceDrawing::step_for(0.76), 1);
     EXPECT_EQ(SurfaceDrawing::step_for(1280.0 / 1920), 2);
@@ -777,7 +776,7 @@ TEST(Decimation, IsOfWhatAWindowDoesNotTellApart) {
     EXPECT_EQ(SurfaceDrawing::step_for(1e-9), 8);
 }
 
-TEST(Decimation, LooksFromTheSamePlace) {
+TEST(Decimation, KeepsViewpoint) {
     const auto shown = shown_scene("globe", 64, 48);
     const ViewCamera camera =
         make_view(*parse_viewpoint("orbit:az=30,el=10"), shown->scene, {0, 0, -0.7}, 320, 200);

@@ -106,7 +106,7 @@ Deviation deviation(const Drawn& drawn, double slope, double start) {
     return {rms(0), rms(1)};
 }
 
-TEST(SurfaceEdges, OfAHalfPlaneLieOnItsLine) {
+TEST(SurfaceEdges, FollowHalfPlane) {
     for (const int step : {1, 2, 4})
         for (const double slope : {0.0, 0.07, 0.13, 0.21, 0.37, 0.5, 0.8, -0.11, -0.29, -0.6}) {
             const double start = 60.3 - 60 * slope;
@@ -121,7 +121,7 @@ TEST(SurfaceEdges, OfAHalfPlaneLieOnItsLine) {
         }
 }
 
-TEST(SurfaceEdges, MoveOutwardsByLessThanAPixel) {
+TEST(SurfaceEdges, MoveOutwardsLessThanPixel) {
     const Drawn drawn(60, 60, near_where([](int x, int y) { return std::hypot(x - 30.2, y - 29.7) < 20; }));
     int moved = 0;
     for (int y = 0; y < 60; ++y)
@@ -158,10 +158,7 @@ TEST(SurfaceEdges, LeaveThinThingsTheirWidth) {
 
 TEST(SurfaceEdges, TurnNoTriangleOver) {
     std::mt19937 engine(37);
-    const struct {
-        std::mt19937& engine;
-        double unit() const { return engine() / 4294967296.0; }
-    } random{engine};
+    const auto unit = [&engine] { return engine() / 4294967296.0; };
     for (const double holes : {0.02, 0.1, 0.3, 0.6})
         for (int run = 0; run < 20; ++run) {
             // Patches of two surfaces and holes, of all shapes: each pixel is one of them, or as its
@@ -169,11 +166,11 @@ TEST(SurfaceEdges, TurnNoTriangleOver) {
             std::vector<float> last(80, 0.01F);
             float left = 0.01F;
             const Drawn drawn(80, 60, [&](int x, int) {
-                const double dice = random.unit();
-                const float fresh = random.unit() < holes ? 0.0F : random.unit() < 0.5 ? 0.01F : 0.0125F;
+                const double dice = unit();
+                const float fresh = unit() < holes ? 0.0F : unit() < 0.5 ? 0.01F : 0.0125F;
                 left = dice < 0.45 ? left : dice < 0.9 ? last[static_cast<std::size_t>(x)] : fresh;
                 last[static_cast<std::size_t>(x)] = left;
-                return left == 0.0F ? left : left * (1 + 0.03F * static_cast<float>(random.unit()));
+                return left == 0.0F ? left : left * (1 + 0.03F * static_cast<float>(unit()));
             });
             int drawn_triangles = 0;
             drawn.for_each_area([&](double area) {
@@ -185,7 +182,7 @@ TEST(SurfaceEdges, TurnNoTriangleOver) {
 }
 
 /// What a camera sees at a grazing angle ends in the dark, what it sees from the front as it is.
-TEST(SurfaceEdges, AreDarkWhereTheyAreSteep) {
+TEST(SurfaceEdges, DarkenWhenSteep) {
     float last = 1;
     for (const float steep : {0.0F, 0.01F, 0.02F, 0.03F, 0.04F, 0.055F}) {
         const Drawn drawn(40, 40, [&](int x, int) {
@@ -207,7 +204,7 @@ TEST(SurfaceEdges, AreDarkWhereTheyAreSteep) {
 
 /// A ball before something far, whose edge falls away: each vertex by itself would be as deep, and as dark,
 /// as the edge's step is that it is in.
-TEST(SurfaceEdges, OfABallHaveNeitherTeethNorStreaks) {
+TEST(SurfaceEdges, BallEdgesAreSmooth) {
     const double focal = 400, middle = 80, across = 60 / focal;
     const Drawn drawn(160, 160, [&](int x, int y) {
         const double u = (x - middle) / focal, v = (y - middle) / focal, ray = u * u + v * v + 1;
@@ -242,7 +239,7 @@ TEST(SurfaceEdges, OfABallHaveNeitherTeethNorStreaks) {
 }
 
 /// A plane aslant goes on as a plane, whatever the pixel at its edge holds.
-TEST(SurfaceEdges, GoOnAsThePlaneTheyEnd) {
+TEST(SurfaceEdges, ContinueTheirPlane) {
     const auto plane = [](double x, double y) { return 0.02 + 6e-5 * x - 4e-5 * y; };
     const auto is_near = [](int x, int y) { return y <= 20.4 + 0.3 * x; };
     const Drawn drawn(80, 60, [&](int x, int y) {
@@ -260,7 +257,7 @@ TEST(SurfaceEdges, GoOnAsThePlaneTheyEnd) {
     EXPECT_GT(compared, 40);
 }
 
-TEST(SurfaceEdges, APicturesBorderIsNone) {
+TEST(SurfaceEdges, ExcludePictureBorder) {
     const Drawn whole(40, 30, [](int x, int) { return 0.01F + 1e-5F * static_cast<float>(x); });
     for (int y = 0; y < 30; ++y) EXPECT_TRUE(whole.edges.row(y).empty());
     const Drawn half(40, 30, near_where([](int x, int) { return x < 20; }));
@@ -272,7 +269,7 @@ TEST(SurfaceEdges, APicturesBorderIsNone) {
     }
 }
 
-TEST(SurfaceEdges, AreTheSameByAllThreadsAndVectors) {
+TEST(SurfaceEdges, AgreeForThreadsAndVectors) {
     for (const char* scene : {"globe", "cliffs", "noise"}) {
         const auto shown = shown_scene(scene, 203, 133);
         const std::vector<float> q = q_of(shown->field());
@@ -304,7 +301,7 @@ TEST(SurfaceEdges, AreTheSameByAllThreadsAndVectors) {
     }
 }
 
-class EdgesOnAGpu : public GpuTest {
+class GpuEdges : public GpuTest {
 protected:
     /// What the kernel writes, where the CPU reads it: a GPU with memory of its own keeps it there.
     GpuBuffer edges_by_kernel(GpuLattices& lattices, const ViewCamera& camera, GpuLattice& lattice) {
@@ -319,14 +316,13 @@ protected:
     }
 };
 
-TEST_F(EdgesOnAGpu, AreTheCpusToTheBit) {
+TEST_F(GpuEdges, MatchCpuToTheBit) {
     GpuLattices lattices(gpu);
     for (const char* scene : {"globe", "cliffs", "noise"}) {
         const auto shown = shown_scene(scene, 203, 133);
         const HeightField field = shown->field();
         GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, {})));
-        const ViewCamera camera =
-            make_view(*parse_viewpoint("orbit:az=20,el=5"), shown->scene, subject_of(field).middle, 90, 60);
+        const ViewCamera camera = view_of(*shown, field, "orbit:az=20,el=5", 90, 60);
         const GpuBuffer written = edges_by_kernel(lattices, camera, lattice);
         const auto words = written.mapped<std::uint32_t>();
         const std::vector<float> q = q_of(field);
@@ -355,7 +351,7 @@ TEST_F(EdgesOnAGpu, AreTheCpusToTheBit) {
 // A surface that gives way under fingers, as pictures show it: the plain twin. (The GPU's is compared with it
 // in drawing_test.cpp.)
 
-TEST(GivenWay, IsForceByStiffnessInTheHandsScale) {
+TEST(GivenWay, IsForceByStiffness) {
     // 3 N on 1.5 N/mm are 2 mm of the hand; at 0.5 m of the hand for a unit of the scene 0.004 units.
     const glm::dvec3 way = given_way({0, 0, 3}, 1500, 0.5);
     EXPECT_NEAR(way.z, -0.004, 1e-15);
@@ -394,13 +390,7 @@ protected:
         options.width = width;
         options.height = height;
         options.tilt_degrees = 0;
-        shown_ = std::make_unique<Shown>();
-        auto made = make_scene("plane", options);
-        EXPECT_TRUE(made);
-        shown_->scene = (*made)->scene();
-        shown_->raw_prev = (*made)->frame(0);
-        shown_->raw_next = (*made)->frame(1);
-        shown_->build();
+        shown_ = shown_scene("plane", options);
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x)
                 for (const int value : {x, y, 100}) bytes_.push_back(static_cast<std::uint8_t>(value));
@@ -458,7 +448,7 @@ protected:
     MarkSizes sizes_;
 };
 
-TEST_F(DentedPlane, ColoursGoAlongWithTheFinger) {
+TEST_F(DentedPlane, ColoursFollowFinger) {
     const LightPicture flat = dented({}), picture = dented({finger_at(120, 80, {6, 0, 0})});
     // What was 6 pixels to the left is there now; half a reach (26 pixels) away, 6 (1 - 1/4)^3 to the left.
     EXPECT_NEAR(bytes_at(picture, 120, 80).x, bytes_at(flat, 120, 80).x - 6, 0.7);
@@ -472,7 +462,7 @@ TEST_F(DentedPlane, ColoursGoAlongWithTheFinger) {
         }
 }
 
-TEST_F(DentedPlane, IsLitAsItsSlopesAre) {
+TEST_F(DentedPlane, LightFollowsSlopes) {
     const LightPicture flat = dented({}), picture = dented({finger_at(120, 80, {0, 0, -12})});
     const auto light = [&](int x, int y) { return bytes_at(picture, x, y).z / bytes_at(flat, x, y).z; };
     // 12 pixels deep, 52 wide: at 26 pixels the slope is 6 (12/52) (3/4)^2 (1/2) = 0.389, and twice that in
@@ -484,7 +474,7 @@ TEST_F(DentedPlane, IsLitAsItsSlopesAre) {
     EXPECT_NEAR(light(94, 80), 0.716, 0.01);
 }
 
-TEST_F(DentedPlane, IsNeverDeeperThanCanBeDrawn) {
+TEST_F(DentedPlane, DepthIsLimited) {
     std::vector<SurfaceDent> dents;
     shape_dents(std::vector{finger_at(120, 80, {0, 0, -300})}, sizes_, dents);
     ASSERT_EQ(dents.size(), 1U);
@@ -496,7 +486,7 @@ TEST_F(DentedPlane, IsNeverDeeperThanCanBeDrawn) {
     EXPECT_TRUE(dents.empty());
 }
 
-TEST_F(DentedPlane, DentsThatOverlapAreOneWhateverTheirOrder) {
+TEST_F(DentedPlane, OverlappingDentsCommute) {
     const FingerMark left = finger_at(100, 80, {4, 3, -8}), right = finger_at(140, 80, {-5, 2, -9});
     const LightPicture one = dented({left, right}), other = dented({right, left});
     for (std::size_t k = 0; k < one.light.size(); ++k)
@@ -555,12 +545,17 @@ struct TwoFrames {
     SurfaceFrame prev, next;
 };
 
-/// Planar depths of what is drawn, m, by everyone who draws or reads it.
-class TravelledEdge : public GpuTest {
+/// A box of 30 columns at 1 m before a wall at 2 m.
+Millimetres box_from(int left) {
+    return [left](int x) { return x >= left && x < left + 30 ? 1000 : 2000; };
+}
+
+/// Planar depths of what is drawn, m, by every painter and reader.
+class MovingEdge : public GpuTest {
 protected:
-    std::vector<std::vector<double>> drawn(const TwoFrames& frames, double blend) {
-        const FramePair pair = frames.pair(blend);
-        const HeightField field(frames.scene, pair);
+    std::vector<std::vector<double>> drawn(const TwoFrames& two, double blend) {
+        const FramePair pair = two.pair(blend);
+        const HeightField field(two.scene, pair);
         std::vector<std::vector<double>> all;
         const auto of_q = [&](const std::vector<float>& q) {
             auto& depths = all.emplace_back();
@@ -582,15 +577,11 @@ protected:
         all.push_back(rows);
         return all;
     }
+
+    const TwoFrames frames{box_from(30), box_from(37)};  // it moves by seven columns
 };
 
-/// A box of 30 columns at 1 m before a wall at 2 m.
-Millimetres box_from(int left) {
-    return [left](int x) { return x >= left && x < left + 30 ? 1000 : 2000; };
-}
-
-TEST_F(TravelledEdge, OfABoxLeavesNothingBetweenTheBoxAndTheWall) {
-    const TwoFrames frames(box_from(30), box_from(37));
+TEST_F(MovingEdge, LeavesNothingInTheAir) {
     for (const double blend : {0.25, 0.5, 0.75}) {
         const auto all = drawn(frames, blend);
         const int left = blend < 0.5 ? 30 : 37;
@@ -601,14 +592,12 @@ TEST_F(TravelledEdge, OfABoxLeavesNothingBetweenTheBoxAndTheWall) {
     }
 }
 
-TEST_F(TravelledEdge, IsFeltAsARampForAFrame) {
-    const TwoFrames frames(box_from(30), box_from(37));
+TEST_F(MovingEdge, IsFeltAsRamp) {
     const FramePair pair = frames.pair(0.5);
     EXPECT_DOUBLE_EQ(HeightField(frames.scene, pair).vertex(33, 20).depth, 1.5);
 }
 
-TEST_F(TravelledEdge, IsPickedAsItIsDrawn) {
-    const TwoFrames frames(box_from(30), box_from(37));
+TEST_F(MovingEdge, IsPickedAsDrawn) {
     const FramePair pair = frames.pair(0.5);
     const HeightField field(frames.scene, pair);
     const ViewCamera aside =
@@ -626,32 +615,30 @@ TEST_F(TravelledEdge, IsPickedAsItIsDrawn) {
     EXPECT_GT(walls, 10);
 }
 
-TEST_F(TravelledEdge, IsNoneWhereAPlaneComesAsFastAsAHand) {
+TEST_F(MovingEdge, IgnoresApproachAtHandSpeed) {
     for (const int distance : {400, 1000, 5000}) {  // 66 mm in 1/30 s are 2 m/s
-        const TwoFrames frames([=](int) { return distance; }, [=](int) { return distance - 66; });
-        for (const auto& depths : drawn(frames, 0.25))
+        const TwoFrames nearer([=](int) { return distance; }, [=](int) { return distance - 66; });
+        for (const auto& depths : drawn(nearer, 0.25))
             for (const double depth : depths) ASSERT_NEAR(depth, 0.001 * distance - 0.0165, 1e-5) << distance;
     }
 }
 
-TEST_F(TravelledEdge, MixesBySpeedDistanceAndBothTheirLimits) {
-    struct Case {
+TEST_F(MovingEdge, MixesWithinSpeedAndDistance) {
+    const struct {
         int before, after;
         bool is_mixed;
-    };
-    const Case cases[] = {{1000, 1066, true}, {1000, 1068, false},                      // 2 m/s
-                          {2000, 2124, true}, {2000, 2126, false},                      // a sixteenth
-                          {100, 124, true},   {100, 126, false},   {126, 100, false}};  // a quarter
-    for (const Case& each : cases) {
-        const TwoFrames frames([&](int) { return each.before; }, [&](int) { return each.after; });
+    } cases[] = {{1000, 1066, true}, {1000, 1068, false},                      // 2 m/s
+                 {2000, 2124, true}, {2000, 2126, false},                      // a sixteenth
+                 {100, 124, true},   {100, 126, false},   {126, 100, false}};  // a quarter
+    for (const auto& each : cases) {
+        const TwoFrames two([&](int) { return each.before; }, [&](int) { return each.after; });
         const double wanted = 0.001 * (each.is_mixed ? 0.75 * each.before + 0.25 * each.after : each.before);
-        for (const auto& depths : drawn(frames, 0.25))
+        for (const auto& depths : drawn(two, 0.25))
             ASSERT_NEAR(depths[0], wanted, 1e-5) << each.before << " to " << each.after;
     }
 }
 
-TEST_F(TravelledEdge, OfASlowClipIsNoMovement) {
-    const TwoFrames frames(box_from(30), box_from(37));
+TEST_F(MovingEdge, IgnoresSlowClips) {
     FramePair pair = frames.pair(0.5);
     pair.next.time_ns = 2'000'000'000;
     EXPECT_EQ(drawn_vertex(HeightField(frames.scene, pair), 33, 20).depth, 2);

@@ -2,10 +2,12 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,7 +31,7 @@ struct Difference {
     std::size_t covered = 0;   // by the first
     std::size_t coverage = 0;  // pixels that only one covers
     std::size_t z = 0;         // pixels both cover, farther apart than they may be
-    std::size_t colour = 0;    // likewise, more than 2 of 255 apart
+    std::size_t colour = 0;    // pixels both cover, more than 2 of 255 apart
 
     /// `subpixels`: by which places may differ, beside 1e-6 of z.
     static Difference between(const PicturePlanes& a, const PicturePlanes& b, float subpixels) {
@@ -39,11 +41,7 @@ struct Difference {
             if ((a.z[k] > 0) != (b.z[k] > 0)) ++d.coverage;
             if (!(a.z[k] > 0 && b.z[k] > 0)) continue;
             d.z += std::fabs(a.z[k] - b.z[k]) > 1e-6F + subpixels / 256 * slope(a, k);
-            int most = 0;
-            for (const unsigned shift : {0U, 8U, 16U})
-                most = std::max(most, std::abs(static_cast<int>(a.colours[k] >> shift & 255U) -
-                                               static_cast<int>(b.colours[k] >> shift & 255U)));
-            d.colour += most > 2;
+            d.colour += colour_distance(a.colours[k], b.colours[k]) > 2;
         }
         return d;
     }
@@ -71,6 +69,13 @@ void expect_alike(const PicturePlanes& cpu, const PicturePlanes& other, float su
 
 class Painters : public GpuTest {
 protected:
+    std::array<std::unique_ptr<SurfacePainter>, 3> all_painters() {
+        return {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))};
+    }
+    static ViewCamera orbit(const Scene& scene, double azimuth, double elevation, int width, int height,
+                            double zoom = 1) {
+        return orbit(scene, azimuth, elevation, width, height, zoom);
+    }
     void compare(const ViewSurface& surface, const ViewCamera& camera, const std::string& what) {
         const PicturePlanes plain = plain_picture(surface, camera),
                             cpu = must(make_cpu_painter()->paint(surface, camera));
@@ -85,8 +90,7 @@ protected:
         const ViewSurface surface = make_view_surface(field, shown.raw_prev.colour);
         for (const char* words :
              {"own", "orbit:az=20,el=8", "orbit:az=45,el=18", "orbit:az=-35,el=-25,zoom=4"}) {
-            const auto viewpoint = parse_viewpoint(words);
-            compare(surface, make_view(*viewpoint, shown.scene, subject_of(field).middle, 480, 320), words);
+            compare(surface, view_of(shown, field, words, 480, 320), words);
         }
     }
 };
@@ -101,8 +105,7 @@ TEST_F(Painters, DrawNoiseAlike) {
     const auto shown = shown_scene("noise", 128, 128);
     const HeightField field = shown->field();
     const ViewSurface surface = make_view_surface(field, {});
-    const ViewCamera camera =
-        make_view({false, 20, 8, 1, std::nullopt}, shown->scene, subject_of(field).middle, 480, 320);
+    const ViewCamera camera = view_of(*shown, field, "orbit:az=20,el=8", 480, 320);
     const PicturePlanes cpu = plain_picture(surface, camera);
     expect_alike(cpu, must(must(make_raster_painter(gpu))->paint(surface, camera)), 0, "raster");
     // Lone slivers, whose z triangle hardware finds less exactly: only where they are is compared.
@@ -111,7 +114,7 @@ TEST_F(Painters, DrawNoiseAlike) {
     EXPECT_GT(mesh.covered, 500U);
     EXPECT_LE(mesh.coverage, 1U);
 }
-TEST_F(Painters, DrawWhatACameraStoresAlike) {
+TEST_F(Painters, DrawCameraDepthAlike) {
     const auto castel = shown_stand_in("castel_sr300");
     ASSERT_TRUE(castel);
     compare_views(*castel, 0.6);
@@ -123,13 +126,12 @@ TEST_F(Painters, DrawARecordingAlike) {
     compare_views(*castel, 0.6);
 }
 
-TEST_F(Painters, DrawTheirOwnViewPixelByPixel) {
+TEST_F(Painters, DrawOwnViewExactly) {
     const auto shown = shown_scene("globe", 96, 64);
     const HeightField field = shown->field();
     const ViewSurface surface = make_view_surface(field, {});
     const ViewCamera camera = own_view(shown->scene, 96, 64, 10);
-    for (const auto& painter :
-         {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))}) {
+    for (const auto& painter : all_painters()) {
         const PicturePlanes planes = must(painter->paint(surface, camera));
         int drawn = 0;
         for (std::size_t k = 0; k < planes.z.size(); ++k) {
@@ -175,13 +177,12 @@ struct Step {
     Scene scene;
 };
 
-TEST_F(Painters, ShowTheClipsPictureAcrossDepthSteps) {
+TEST_F(Painters, KeepColoursAcrossDepthSteps) {
     // Cells for either kernel of raster.
     for (const auto& [side, scale] : {std::pair(40, 8), std::pair(6, 100)}) {
         const Step step(side);
         const ViewCamera camera = own_view(step.scene, scale * side, scale * side, 1);
-        for (const auto& painter :
-             {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))}) {
+        for (const auto& painter : all_painters()) {
             const PicturePlanes planes = must(painter->paint(step.surface, camera));
             std::size_t missing = 0, others = 0;
             for (int py = scale; py < scale * (side - 1); ++py)
@@ -236,14 +237,13 @@ bool meets(const ViewSurface& surface, const Scene& scene, const ViewCamera& cam
            pixel->y <= surface.height - 1;
 }
 
-TEST_F(Painters, LoseNothingWhereCellsReachBeforeTheNearPlane) {
+TEST_F(Painters, KeepCellsCrossingNearPlane) {
     const ViewSurface surface = flat(64, 64, 100);
     const Scene scene = scene_of(surface, 32);
     for (const double azimuth : {0.0, 88.0, -89.0}) {
         const Viewpoint grazing{false, azimuth, azimuth == 0.0 ? 89.0 : 0.0, 1, 120.0};
         const ViewCamera camera = make_view(grazing, scene, {0, 0, -100}, 300, 200);
-        for (const auto& painter :
-             {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))}) {
+        for (const auto& painter : all_painters()) {
             const PicturePlanes planes = must(painter->paint(surface, camera));
             int drawn = 0;
             for (int y = 1; y + 1 < camera.height; ++y)
@@ -262,23 +262,22 @@ TEST_F(Painters, LoseNothingWhereCellsReachBeforeTheNearPlane) {
     }
 }
 
-TEST_F(Painters, DrawACellThatFillsThePicture) {
+TEST_F(Painters, DrawCellFillingPicture) {
     const ViewSurface surface = flat(2, 2, 100);
     const Scene scene = scene_of(surface, 4);
     compare(surface, own_view(scene, 900, 700, 1), "own");
-    compare(surface, make_view({false, 30, 20, 3, std::nullopt}, scene, {0, 0, -100}, 900, 700), "orbit");
+    compare(surface, orbit(scene, 30, 20, 900, 700, 3), "orbit");
     const PicturePlanes planes =
         must(must(make_raster_painter(gpu))->paint(surface, own_view(scene, 900, 700, 1)));
     EXPECT_GT(planes.z[planes.index(450, 350)], 0.0F);
 }
 
-TEST_F(Painters, TrianglesThatShareEdgesNeitherOverlapNorLeaveGaps) {
+TEST_F(Painters, SharedEdgesLeaveNoGaps) {
     // Where every pixel of a flat surface is drawn, no pixel is missed; from anywhere.
     const ViewSurface surface = flat(40, 40, 100);
     const Scene scene = scene_of(surface, 20);
     for (const double azimuth : {0.0, 7.0, 33.0}) {
-        const ViewCamera camera =
-            make_view({false, azimuth, 11, 1.3, std::nullopt}, scene, {0, 0, -100}, 333, 222);
+        const ViewCamera camera = orbit(scene, azimuth, 11, 333, 222, 1.3);
         const PicturePlanes planes = must(make_cpu_painter()->paint(surface, camera));
         for (int y = 90; y < 130; ++y)
             for (int x = 140; x < 190; ++x) ASSERT_GT(planes.z[planes.index(x, y)], 0.0F) << x << ", " << y;
@@ -286,7 +285,7 @@ TEST_F(Painters, TrianglesThatShareEdgesNeitherOverlapNorLeaveGaps) {
     }
 }
 
-TEST_F(Painters, DrawNothingOfAnEmptySurface) {
+TEST_F(Painters, DrawNothingForEmptySurface) {
     ViewSurface surface = flat(40, 40, 100);
     const Scene scene = scene_of(surface, 20);
     const ViewCamera camera = own_view(scene, 60, 60, 1);
@@ -296,8 +295,7 @@ TEST_F(Painters, DrawNothingOfAnEmptySurface) {
             surface.tiles.whole.clear();
         else
             std::swap(surface.tiles.whole, surface.tiles.mixed);
-        for (const auto& painter :
-             {make_cpu_painter(), must(make_raster_painter(gpu)), must(make_mesh_painter(gpu))})
+        for (const auto& painter : all_painters())
             for (const float z : must(painter->paint(surface, camera)).z)
                 ASSERT_EQ(z, 0.0F) << painter->name();
     }
@@ -308,7 +306,7 @@ TEST_F(Painters, DrawPicturesOfAnySize) {
     const Scene scene = scene_of(surface, 50);
     const int sizes[][2] = {{1, 1}, {2, 2}, {1, 700}, {700, 1}, {17, 33}};
     for (const auto& [width, height] : sizes)
-        compare(surface, make_view({false, 20, 10, 1, std::nullopt}, scene, {0, 0, -100}, width, height),
+        compare(surface, orbit(scene, 20, 10, width, height),
                 std::to_string(width) + "x" + std::to_string(height));
 }
 
@@ -326,27 +324,25 @@ TEST_F(Painters, DrawLatticesOfAnySize) {
     }
 }
 
-TEST_F(Painters, KeepTheirWordFromSurfaceToSurface) {
+TEST_F(Painters, ReuseForOtherSurfaces) {
     const auto painter = must(make_raster_painter(gpu));
     const auto large = shown_scene("globe", 200, 133);
     const auto small = shown_scene("step", 60, 40);
     for (const auto& shown : {large.get(), small.get(), large.get()}) {
         const HeightField field = shown->field();
         const ViewSurface surface = make_view_surface(field, {});
-        const ViewCamera camera =
-            make_view({false, 15, 5, 1, std::nullopt}, shown->scene, subject_of(field).middle, 240, 160);
+        const ViewCamera camera = view_of(*shown, field, "orbit:az=15,el=5", 240, 160);
         expect_alike(must(make_cpu_painter()->paint(surface, camera)), must(painter->paint(surface, camera)),
                      0, "again");
     }
 }
 
-TEST_F(Painters, DrawWhatTheyMadeOnTheGpuAlike) {
+TEST_F(Painters, DrawGpuSurfacesAlike) {
     const auto shown = shown_scene("globe", 203, 133);
     const auto raster = must(make_raster_painter(gpu)), mesh = must(make_mesh_painter(gpu));
     for (const double blend : {0.0, 0.35}) {
         const HeightField field = shown->field(blend);
-        const ViewCamera camera =
-            make_view({false, 25, 10, 1, std::nullopt}, shown->scene, subject_of(field).middle, 300, 200);
+        const ViewCamera camera = view_of(*shown, field, "orbit:az=25,el=10", 300, 200);
         const auto cpu = make_cpu_painter();
         const ViewSurface made = must(cpu->surface_of(field, shown->pair(blend), shown->raw_prev.colour));
         const PicturePlanes expected = must(cpu->paint(made, camera));
@@ -376,7 +372,7 @@ TEST_F(Painters, KeepSurfacesApart) {
     EXPECT_EQ(must(painter->paint(first, camera)).z, before.z);
 }
 
-TEST_F(Painters, TellWhatIsTooLargeOrLost) {
+TEST_F(Painters, ReportTooLargeAndLost) {
     const ViewSurface surface = flat(20, 20, 100);
     const Scene scene = scene_of(surface, 20);
     const auto raster = must(make_raster_painter(gpu));
@@ -404,33 +400,36 @@ MappedLattice mapped(const GpuLattice& lattice) {
             lattice.height, lattice.pitch};
 }
 
-TEST_F(LatticePicture, OwnViewIsTheSameByAllVectors) {
+/// A picture of 301x200 in rows of 304, and the background behind it.
+struct PaddedPicture {
+    static std::size_t at(int x, int y) {
+        return static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
+    }
+    std::vector<PackedColour> colours = std::vector<PackedColour>(304 * 200);
+    std::vector<float> z = std::vector<float>(304 * 200, 9);
+};
+const std::vector<PackedColour> background(200, 7);
+
+TEST_F(LatticePicture, OwnViewAgreesForVectors) {
     const auto shown = shown_scene("globe", 203, 133);
     const HeightField field = shown->field();
-    const ViewCamera camera =
-        make_view(*parse_viewpoint("own"), shown->scene, subject_of(field).middle, 301, 200);
+    const ViewCamera camera = view_of(*shown, field, "own", 301, 200);
     ASSERT_TRUE(OwnViewPicture::draws(camera));
     GpuLattices lattices(gpu);
     const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown->raw_prev.colour)));
-    const std::vector<PackedColour> background(200, 7);
-    std::vector<PackedColour> first;
-    std::vector<float> first_z;
+    PaddedPicture first;
+    OwnViewPicture().draw(mapped(lattice), camera, background, 304, first.colours, first.z);
     for (const VectorUnit unit : usable_vector_units()) {
-        std::vector<PackedColour> colours(304 * 200);
-        std::vector<float> z(colours.size());
-        OwnViewPicture(unit).draw(mapped(lattice), camera, background, 304, colours, z);
-        if (first.empty()) {
-            first = colours;
-            first_z = z;
-        }
-        EXPECT_EQ(colours, first);
-        EXPECT_EQ(z, first_z);
+        PaddedPicture picture;
+        OwnViewPicture(unit).draw(mapped(lattice), camera, background, 304, picture.colours, picture.z);
+        EXPECT_EQ(picture.colours, first.colours);
+        EXPECT_EQ(picture.z, first.z);
     }
-    EXPECT_GT(std::count(first.begin(), first.end(), 7U), 1000);
-    EXPECT_GT(std::count_if(first_z.begin(), first_z.end(), [](float z) { return z > 0; }), 10'000);
+    EXPECT_GT(std::ranges::count(first.colours, 7U), 1000);
+    EXPECT_GT(std::ranges::count_if(first.z, [](float z) { return z > 0; }), 10'000);
 }
 
-TEST_F(LatticePicture, OwnViewIsThePlainOneAcrossDepthSteps) {
+TEST_F(LatticePicture, OwnViewMatchesPlainPicture) {
     for (const char* scene : {"globe", "cliffs", "noise"}) {
         const auto shown = shown_scene(scene, 203, 133);
         const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
@@ -439,21 +438,18 @@ TEST_F(LatticePicture, OwnViewIsThePlainOneAcrossDepthSteps) {
         const ViewCamera camera = own_view(shown->scene, 301, 200, 1);
         ASSERT_TRUE(OwnViewPicture::draws(camera));
         const PicturePlanes expected = plain_picture(surface, camera);
-        std::vector<PackedColour> colours(304 * 200);
-        std::vector<float> z(colours.size());
-        OwnViewPicture().draw(mapped(lattice), camera, std::vector<PackedColour>(200, 7), 304, colours, z);
+        PaddedPicture picture;
+        OwnViewPicture().draw(mapped(lattice), camera, background, 304, picture.colours, picture.z);
         std::size_t drawn = 0, others = 0;
         for (int y = 0; y < 200; ++y)
             for (int x = 0; x < 301; ++x) {
-                const std::size_t at = static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
-                const std::size_t pixel = expected.index(x, y);
-                drawn += z[at] > 0;
-                others += (z[at] > 0) != (expected.z[pixel] > 0);
-                if (!(z[at] > 0) || !(expected.z[pixel] > 0)) continue;
-                others += std::fabs(z[at] - expected.z[pixel]) > 1e-4F * z[at];
-                for (const unsigned shift : {0U, 8U, 16U})
-                    others += std::abs(static_cast<int>(colours[at] >> shift & 255U) -
-                                       static_cast<int>(expected.colours[pixel] >> shift & 255U)) > 1;
+                const std::size_t at = PaddedPicture::at(x, y), pixel = expected.index(x, y);
+                const float z = picture.z[at], wanted = expected.z[pixel];
+                drawn += z > 0;
+                others += (z > 0) != (wanted > 0);
+                if (!(z > 0) || !(wanted > 0)) continue;
+                others += std::fabs(z - wanted) > 1e-4F * z;
+                others += colour_distance(picture.colours[at], expected.colours[pixel]) > 1;
             }
         EXPECT_EQ(others, 0U) << scene;
         EXPECT_GT(drawn, 10'000U) << scene;
@@ -461,12 +457,11 @@ TEST_F(LatticePicture, OwnViewIsThePlainOneAcrossDepthSteps) {
 }
 
 /// From the side, from behind, from so near that cells are large and reach before the eye.
-TEST_F(LatticePicture, AnyViewIsThePlainOneToTheBit) {
+TEST_F(LatticePicture, AnyViewMatchesPlainPicture) {
     for (const char* scene : {"globe", "cliffs", "noise", "rows without surface"}) {
         const bool has_gap = std::string_view(scene) == "rows without surface";
         const auto shown = shown_scene(has_gap ? "globe" : scene, 203, 133);
         const HeightField field = shown->field();
-        const Viewpoint::Subject subject = subject_of(field);
         ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
         if (has_gap) std::fill(surface.q.begin() + 40 * 203, surface.q.begin() + 60 * 203, 0.0F);
         GpuLattices lattices(gpu);
@@ -474,29 +469,24 @@ TEST_F(LatticePicture, AnyViewIsThePlainOneToTheBit) {
         for (const char* words :
              {"own", "orbit:az=7,el=3", "orbit:az=70,el=5", "orbit:az=-60,el=30,zoom=2", "orbit:az=180,el=0",
               "orbit:az=25,el=10,zoom=8", "orbit:az=80,el=0,zoom=20"}) {
-            const ViewCamera camera =
-                make_view(*parse_viewpoint(words), shown->scene, subject.middle, 301, 200);
+            const ViewCamera camera = view_of(*shown, field, words, 301, 200);
             const PicturePlanes expected = plain_picture(surface, camera);
             SurfaceEdges edges(1);
             if (!is_own_view(camera))
                 edges.find(surface.q.data(), surface.width, surface.height, surface.width);
-            const std::vector<PackedColour> background(200, 7);
             std::vector<std::pair<int, VectorUnit>> ways{{2, usable_vector_units().front()}};
             for (const VectorUnit unit : usable_vector_units()) ways.emplace_back(1, unit);
             for (const auto& [threads, unit] : ways) {
-                std::vector<PackedColour> colours(304 * 200);
-                std::vector<float> z(colours.size(), 9);
+                PaddedPicture picture;
                 LatticeRaster(threads, unit)
-                    .draw(mapped(lattice), edges, camera, background, 304, colours, z);
+                    .draw(mapped(lattice), edges, camera, background, 304, picture.colours, picture.z);
                 std::size_t others = 0;
                 for (int y = 0; y < 200; ++y)
                     for (int x = 0; x < 301; ++x) {
-                        const std::size_t at =
-                            static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
-                        const std::size_t pixel = expected.index(x, y);
+                        const std::size_t at = PaddedPicture::at(x, y), pixel = expected.index(x, y);
                         const bool is_empty = !(expected.z[pixel] > 0);
-                        others += z[at] != expected.z[pixel] ||
-                                  colours[at] != (is_empty ? 7U : expected.colours[pixel]);
+                        others += picture.z[at] != expected.z[pixel] ||
+                                  picture.colours[at] != (is_empty ? 7U : expected.colours[pixel]);
                     }
                 EXPECT_EQ(others, 0U) << scene << ", " << words << ", by " << threads;
             }
@@ -507,11 +497,9 @@ TEST_F(LatticePicture, AnyViewIsThePlainOneToTheBit) {
 }
 
 /// As before the first frame of a camera.
-TEST(LatticeRaster, WithoutVerticesDrawsTheBackground) {
+TEST(LatticeRaster, DrawsBackgroundWithoutVertices) {
     const auto shown = shown_scene("globe", 203, 133);
-    const ViewCamera camera = make_view(*parse_viewpoint("orbit:az=70,el=5"), shown->scene,
-                                        subject_of(shown->field()).middle, 20, 10);
-    const std::vector<PackedColour> background(10, 7);
+    const ViewCamera camera = view_of(*shown, shown->field(), "orbit:az=70,el=5", 20, 10);
     std::vector<PackedColour> colours(20 * 10);
     std::vector<float> z(colours.size(), 9);
     LatticeRaster(1).draw({nullptr, nullptr, 0, 0, 0}, SurfaceEdges(1), camera, background, 20, colours, z);
@@ -520,41 +508,33 @@ TEST(LatticeRaster, WithoutVerticesDrawsTheBackground) {
 }
 
 /// What a wider lattice left beyond the width of the next is not drawn.
-TEST_F(LatticePicture, AnyViewIsTheSameAfterAWiderLattice) {
+TEST_F(LatticePicture, ForgetsWiderLattice) {
     GpuLattices lattices(gpu);
     const auto wide = shown_scene("globe", 230, 133), narrow = shown_scene("globe", 203, 133);
-    const std::vector<PackedColour> background(200, 7);
-    struct Picture {
-        std::vector<PackedColour> colours = std::vector<PackedColour>(304 * 200);
-        std::vector<float> z = std::vector<float>(304 * 200);
-    };
     const auto draw = [&](LatticeRaster& raster, const Shown& shown) {
         const HeightField field = shown.field();
-        const ViewCamera camera = make_view(*parse_viewpoint("orbit:az=30,el=5,zoom=0.5"), shown.scene,
-                                            subject_of(field).middle, 301, 200);
+        const ViewCamera camera = view_of(shown, field, "orbit:az=30,el=5,zoom=0.5", 301, 200);
         const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown.raw_prev.colour)));
         SurfaceEdges edges(1);
         edges.find(lattice.q.mapped<float>().data(), lattice.width, lattice.height, lattice.pitch);
-        Picture picture;
+        PaddedPicture picture;
         raster.draw(mapped(lattice), edges, camera, background, 304, picture.colours, picture.z);
         return picture;
     };
     for (const VectorUnit unit : usable_vector_units()) {
         LatticeRaster fresh(1, unit), used(1, unit);
-        const Picture wanted = draw(fresh, *narrow);
+        const PaddedPicture wanted = draw(fresh, *narrow);
         draw(used, *wide);
-        const Picture is = draw(used, *narrow);
+        const PaddedPicture is = draw(used, *narrow);
         EXPECT_EQ(is.z, wanted.z);
         EXPECT_EQ(is.colours, wanted.colours);
     }
 }
 
 /// Against the twins, and the same bits with any vectors and threads.
-void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
-    FramePair pair;
-    pair.prev = {0, 0, &prev};
-    pair.next = {1, 1'000'000, &next};
-    pair.blend = blend;
+void compare_q(const Codes& codes, double blend) {
+    const FramePair pair = codes.pair(blend);
+    const Scene& scene = codes.scene;
     const HeightField field(scene, pair);
     std::vector<float> first;
     for (const VectorUnit unit : usable_vector_units())
@@ -567,7 +547,7 @@ void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& n
             EXPECT_EQ(lattices.tiles_of(scene.width, scene.height, q),
                       classify_tiles(scene.width, scene.height, q));
         }
-    expect_close(field, prev, q_of(field), first);
+    expect_close(field, codes.prev, q_of(field), first);
 }
 
 /// Light of the same q against `lit_colours`, and the same bits with any vectors and threads.
@@ -602,14 +582,12 @@ void compare_light(const HeightField& field, const FramePair& pair, const PlaneV
             }
             const PackedColour wanted = twin[surface.index(x, y)];
             ASSERT_EQ(lit >> 24, 255U);
-            for (const unsigned shift : {0U, 8U, 16U})
-                worst = std::max(worst, std::abs(static_cast<int>(lit >> shift & 255U) -
-                                                 static_cast<int>(wanted >> shift & 255U)));
+            worst = std::max(worst, colour_distance(lit, wanted));
         }
     EXPECT_LE(worst, 2) << surface.width << "x" << surface.height;
 }
 
-TEST(CpuLattices, LightAsTheirTwin) {
+TEST(CpuLattices, LightMatchesTwin) {
     for (const char* name : {"globe", "step", "noise"}) {
         SCOPED_TRACE(name);
         const auto shown = shown_scene(name, 171, 133);
@@ -621,19 +599,19 @@ TEST(CpuLattices, LightAsTheirTwin) {
     }
 }
 
-TEST(CpuLattices, LightSurfacesOfAnySizeWithTrianglesHereAndThere) {
+TEST(CpuLattices, LightMatchesForAnySize) {
     const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {3, 2}, {7, 65}, {33, 17}, {24, 130}, {90, 70}};
     for (const auto& [width, height] : sizes)
         for (const bool heights : {false, true}) {
             const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), width, height,
                               heights);
-            const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0.3};
+            const FramePair pair = codes.pair(0.3);
             const ManyColours colours(width, height);
             compare_light(HeightField(codes.scene, pair), pair, colours.view());
         }
 }
 
-TEST(CpuLattices, LeavePlainColoursAsTheyAre) {
+TEST(CpuLattices, KeepPlainColours) {
     const auto shown = shown_scene("globe", 67, 45);
     const ManyColours colours(67, 45);
     std::vector<float> q;
@@ -641,33 +619,23 @@ TEST(CpuLattices, LeavePlainColoursAsTheyAre) {
     lattices.q_of(shown->field(), shown->pair(), q);
     std::vector<PackedColour> plain(q.size());
     lattices.light(shown->field(), q.data(), 67, colours.view(), Lighting::plain, plain.data());
-    for (std::size_t k = 0; k < plain.size(); ++k)
-        ASSERT_EQ(plain[k],
-                  pack_colour(colours.bytes[3 * k], colours.bytes[3 * k + 1], colours.bytes[3 * k + 2]));
+    for (std::size_t k = 0; k < plain.size(); ++k) ASSERT_EQ(plain[k], colours.at(k));
 }
 
-TEST(CpuLattices, AgreeWithTheirTwinForEveryCoding) {
-    for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse,
-                                       DepthCodingKind::metric, DepthCodingKind::hue, DepthCodingKind::log})
-        for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
-            for (const bool near_is_high : {true, false})
-                for (const bool heights : {false, true}) {
-                    const Codes codes(coding_of(kind, semantics, near_is_high), 171, 53, heights);
-                    for (const double blend : {0.0, 0.25, 0.5, 0.9})
-                        compare(codes.scene, codes.prev, codes.next, blend);
-                }
+TEST(CpuLattices, MatchTwinForEveryCoding) {
+    for_every_coding(171, 53, compare_q);
 }
 
-TEST(CpuLattices, AgreeForPicturesOfAnySize) {
+TEST(CpuLattices, MatchTwinForAnySize) {
     const DepthCoding coding = coding_of(DepthCodingKind::linear, DepthSemantics::range, true);
     for (const int width : {1, 2, 7, 17, 31, 32, 33, 260})
         for (const int height : {1, 2, 5, 17, 33}) {
             const Codes codes(coding, width, height, false);
-            compare(codes.scene, codes.prev, codes.next, 0.6);
+            compare_q(codes, 0.6);
         }
 }
 
-TEST(CpuLattices, ListTheTilesOfTheirTwinAtTheEdgeOfTheRule) {
+TEST(CpuLattices, ListTilesOfTwin) {
     const float edge = 0.01F * CUT_RULE_RATIO;
     const std::vector<float> about_the_edge{0.01F, edge, std::nextafter(edge, 0.0F),
                                             std::nextafter(edge, 1.0F), 0.0F};
@@ -682,7 +650,7 @@ TEST(CpuLattices, ListTheTilesOfTheirTwinAtTheEdgeOfTheRule) {
     }
 }
 
-TEST(CpuLattices, AskTheVerticesWhereThereAreNoCodes) {
+TEST(CpuLattices, UseVerticesWithoutCodes) {
     const auto globe = shown_scene("globe", 96, 64);
     SurfaceFrame lazy;
     ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy));
@@ -724,7 +692,7 @@ protected:
     SplitMix64 random{11};
 };
 
-TEST_F(TileListsOnGpu, AreThoseOfTheirTwinWhateverTheQ) {
+TEST_F(TileListsOnGpu, MatchTwinForAnyQ) {
     const float edge = 0.01F * CUT_RULE_RATIO;
     const std::vector<float> about_the_edge{0.01F,
                                             edge,
@@ -746,7 +714,7 @@ TEST_F(TileListsOnGpu, AreThoseOfTheirTwinWhateverTheQ) {
     EXPECT_GT(all.mixed.size(), 500U);
 }
 
-TEST_F(TileListsOnGpu, AreThoseOfTheirTwinAtAnySize) {
+TEST_F(TileListsOnGpu, MatchTwinForAnySize) {
     for (const int width : {1, 2, 15, 16, 17, 18, 31, 32, 33, 34, 49, 64, 65, 66})
         for (const int height : {1, 2, 16, 17, 18, 33, 40})
             compare(width, height, [&] {
@@ -755,13 +723,13 @@ TEST_F(TileListsOnGpu, AreThoseOfTheirTwinAtAnySize) {
             });
 }
 
-TEST_F(TileListsOnGpu, OfManyTiles) {
+TEST_F(TileListsOnGpu, MatchTwinForManyTiles) {
     const ViewSurface::Tiles tiles = compare(1920, 1080, [&] { return random.unit() < 0.002 ? 0.0F : 1.0F; });
     EXPECT_GT(tiles.whole.size(), 1000U);
     EXPECT_GT(tiles.mixed.size(), 1000U);
 }
 
-TEST(TileListsHeader, HasAGroupForEveryTileAndRowsThatEveryDeviceTakes) {
+TEST(TileListsHeader, CoversTilesWithinDeviceLimits) {
     for (const std::uint32_t whole : {0U, 1U, 5U, 32768U, 100'000U})
         for (const std::uint32_t mixed : {0U, 1U, 32767U, 32768U, 162'144U}) {
             const TileListsHeader header = tile_lists_header(whole, mixed);

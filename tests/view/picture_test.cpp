@@ -27,6 +27,8 @@
 namespace touchable::test {
 namespace {
 
+const Viewpoint own = *parse_viewpoint("own");
+
 Result<Image> picture(const Shown& shown, const SurfacePainter::Settings& settings,
                       std::span<const FingerMark> fingers) {
     const HeightField field = shown.field();
@@ -56,7 +58,7 @@ TEST(ScenePicture, IsTheSameEveryTime) {
     EXPECT_EQ(first->samples, again->samples);
 }
 
-TEST(ScenePicture, OfNothingIsBackground) {
+TEST(ScenePicture, IsBackgroundWithoutSurface) {
     auto shown = shown_scene("globe", 96, 64);
     shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, std::vector<double>(96 * 64, NAN));
     const auto image = picture(*shown, {{}, 20, 10}, {});
@@ -75,10 +77,8 @@ int pixels_that_differ(const Image& a, const Image& b) {
     return count;
 }
 
-TEST(ScenePicture, ShowsAFingerWhereItIs) {
+TEST(ScenePicture, ShowsFingerInPlace) {
     const auto shown = shown_scene("plane", 96, 64);
-    Viewpoint own;
-    own.own = true;
     const auto bare = picture(*shown, {own, 192, 128}, {});
     // Half a finger before the surface, over the pixel (60, 20).
     const HeightField field = shown->field();
@@ -101,10 +101,8 @@ TEST(ScenePicture, ShowsAFingerWhereItIs) {
         }
 }
 
-TEST(ScenePicture, HidesWhatIsBehindTheSurface) {
+TEST(ScenePicture, HidesFingerBehindSurface) {
     const auto shown = shown_scene("plane", 96, 64);
-    Viewpoint own;
-    own.own = true;
     const auto bare = picture(*shown, {own, 96, 64}, {});
     FingerMark hidden;
     hidden.proxy = hidden.goal = {0, 0, -2 * shown->scene.depth.far};
@@ -112,10 +110,8 @@ TEST(ScenePicture, HidesWhatIsBehindTheSurface) {
     EXPECT_EQ(pixels_that_differ(*bare, *marked), 0);
 }
 
-TEST(ScenePicture, AFingerThatTouchesShowsItsGoalThroughTheSurface) {
+TEST(ScenePicture, ShowsGoalOfTouchingFinger) {
     const auto shown = shown_scene("plane", 96, 64);
-    Viewpoint own;
-    own.own = true;
     FingerMark hidden;
     hidden.touching = true;
     hidden.proxy = {0, 0, -2 * shown->scene.depth.far};
@@ -125,15 +121,19 @@ TEST(ScenePicture, AFingerThatTouchesShowsItsGoalThroughTheSurface) {
     EXPECT_GT(pixels_that_differ(*bare, *marked), 0);
 }
 
-/// docs/play.md: the arrow is the force on the finger.
-TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
-    FingerMark finger;
-    finger.goal = {1, 2, -80};
-    finger.proxy = {1, 2, -70};
-    finger.force = {0, 3, 4};
-    finger.touching = true;
+FingerMark pushed(const glm::dvec3& proxy, const glm::dvec3& goal, const glm::dvec3& force) {
+    return {goal, proxy, force, true};
+}
+FingerShapes shapes_of(std::span<const FingerMark> fingers) {
     FingerShapes shapes;
-    shape_fingers({&finger, 1}, {2, 6}, {0, 0, 0}, shapes);
+    shape_fingers(fingers, {2, 6}, {0, 0, 0}, shapes);
+    return shapes;
+}
+
+/// docs/play.md: the arrow is the force on the finger.
+TEST(FingerMarks, ArrowPointsAlongForce) {
+    const FingerMark finger = pushed({1, 2, -70}, {1, 2, -80}, {0, 3, 4});
+    const FingerShapes shapes = shapes_of({&finger, 1});
     double farthest = 0;
     int parts = 0;
     for (const Solid& solid : shapes.solids) {
@@ -149,15 +149,10 @@ TEST(FingerMarks, TheArrowPointsWhereTheFingerIsPushed) {
 }
 
 /// Of 1 N and of 9 N that come at the eye, and of 9 N aside.
-TEST(FingerMarks, AnArrowAtTheEyeLeavesTheFingerFree) {
+TEST(FingerMarks, ArrowAtEyeStaysThin) {
     const auto widest = [](const glm::dvec3& force) {
-        FingerMark finger;
-        finger.goal = {0, 0, -102};
-        finger.proxy = {0, 0, -100};
-        finger.force = force;
-        finger.touching = true;
-        FingerShapes shapes;
-        shape_fingers({&finger, 1}, {2, 6}, {0, 0, 0}, shapes);
+        const FingerMark finger = pushed({0, 0, -100}, {0, 0, -102}, force);
+        const FingerShapes shapes = shapes_of({&finger, 1});
         double radii = 0;  // as they are seen, at the ball's distance
         for (const Solid& solid : shapes.solids)
             if (!solid.is_ball)
@@ -174,14 +169,13 @@ TEST(FingerMarks, AnArrowAtTheEyeLeavesTheFingerFree) {
 }
 
 /// In every finger's colour, so that it is seen on dark ground.
-TEST(FingerMarks, TheArrowIsBrighterThanTheFinger) {
+TEST(FingerMarks, ArrowIsBrighterThanFinger) {
     for (std::size_t k = 0; k < 5; ++k) {
         std::vector<FingerMark> fingers(5);
         for (FingerMark& finger : fingers) finger.shown = false;
         fingers[k].shown = fingers[k].touching = true;
         fingers[k].force = {0, 3, 4};
-        FingerShapes shapes;
-        shape_fingers(fingers, {2, 6}, {0, 0, 0}, shapes);
+        const FingerShapes shapes = shapes_of(fingers);
         const auto most = [](const Solid& solid) {
             const glm::vec3& light = solid.material.light;
             return std::max({light.x, light.y, light.z});
@@ -194,14 +188,14 @@ TEST(FingerMarks, TheArrowIsBrighterThanTheFinger) {
     }
 }
 
-TEST(LightPicture, DevelopsEveryByteToItself) {
+TEST(LightPicture, KeepsEveryByte) {
     LightPicture picture{256, 1, {}, {}};
     for (unsigned k = 0; k < 256; ++k) picture.light.push_back(light_of(pack_colour(k, k, k)));
     const Image image = developed(picture, 1);
     for (std::size_t k = 0; k < 256; ++k) EXPECT_EQ(image.samples[3 * k], k);
 }
 
-TEST(LightPicture, AveragesLightAndNotBrightness) {
+TEST(LightPicture, AveragesLightNotBrightness) {
     LightPicture picture{2, 2, {}, {glm::vec3(0), glm::vec3(1), glm::vec3(1), glm::vec3(0)}};
     EXPECT_EQ(developed(picture, 2).samples[0], 188);  // sRGB of half the light; brightness would be 128
 }
@@ -263,9 +257,7 @@ protected:
         int worst = 0;
         for (std::size_t k = 0; k < twin.size(); ++k) {
             ASSERT_EQ(lit.colours[k] >> 24, 255U) << "vertex " << k;
-            for (const unsigned shift : {0U, 8U, 16U})
-                worst = std::max(worst, std::abs(static_cast<int>(lit.colours[k] >> shift & 255U) -
-                                                 static_cast<int>(twin[k] >> shift & 255U)));
+            worst = std::max(worst, colour_distance(lit.colours[k], twin[k]));
         }
         EXPECT_LE(worst, 2) << field.width() << "x" << field.height();
     }
@@ -274,7 +266,7 @@ protected:
     std::optional<SurfaceLighting> kernel;
 };
 
-TEST_F(SurfaceLight, AgreesWithItsTwinOnScenes) {
+TEST_F(SurfaceLight, MatchesTwinOnScenes) {
     for (const char* name : {"globe", "step", "noise"}) {
         SCOPED_TRACE(name);
         const auto shown = shown_scene(name, 171, 133);
@@ -286,31 +278,29 @@ TEST_F(SurfaceLight, AgreesWithItsTwinOnScenes) {
     }
 }
 
-TEST_F(SurfaceLight, AgreesWhereThereIsATriangleHereAndThere) {
+TEST_F(SurfaceLight, MatchesTwinWithSparseTriangles) {
     const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), 90, 70, true);
-    const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0.3};
+    const FramePair pair = codes.pair(0.3);
     const ManyColours colours(90, 70);
     compare(HeightField(codes.scene, pair), pair, colours.view());
 }
 
-TEST_F(SurfaceLight, AgreesOnSurfacesOfAnySize) {
+TEST_F(SurfaceLight, MatchesTwinForAnySize) {
     const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {3, 2}, {7, 65}, {8, 64}, {33, 17}, {24, 130}};
     for (const auto& [width, height] : sizes) {
         const Codes codes(coding_of(DepthCodingKind::linear, DepthSemantics::planar, true), width, height,
                           false);
-        const FramePair pair{{0, 0, &codes.prev}, {1, 1'000'000, &codes.next}, 0};
+        const FramePair pair = codes.pair(0);
         const ManyColours colours(width, height);
         compare(HeightField(codes.scene, pair), pair, colours.view());
     }
 }
 
-TEST_F(SurfaceLight, LeavesPlainColoursAsTheyAre) {
+TEST_F(SurfaceLight, KeepsPlainColours) {
     const auto shown = shown_scene("globe", 67, 45);
     const ManyColours colours(67, 45);
     const Lit lit = light(shown->field(), shown->pair(), colours.view(), Lighting::plain);
-    for (std::size_t k = 0; k < lit.colours.size(); ++k)
-        ASSERT_EQ(lit.colours[k],
-                  pack_colour(colours.bytes[3 * k], colours.bytes[3 * k + 1], colours.bytes[3 * k + 2]));
+    for (std::size_t k = 0; k < lit.colours.size(); ++k) ASSERT_EQ(lit.colours[k], colours.at(k));
 }
 
 TEST_F(SurfaceLight, LightsFramesWithoutCodes) {
@@ -322,13 +312,13 @@ TEST_F(SurfaceLight, LightsFramesWithoutCodes) {
     compare(shown->field(), shown->pair(), {});
 }
 
-TEST_F(SurfaceLight, RefusesColoursOfAnotherSize) {
+TEST_F(SurfaceLight, RejectsColoursOfAnotherSize) {
     const auto shown = shown_scene("globe", 67, 45);
     const ManyColours colours(67, 44);
     EXPECT_THROW(light(shown->field(), shown->pair(), colours.view(), Lighting::lit), std::runtime_error);
 }
 
-TEST(ViewSurface, QIsThatOfTheFieldTheHandTouches) {
+TEST(ViewSurface, QMatchesTouchedField) {
     const auto shown = shown_scene("globe", 96, 64);
     for (const double blend : {0.0, 0.3, 0.8}) {
         const HeightField field = shown->field(blend);
@@ -363,18 +353,19 @@ public:
             frame->vertices = std::make_unique<ExactVertices>(scene.width, scene.height, depths);
         }
     }
-    HeightField field(double blend) const {
-        FramePair pair;
-        pair.prev = {0, 0, &prev};
-        pair.next = {1, 1, &next};
-        pair.blend = blend;
-        return {scene, pair};
+    HeightField field(double blend) const { return {scene, {{0, 0, &prev}, {1, 1, &next}, blend}}; }
+    std::vector<double> everywhere(double depth) const {
+        return std::vector<double>(static_cast<std::size_t>(scene.width * scene.height), depth);
     }
+    void set_prev(const std::vector<double>& depths) {
+        prev.vertices = std::make_unique<ExactVertices>(scene.width, scene.height, depths);
+    }
+
     Scene scene;
     SurfaceFrame prev, next;
 };
 
-TEST(ViewTiles, WholeOnesKeepAllTheirTrianglesMixedOnesSomeInSomeView) {
+TEST(ViewTiles, ClassifyWholeAndMixed) {
     std::size_t whole = 0, mixed = 0, all_cut = 0;
     for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
         for (const double step : {0.5, 5.0, 12.0, 900.0})
@@ -413,13 +404,12 @@ TEST(ViewTiles, WholeOnesKeepAllTheirTrianglesMixedOnesSomeInSomeView) {
     EXPECT_GT(all_cut, 0U);
 }
 
-TEST(ViewTiles, TilesWithoutAValidPixelAreLeftOut) {
+TEST(ViewTiles, OmitTilesWithoutValidPixels) {
     RandomDepths depths(1, DepthSemantics::range, 1.0);
-    std::vector<double> with_hole(static_cast<std::size_t>(depths.scene.width * depths.scene.height), 100.0);
+    std::vector<double> with_hole = depths.everywhere(100);
     for (int y = 0; y <= 16; ++y)
         for (int x = 16; x <= 32; ++x) with_hole[static_cast<std::size_t>(y * depths.scene.width + x)] = NAN;
-    depths.prev.vertices =
-        std::make_unique<ExactVertices>(depths.scene.width, depths.scene.height, with_hole);
+    depths.set_prev(with_hole);
     const HeightField field = depths.field(0);
     const ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q_of(field));
     EXPECT_EQ(std::count(tiles.whole.begin(), tiles.whole.end(), 1U), 0);
@@ -427,7 +417,7 @@ TEST(ViewTiles, TilesWithoutAValidPixelAreLeftOut) {
     EXPECT_EQ(tiles.whole.size() + tiles.mixed.size(), 11U);
 }
 
-TEST(ViewSurface, AColourIsTheTracksInALightThatLeavesItsHue) {
+TEST(ViewSurface, LightKeepsHue) {
     const auto shown = shown_scene("globe", 96, 64);
     const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
     ASSERT_EQ(surface.colours.size(), surface.q.size());
@@ -440,7 +430,7 @@ TEST(ViewSurface, AColourIsTheTracksInALightThatLeavesItsHue) {
     }
 }
 
-TEST(ViewSurface, TheMiddleIsOfWhatIsNotAtTheFarPlane) {
+TEST(ViewSurface, MiddleIgnoresFarPlane) {
     const auto shown = shown_scene("globe", 96, 64);
     const glm::dvec3 middle = subject_of(shown->field()).middle;
     EXPECT_NEAR(middle.x, 0, 3);
@@ -448,8 +438,7 @@ TEST(ViewSurface, TheMiddleIsOfWhatIsNotAtTheFarPlane) {
     EXPECT_LT(middle.z, -50);
 
     RandomDepths empty(1, DepthSemantics::range, 1.0);
-    const std::vector<double> none(static_cast<std::size_t>(empty.scene.width * empty.scene.height), NAN);
-    empty.prev.vertices = std::make_unique<ExactVertices>(empty.scene.width, empty.scene.height, none);
+    empty.set_prev(empty.everywhere(NAN));
     EXPECT_EQ(subject_of(empty.field(0)).middle, glm::dvec3(0, 0, -400));
 }
 
@@ -507,7 +496,7 @@ std::optional<double> drawn_q(const PicturePlanes& planes, const ViewSurface& su
 
 class EyeAndHand : public GpuTest {};
 
-TEST_F(EyeAndHand, MeetTheSameSurfaceAtTheSameTime) {
+TEST_F(EyeAndHand, MeetTheSameSurface) {
     for (const char* name : {"globe", "rough"})
         for (const double blend : {0.0, 0.37}) {
             const auto shown = shown_scene(name, 160, 107);

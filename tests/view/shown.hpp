@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -64,6 +65,8 @@ struct Codes {
         frame.validity[static_cast<std::size_t>(y * frame.validity_words_per_row() + x / 32)] |= 1U
                                                                                                  << (x % 32);
     }
+    FramePair pair(double blend) const { return {{0, 0, &prev}, {1, 33'000'000, &next}, blend}; }
+
     Scene scene;
     SurfaceFrame prev, next;
 };
@@ -79,6 +82,28 @@ inline DepthCoding coding_of(DepthCodingKind kind, DepthSemantics semantics, boo
     if (kind == DepthCodingKind::log) coding.shift = 0.2;
     coding.code_max = kind == DepthCodingKind::hue ? 1535 : 65535;
     return coding;
+}
+
+/// Calls look(codes, blend) for every coding, and for four places between its two frames.
+template <class Look>
+void for_every_coding(int width, int height, const Look& look) {
+    for (const DepthCodingKind kind : {DepthCodingKind::linear, DepthCodingKind::inverse,
+                                       DepthCodingKind::metric, DepthCodingKind::hue, DepthCodingKind::log})
+        for (const DepthSemantics semantics : {DepthSemantics::range, DepthSemantics::planar})
+            for (const bool near_is_high : {true, false})
+                for (const bool heights : {false, true}) {
+                    const Codes codes(coding_of(kind, semantics, near_is_high), width, height, heights);
+                    for (const double blend : {0.0, 0.25, 0.5, 0.9}) look(codes, blend);
+                }
+}
+
+/// Of 255, in the channel in which two colours differ most.
+inline int colour_distance(PackedColour a, PackedColour b) {
+    int most = 0;
+    for (const unsigned shift : {0U, 8U, 16U})
+        most = std::max(most,
+                        std::abs(static_cast<int>(a >> shift & 255U) - static_cast<int>(b >> shift & 255U)));
+    return most;
 }
 
 /// Whether roundings may decide if a pixel's two depths are mixed.
@@ -130,11 +155,13 @@ struct Shown {
     }
 };
 
-inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int height) {
-    SceneOptions options;
-    options.width = width;
-    options.height = height;
-    options.properties = std::string(name) == "globe";
+/// By words of --view, about the middle of what is shown.
+inline ViewCamera view_of(const Shown& shown, const HeightField& field, const char* words, int width,
+                          int height) {
+    return make_view(*parse_viewpoint(words), shown.scene, subject_of(field).middle, width, height);
+}
+
+inline std::unique_ptr<Shown> shown_scene(const char* name, const SceneOptions& options) {
     auto made = make_scene(name, options);
     EXPECT_TRUE(made) << made.error().message;
     auto shown = std::make_unique<Shown>();
@@ -143,6 +170,14 @@ inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int heigh
     shown->raw_next = (*made)->frame(1);
     shown->build();
     return shown;
+}
+
+inline std::unique_ptr<Shown> shown_scene(const char* name, int width, int height) {
+    SceneOptions options;
+    options.width = width;
+    options.height = height;
+    options.properties = std::string(name) == "globe";
+    return shown_scene(name, options);
 }
 
 inline std::unique_ptr<Shown> shown_clip(const std::filesystem::path& folder,
@@ -205,6 +240,9 @@ inline ViewSurface make_view_surface(const HeightField& field, const PlaneView& 
 struct ManyColours {
     ManyColours(int columns, int rows) : width(columns), height(rows) {
         for (int k = 0; k < width * height * 3; ++k) bytes.push_back(static_cast<std::uint8_t>(k * 89 % 251));
+    }
+    PackedColour at(std::size_t pixel) const {
+        return pack_colour(bytes[3 * pixel], bytes[3 * pixel + 1], bytes[3 * pixel + 2]);
     }
     PlaneView view() const { return {bytes.data(), std::ptrdiff_t{3} * width, width, height, 1, 3}; }
 
