@@ -62,7 +62,7 @@ protected:
     BackgroundWriter writer_{"test-writer", "files of a test", 4};
 };
 
-TEST_F(DiskWriter, DoesJobsInOrderAndRefusesTooMany) {
+TEST_F(DiskWriter, KeepsOrderAndLimit) {
     give_holding("a");
     auto full = job("b");
     full.write = [write = full.write](const fs::path& name) -> Result<void> {
@@ -91,7 +91,7 @@ TEST_F(DiskWriter, DoesJobsInOrderAndRefusesTooMany) {
     EXPECT_TRUE(writer_.take().empty()) << "each result comes once";
 }
 
-TEST_F(DiskWriter, DropsLateJobsWhereTheDiskHangs) {
+TEST_F(DiskWriter, DropsJobsOnHungDisk) {
     auto unnamed = holding("");
     unnamed.name = [] { return fs::path("free.png"); };
     writer_.give(unnamed);
@@ -118,7 +118,7 @@ TEST_F(DiskWriter, DropsLateJobsWhereTheDiskHangs) {
     EXPECT_EQ(disk_->begun.back(), "c") << "the writer goes on";
 }
 
-TEST_F(DiskWriter, DoesLateJobsThatMustNotBeLost) {
+TEST_F(DiskWriter, FinishesLateJobsOnRequest) {
     give_holding("a");
     writer_.give(job("b"));
     EXPECT_FALSE(writer_.finish(1ms, Late::done));
@@ -134,7 +134,7 @@ TEST_F(DiskWriter, DoesLateJobsThatMustNotBeLost) {
 }
 
 /// A file that says what was saved is never behind it.
-TEST_F(DiskWriter, ReplacesAJobThatWaitsForTheSameFile) {
+TEST_F(DiskWriter, ReplacesWaitingJobOfFile) {
     const TemporaryFolder folder;
     give_holding(folder / "history");
     for (const char* text : {"old", "older"}) {
@@ -152,7 +152,7 @@ TEST_F(DiskWriter, ReplacesAJobThatWaitsForTheSameFile) {
     EXPECT_EQ(text_of(folder / "saved"), "older");
 }
 
-TEST_F(DiskWriter, KeepsAllRowsOfOneFile) {
+TEST_F(DiskWriter, KeepsAllRowsOfFile) {
     give_holding("rows");
     for (int k = 0; k < 3; ++k) writer_.give(job("rows"));
     disk_->answer.set_value();
@@ -160,7 +160,7 @@ TEST_F(DiskWriter, KeepsAllRowsOfOneFile) {
     EXPECT_EQ(writer_.take().size(), 4u) << "only a job that says so replaces another";
 }
 
-TEST_F(DiskWriter, TellsWhichFilesWait) {
+TEST_F(DiskWriter, TellsWaitingFiles) {
     const auto a = writer_.waits_for("a"), b = writer_.waits_for("b");
     EXPECT_FALSE(a());
     give_holding("a");
@@ -173,7 +173,7 @@ TEST_F(DiskWriter, TellsWhichFilesWait) {
     EXPECT_FALSE(a() || b());
 }
 
-TEST(BackgroundWriter, FinishesAtItsEnd) {
+TEST(BackgroundWriter, FinishesInDestructor) {
     const auto written = std::make_shared<int>(0);
     {
         BackgroundWriter writer("test-writer", "files of a test");
@@ -209,7 +209,7 @@ TEST(Screenshot, ReplacesNoOtherFile) {
     EXPECT_EQ(image->samples, grey(9).samples);
 }
 
-TEST(TextFile, SaysWhatCouldNotBeWritten) {
+TEST(TextFile, ReportsFailedWrites) {
     const TemporaryFolder folder;
     BackgroundWriter writer("test-writer", "texts");
     std::ofstream(folder / "file") << "x";
@@ -255,7 +255,7 @@ std::optional<Result<int>> wait_for(Opening& opening) {
     return std::nullopt;
 }
 
-TEST(LongWork, GivesWhatWasAskedForOnce) {
+TEST(LongWork, GivesResultOnce) {
     Opening opening;
     EXPECT_FALSE(opening.is_busy());
     EXPECT_EQ(opening.words(), "");
@@ -268,7 +268,7 @@ TEST(LongWork, GivesWhatWasAskedForOnce) {
     EXPECT_FALSE(opening.take());
 }
 
-TEST(LongWork, LaterWishTakesThePlaceOfTheOnesBefore) {
+TEST(LongWork, LatestRequestReplacesEarlier) {
     std::atomic<int> begun{0}, given_up{0}, skipped{0};
     Opening opening;
     opening.ask("the first", never(begun, given_up));
@@ -280,10 +280,10 @@ TEST(LongWork, LaterWishTakesThePlaceOfTheOnesBefore) {
     ASSERT_TRUE(made && *made);
     EXPECT_EQ(**made, 3);
     EXPECT_EQ(given_up, 1);
-    EXPECT_EQ(skipped, 0) << "nobody wanted it any more when its turn had come";
+    EXPECT_EQ(skipped, 0) << "it was replaced before its turn";
 }
 
-TEST(LongWork, EndsWhileSomethingIsOnItsWay) {
+TEST(LongWork, DestructorCancelsWork) {
     std::atomic<int> begun{0}, given_up{0};
     {
         Opening opening;
@@ -295,7 +295,7 @@ TEST(LongWork, EndsWhileSomethingIsOnItsWay) {
     EXPECT_EQ(given_up, 1);
 }
 
-TEST(LongWork, LettingGoWaitsForNothing) {
+TEST(LongWork, LetGoDoesNotWait) {
     std::atomic<int> begun{0}, given_up{0};
     std::atomic<bool> may_end{false};
     Opening opening;
@@ -327,7 +327,7 @@ TEST(LongWork, LettingGoWaitsForNothing) {
     EXPECT_TRUE(is_alone);
 }
 
-TEST(LongWork, WhatIsThrownIsAnError) {
+TEST(LongWork, TurnsExceptionIntoError) {
     Opening opening;
     opening.ask("opening a.mkv", []() -> Result<int> { throw std::bad_alloc(); });
     auto made = wait_for(opening);

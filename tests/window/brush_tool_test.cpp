@@ -16,14 +16,14 @@
 #include "player/window/command_table.hpp"
 #include "player/window/window_files.hpp"
 #include "tests/materials/segment_colours.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
 
 using Places = std::vector<PixelOfFrame>;
 
-TEST(BrushCommand, HasPlacesAndMaterials) {
+TEST(BrushCommand, ParsesPlacesAndMaterials) {
     const auto paint = parse_window_command("paint 12,34");
     ASSERT_TRUE(paint) << paint.error().message;
     EXPECT_EQ(paint->verb, WindowVerb::paint);
@@ -39,7 +39,7 @@ TEST(BrushCommand, HasPlacesAndMaterials) {
         EXPECT_TRUE(parse_window_command(words)) << words;
 }
 
-TEST(BrushCommand, ThatIsNoneIsRefusedWithWhatWouldBeRight) {
+TEST(BrushCommand, RejectsInvalidWithHint) {
     const struct {
         const char *words, *right;
     } faults[] = {{"paint", "X,Y,FRAME"},
@@ -64,11 +64,11 @@ TEST(BrushCommand, ThatIsNoneIsRefusedWithWhatWouldBeRight) {
         const auto read = parse_window_command(fault.words);
         ASSERT_FALSE(read) << fault.words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);
-        EXPECT_NE(read.error().message.find(fault.right), std::string::npos) << read.error().message;
+        EXPECT_TRUE(contains(read.error().message, fault.right));
     }
 }
 
-TEST(BrushCommand, HasTheKeysThatUndoEverywhere) {
+TEST(BrushCommand, HasUsualUndoKeys) {
     ASSERT_TRUE(binding_of("z", true, false) && binding_of("p", false, false));
     EXPECT_EQ(binding_of("z", true, false)->verb, WindowVerb::undo);
     EXPECT_EQ(binding_of("z", true, true)->verb, WindowVerb::redo);
@@ -82,7 +82,7 @@ HeldBrush::Place at(int x, int y, std::int64_t frame = 7) {
     return {{10.0 * x, 10.0 * y}, PixelOfFrame{x, y, frame}};
 }
 
-TEST(HeldBrush, PaintsWhatIsClicked) {
+TEST(HeldBrush, PaintsClickedPlace) {
     HeldBrush brush;
     EXPECT_FALSE(brush.press(at(1, 2))) << "there is none in the hand";
     brush.take_or_put_away();
@@ -95,7 +95,7 @@ TEST(HeldBrush, PaintsWhatIsClicked) {
     EXPECT_FALSE(brush.press({{5, 5}})) << "no surface";
 }
 
-TEST(HeldBrush, JoinsTheFirstWithTheNext) {
+TEST(HeldBrush, JoinsTwoClicks) {
     HeldBrush brush;
     brush.take(BrushTool::join);
     EXPECT_FALSE(brush.press(at(1, 2, 3)));
@@ -106,7 +106,7 @@ TEST(HeldBrush, JoinsTheFirstWithTheNext) {
     ASSERT_TRUE(join);
     EXPECT_EQ(join->places, (Places{{1, 2, 3}, {8, 9, 6}}));
     EXPECT_TRUE(brush.line().empty());
-    // Who clicks beside all, or takes another tool, begins again.
+    // A click beside every surface, or another tool, begins again.
     EXPECT_FALSE(brush.press(at(1, 2)));
     EXPECT_FALSE(brush.press({{5, 5}}));
     EXPECT_FALSE(brush.press(at(1, 2)));
@@ -114,7 +114,7 @@ TEST(HeldBrush, JoinsTheFirstWithTheNext) {
     EXPECT_FALSE(brush.press(at(3, 3)));
 }
 
-TEST(HeldBrush, CutsByAStrokeOfOneFrame) {
+TEST(HeldBrush, CutsByStroke) {
     HeldBrush brush;
     brush.take(BrushTool::cut);
     brush.move(at(0, 0));
@@ -139,7 +139,7 @@ TEST(HeldBrush, CutsByAStrokeOfOneFrame) {
     EXPECT_EQ(brush.tool(), BrushTool::cut) << "the last one";
 }
 
-TEST(HeldBrush, AStrokeHasAnEnd) {
+TEST(HeldBrush, StrokeLengthIsLimited) {
     HeldBrush brush;
     brush.take(BrushTool::cut);
     EXPECT_FALSE(brush.press(at(0, 0)));
@@ -147,7 +147,7 @@ TEST(HeldBrush, AStrokeHasAnEnd) {
     EXPECT_EQ(brush.release()->places.size(), HeldBrush::most_points);
 }
 
-TEST(MaterialColours, AreToldApart) {
+TEST(MaterialColours, AreDistinguishable) {
     for (const PaletteMaterial& a : palette()) {
         EXPECT_NE(material_colour(a.name), material_colour("")) << a.name;
         for (const PaletteMaterial& b : palette()) {
@@ -165,7 +165,7 @@ TEST(MaterialColours, AreToldApart) {
 namespace fs = std::filesystem;
 using Paint = MaterialBrush::Paint;
 
-class BrushOfAClip : public ::testing::Test {
+class ClipBrush : public ::testing::Test {
 protected:
     static SegmentStore segments() { return stored({{"aaaabbcc", "aaaabbcc"}, {"aaaabbcc", "aaaabbcc"}}); }
     Result<KeptBrush> begin() { return KeptBrush::begin(segments(), files_); }
@@ -184,6 +184,12 @@ protected:
         ASSERT_TRUE(done) << done.error().message;
         put(files_.history(), brush.history());
     }
+    /// In a window before; its history.
+    std::string paint_foam() {
+        KeptBrush brush = begun();
+        edit(brush, Paint{{0, 0, 0}, "foam"});
+        return brush.history();
+    }
     void save(KeptBrush& brush) {
         const std::string text = brush.save();
         put(files_.history(), brush.history());
@@ -198,7 +204,7 @@ protected:
     BrushFiles files_{.clip = folder_ / "clip.mkv", .history_folder = folder_ / "state/touchable"};
 };
 
-TEST_F(BrushOfAClip, HasWhatWasDoneBeforeTheProgramWasKilled) {
+TEST_F(ClipBrush, RestoresHistoryAfterKill) {
     {
         KeptBrush brush = begun();
         EXPECT_FALSE(brush.is_painted());
@@ -209,8 +215,7 @@ TEST_F(BrushOfAClip, HasWhatWasDoneBeforeTheProgramWasKilled) {
     {
         KeptBrush again = begun();
         EXPECT_TRUE(again.is_painted());
-        EXPECT_NE(again.begun_with().find("3 changes of last time are here again"), std::string::npos)
-            << again.begun_with();
+        EXPECT_TRUE(contains(again.begun_with(), "3 changes of last time are here again"));
         EXPECT_EQ(material(again, 0), "brick");
         EXPECT_EQ(material(again, 3), "foam");
         ASSERT_TRUE(again.brush().undo());
@@ -219,11 +224,11 @@ TEST_F(BrushOfAClip, HasWhatWasDoneBeforeTheProgramWasKilled) {
         put(files_.history(), again.history());
     }
     const KeptBrush once_more = begun();
-    EXPECT_NE(once_more.begun_with().find("1 change of last time is"), std::string::npos);
+    EXPECT_TRUE(contains(once_more.begun_with(), "1 change of last time is"));
     EXPECT_EQ(once_more.brush().edits(), 3U) << "what was undone can be done again";
 }
 
-TEST_F(BrushOfAClip, IsSavedBesideItsClipAndGoesOnFromThere) {
+TEST_F(ClipBrush, SavesBesideClip) {
     {
         KeptBrush brush = begun();
         edit(brush, Paint{{0, 0, 0}, "foam"});
@@ -242,10 +247,10 @@ TEST_F(BrushOfAClip, IsSavedBesideItsClipAndGoesOnFromThere) {
     EXPECT_EQ(material(saved, 0), "foam");
     EXPECT_NE(material(saved, 4), "glass");
     EXPECT_TRUE(saved.is_painted());
-    EXPECT_NE(saved.begun_with().find("clip.mkv.materials.json"), std::string::npos) << saved.begun_with();
+    EXPECT_TRUE(contains(saved.begun_with(), "clip.mkv.materials.json"));
 }
 
-TEST_F(BrushOfAClip, IsBegunByTheFileThatIsGiven) {
+TEST_F(ClipBrush, StartsFromGivenFile) {
     put(folder_ / "given.json", R"({"touchable_segments": 1, "segments":
         [{"name": "table", "material": "cork", "at": [0, 0, 0]}]})");
     files_.segments = folder_ / "given.json";
@@ -255,16 +260,11 @@ TEST_F(BrushOfAClip, IsBegunByTheFileThatIsGiven) {
         [{"name": "table", "material": "cork", "at": [0, 9, 0]}]})");
     const auto refused = begin();
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().message.find("outside"), std::string::npos) << refused.error().message;
+    EXPECT_TRUE(contains(refused.error().message, "outside"));
 }
 
-TEST_F(BrushOfAClip, AHistoryThatDoesNotFitIsSetAside) {
-    std::string history;
-    {
-        KeptBrush brush = begun();
-        edit(brush, Paint{{0, 0, 0}, "foam"});
-        history = brush.history();
-    }
+TEST_F(ClipBrush, SetsAsideUnfitHistory) {
+    const std::string history = paint_foam();
     const fs::path file = files_.history();
     int count = 0;
     fs::path aside;
@@ -273,9 +273,8 @@ TEST_F(BrushOfAClip, AHistoryThatDoesNotFitIsSetAside) {
         put(file, text);
         const KeptBrush again = begun();
         EXPECT_EQ(again.brush().edits(), 0U);
-        EXPECT_NE(again.begun_with().find("set aside as " + aside.filename().string()), std::string::npos)
-            << again.begun_with();
-        EXPECT_NE(again.begun_with().find(why), std::string::npos) << again.begun_with();
+        EXPECT_TRUE(contains(again.begun_with(), "set aside as " + aside.filename().string()));
+        EXPECT_TRUE(contains(again.begun_with(), why));
         EXPECT_FALSE(fs::exists(file));
         EXPECT_EQ(file_contents(aside), text);
     };
@@ -285,7 +284,7 @@ TEST_F(BrushOfAClip, AHistoryThatDoesNotFitIsSetAside) {
     std::string other = history;
     other.replace(other.find("paint"), 5, "faint");
     expect_aside(other, "edits[0]");
-    // Somebody else has said something of the segments meanwhile.
+    // Another program has named the segments meanwhile.
     put(files_.saved(), R"({"touchable_segments": 1, "otherwise": "wood", "segments": []})");
     expect_aside(history, "other materials than");
     EXPECT_EQ(material(begun(), 0), "wood");
@@ -293,25 +292,25 @@ TEST_F(BrushOfAClip, AHistoryThatDoesNotFitIsSetAside) {
     EXPECT_EQ(names_in(folder_ / "state/touchable").size(), 5U);
 }
 
-TEST_F(BrushOfAClip, AHistoryThatCannotBeReadStaysAsItIs) {
+TEST_F(ClipBrush, LeavesUnreadableHistory) {
     const fs::path file = files_.history();
-    fs::create_directories(file);  // nobody reads a folder, whoever they are
+    fs::create_directories(file);  // no user can read a folder as a file
     const KeptBrush brush = begun();
-    EXPECT_NE(brush.begun_with().find(file.string()), std::string::npos) << brush.begun_with();
-    EXPECT_NE(brush.begun_with().find("not kept"), std::string::npos) << brush.begun_with();
+    EXPECT_TRUE(contains(brush.begun_with(), file.string()));
+    EXPECT_TRUE(contains(brush.begun_with(), "not kept"));
     EXPECT_EQ(brush.history_file(), fs::path());
     EXPECT_TRUE(fs::is_directory(file));
     EXPECT_FALSE(fs::exists(file.string() + ".broken"));
 }
 
-TEST_F(BrushOfAClip, OneWindowAtATimeGoesOnWithAHistory) {
+TEST_F(ClipBrush, LocksHistoryToOneWindow) {
     {
         KeptBrush brush = begun();
         edit(brush, Paint{{0, 0, 0}, "foam"});
         const KeptBrush other = begun();
         EXPECT_EQ(other.brush().edits(), 0U);
         EXPECT_EQ(other.history_file(), fs::path());
-        EXPECT_NE(other.begun_with().find("another window"), std::string::npos) << other.begun_with();
+        EXPECT_TRUE(contains(other.begun_with(), "another window"));
         EXPECT_EQ(brush.history_file(), files_.history());
     }
     const KeptBrush again = begun();
@@ -319,12 +318,9 @@ TEST_F(BrushOfAClip, OneWindowAtATimeGoesOnWithAHistory) {
     EXPECT_EQ(again.history_file(), files_.history());
 }
 
-/// Who stops the program, or lets go of the clip, breaks no history.
-TEST_F(BrushOfAClip, StoppedAtItsHistoryLeavesItThere) {
-    {
-        KeptBrush brush = begun();
-        edit(brush, Paint{{0, 0, 0}, "foam"});
-    }
+/// A stop of the program, or another clip, breaks no history.
+TEST_F(ClipBrush, KeepsHistoryWhenStopped) {
+    paint_foam();
     std::stop_source given_up;
     given_up.request_stop();
     {
@@ -336,7 +332,7 @@ TEST_F(BrushOfAClip, StoppedAtItsHistoryLeavesItThere) {
     EXPECT_EQ(begun().brush().edits(), 1U);
 }
 
-TEST_F(BrushOfAClip, ClipsHaveAHistoryEach) {
+TEST_F(ClipBrush, KeepsHistoryPerClip) {
     BrushFiles folder = files_, with_slash = files_, other = files_;
     folder.clip = folder_ / "pictures";
     with_slash.clip = folder_ / "pictures/";
@@ -352,8 +348,8 @@ TEST_F(BrushOfAClip, ClipsHaveAHistoryEach) {
     EXPECT_TRUE(other.history().empty());
 }
 
-/// Whatever changes frames changes segments; what is felt besides does not.
-TEST(SegmentsDependOn, WhatIsSaidOfTheFramesOfAClip) {
+/// What changes frames changes segments; other touch settings do not.
+TEST(SegmentDependencies, CoverEveryFrameOption) {
     const auto with = [](auto&& say) {
         ClipChoice choice;
         choice.file = "clip.mkv";
@@ -361,14 +357,14 @@ TEST(SegmentsDependOn, WhatIsSaidOfTheFramesOfAClip) {
         return segments_depend_on(choice);
     };
     const std::vector<std::string> others{
-        with([](ClipChoice& choice) { choice.scene_file = "scene.json"; }),
-        with([](ClipChoice& choice) { choice.alignment = DepthAlignment::on; }),
-        with([](ClipChoice& choice) { choice.alignment = DepthAlignment::off; }),
-        with([](ClipChoice& choice) { choice.fill_from_motion = true; }),
-        with([](ClipChoice& choice) { choice.camera.emplace().fov = 60; }),
-        with([](ClipChoice& choice) { choice.camera.emplace().least_confidence = 0.5; }),
-        with([](ClipChoice& choice) { choice.camera.emplace().channel = "V.Depth.Z"; }),
-        with([](ClipChoice& choice) {
+        with([](auto& choice) { choice.scene_file = "scene.json"; }),
+        with([](auto& choice) { choice.alignment = DepthAlignment::on; }),
+        with([](auto& choice) { choice.alignment = DepthAlignment::off; }),
+        with([](auto& choice) { choice.fill_from_motion = true; }),
+        with([](auto& choice) { choice.camera.emplace().fov = 60; }),
+        with([](auto& choice) { choice.camera.emplace().least_confidence = 0.5; }),
+        with([](auto& choice) { choice.camera.emplace().channel = "V.Depth.Z"; }),
+        with([](auto& choice) {
             choice.camera.emplace().intrinsics = Intrinsics{500, 500, {}, {}};
         })};
     std::set<std::string> all{""};

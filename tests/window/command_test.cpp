@@ -4,22 +4,20 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <string>
 #include <tuple>
 
 #include "player/session/touch_setup.hpp"
 #include "player/window/command_table.hpp"
-#include "player/window/play_window.hpp"
 #include "player/window/user_files.hpp"
 #include "player/window/window_command.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
 
-TEST(WindowCommand, EveryKeyDoesOneThing) {
+TEST(WindowCommand, EachKeyHasOneCommand) {
     std::set<std::tuple<std::string, bool, bool>> keys;
     bool first = true;
     for (const KeyBinding& binding : key_bindings()) {
@@ -29,7 +27,7 @@ TEST(WindowCommand, EveryKeyDoesOneThing) {
     }
 }
 
-TEST(CommandTable, HasOneRowForEachVerb) {
+TEST(CommandTable, HasOneRowPerVerb) {
     for (int verb = 0; verb <= static_cast<int>(WindowVerb::quit); ++verb)
         EXPECT_EQ(std::ranges::count(command_rows(), static_cast<WindowVerb>(verb), &CommandRow::verb), 1)
             << verb;
@@ -44,7 +42,7 @@ TEST(CommandTable, HasOneRowForEachVerb) {
     EXPECT_EQ(command_named("jump"), nullptr);
 }
 
-TEST(CommandTable, LetsParticipantsDoNothingThatVisitorsMayNot) {
+TEST(CommandTable, ParticipantCommandsAreVisitorCommands) {
     int visitors = 0, participants = 0;
     for (const CommandRow& row : command_rows()) {
         visitors += row.has(CommandRow::for_visitors);
@@ -55,7 +53,7 @@ TEST(CommandTable, LetsParticipantsDoNothingThatVisitorsMayNot) {
     EXPECT_EQ(participants, 9);
 }
 
-TEST(CommandTable, AlternatesKeysThatBelongTogether) {
+TEST(CommandTable, AlternatesPairedKeys) {
     std::string keys;
     for (const KeyBinding& binding : key_bindings())
         if (binding.verb == WindowVerb::point_down || binding.verb == WindowVerb::point_right)
@@ -63,18 +61,17 @@ TEST(CommandTable, AlternatesKeysThatBelongTogether) {
     EXPECT_EQ(keys, "wasd");
 }
 
-TEST(CommandTable, SaysWhatIsRight) {
+TEST(CommandTable, HintsAtValidValues) {
     const struct {
         const char *words, *right;
     } faults[] = {{"home 3", "home needs nothing else"}, {"clutch", "clutch needs on or off"},
                   {"size 10x10", "such as 1280x720"},    {"fingers 2.5", "a whole number from 1 to 5"},
                   {"screenshot a.mkv", "ends in .png"},  {"open", "open needs a name"}};
     for (const auto& fault : faults)
-        EXPECT_NE(parse_window_command(fault.words).error().message.find(fault.right), std::string::npos)
-            << parse_window_command(fault.words).error().message;
+        EXPECT_TRUE(contains(parse_window_command(fault.words).error().message, fault.right));
 }
 
-TEST(WindowCommand, ArrowsTurnTheViewWithControlAndSeekWithout) {
+TEST(WindowCommand, ControlArrowsTurnView) {
     ASSERT_TRUE(binding_of("left", true, false) && binding_of("left", false, false));
     EXPECT_EQ(binding_of("left", true, false)->verb, WindowVerb::turn);
     EXPECT_EQ(binding_of("up", true, false)->verb, WindowVerb::tilt);
@@ -82,13 +79,13 @@ TEST(WindowCommand, ArrowsTurnTheViewWithControlAndSeekWithout) {
     EXPECT_EQ(binding_of("up", false, false), nullptr);
     for (const bool control : {false, true})
         for (const bool shift : {false, true}) {
-            ASSERT_TRUE(binding_of("f", control, shift)) << "the stop, by whoever holds another key";
+            ASSERT_TRUE(binding_of("f", control, shift)) << "the stop, also with another key held";
             EXPECT_EQ(binding_of("f", control, shift)->verb, WindowVerb::force);
         }
     EXPECT_TRUE(goes_by_steps(WindowVerb::turn) && goes_by_steps(WindowVerb::tilt));
 }
 
-TEST(WindowCommand, IsReadWithItsNumber) {
+TEST(WindowCommand, ParsesNumberAndWord) {
     const auto seek = parse_window_command("seek 1.5");
     ASSERT_TRUE(seek);
     EXPECT_EQ(seek->verb, WindowVerb::seek_to);
@@ -101,7 +98,7 @@ TEST(WindowCommand, IsReadWithItsNumber) {
     EXPECT_EQ(next->word, "");
 }
 
-TEST(WindowCommand, HoldsAndLetsGoOfTheClutch) {
+TEST(WindowCommand, ParsesClutch) {
     for (const char* words : {"clutch on", "clutch off"}) {
         const auto clutch = parse_window_command(words);
         ASSERT_TRUE(clutch) << words;
@@ -112,7 +109,7 @@ TEST(WindowCommand, HoldsAndLetsGoOfTheClutch) {
     EXPECT_EQ(parse_window_command("hand-scale 0.5").value().verb, WindowVerb::feel);
 }
 
-TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
+TEST(WindowCommand, RejectsInvalid) {
     for (const char* words :
          {"jump 3",     "",         "seek",           "seek x",      "seek nan", "seek -1",
           "speed 5",    "step 2",   "fingers 6",      "fingers 2.5", "step 0.5", "screenshot a.mkv",
@@ -122,11 +119,11 @@ TEST(WindowCommand, ThatIsNoneIsRefusedWithTheRightOnes) {
         ASSERT_FALSE(read) << words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);
     }
-    EXPECT_NE(parse_window_command("jump 3").error().message.find("seek"), std::string::npos);
-    EXPECT_NE(parse_window_command("speed 5").error().message.find("0.1 to 4"), std::string::npos);
+    EXPECT_TRUE(contains(parse_window_command("jump 3").error().message, "seek"));
+    EXPECT_TRUE(contains(parse_window_command("speed 5").error().message, "0.1 to 4"));
 }
 
-TEST(WindowCommand, MeasuresBetweenTwoPixelsOfWhatIsSeen) {
+TEST(WindowCommand, ParsesMeasure) {
     const auto measure = parse_window_command("measure 20,32 70,31");
     ASSERT_TRUE(measure) << measure.error().message;
     EXPECT_EQ(measure->verb, WindowVerb::measure);
@@ -140,13 +137,13 @@ TEST(WindowCommand, MeasuresBetweenTwoPixelsOfWhatIsSeen) {
                               "measure 20,32 70,31,2", "measure 1,2 3,4 5,6"}) {
         const auto read = parse_window_command(words);
         ASSERT_FALSE(read) << words;
-        EXPECT_NE(read.error().message.find("two pixels"), std::string::npos) << read.error().message;
+        EXPECT_TRUE(contains(read.error().message, "two pixels"));
     }
     ASSERT_TRUE(binding_of("t", false, false));
     EXPECT_EQ(binding_of("t", false, false)->verb, WindowVerb::measure);
 }
 
-TEST(WindowCommand, SetsWhatIsFelt) {
+TEST(WindowCommand, ParsesTouchSettings) {
     const auto median = parse_window_command("median 5");
     ASSERT_TRUE(median);
     EXPECT_EQ(median->verb, WindowVerb::feel);
@@ -172,9 +169,9 @@ TEST(WindowCommand, SetsWhatIsFelt) {
         const auto read = parse_window_command(fault.words);
         ASSERT_FALSE(read) << fault.words;
         EXPECT_EQ(read.error().kind, ErrorKind::usage);
-        EXPECT_NE(read.error().message.find(fault.right), std::string::npos) << read.error().message;
+        EXPECT_TRUE(contains(read.error().message, fault.right));
     }
-    EXPECT_NE(parse_window_command("jump").error().message.find("median"), std::string::npos);
+    EXPECT_TRUE(contains(parse_window_command("jump").error().message, "median"));
 }
 
 Result<std::vector<ScriptedInput>> read_words(const std::string& words) {
@@ -183,7 +180,7 @@ Result<std::vector<ScriptedInput>> read_words(const std::string& words) {
     return read_window_script(folder / "script");
 }
 
-TEST(ScriptClock, GoesOnWhereItWasAfterAStandstill) {
+TEST(ScriptClock, SkipsStandstills) {
     ScriptClock clock;
     EXPECT_DOUBLE_EQ(clock.at(0), 0);
     EXPECT_DOUBLE_EQ(clock.at(0.03), 0.03);
@@ -193,7 +190,7 @@ TEST(ScriptClock, GoesOnWhereItWasAfterAStandstill) {
     EXPECT_NEAR(clock.at(5.2), 0.2, 1e-12);
 }
 
-TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
+TEST(WindowScript, KeepsOrder) {
     const auto read = read_words(
         "# what a visitor does\n\n0.5 move 10 20.5\n1 press left\r\n1 key f12\n  2 seek 0.25\n3 drop a "
         "b.mkv\n");
@@ -210,7 +207,7 @@ TEST(WindowScript, InputsAndCommandsComeInTheirOrder) {
     EXPECT_EQ(std::get<InputEvent>((*read)[4].what).word, "a b.mkv");
 }
 
-TEST(WindowScript, FingersOnATouchScreenHaveNumbersAndTimes) {
+TEST(WindowScript, ParsesTouches) {
     const auto read = read_words("0.5 touch 2 10 20.5\n0.75 touch-move 2 11 21\n1 touch-end 2\n1 leave\n");
     ASSERT_TRUE(read) << read.error().message;
     ASSERT_EQ(read->size(), 4U);
@@ -225,7 +222,7 @@ TEST(WindowScript, FingersOnATouchScreenHaveNumbersAndTimes) {
     EXPECT_EQ(event(3).kind, InputEvent::Kind::left_window);
 }
 
-TEST(WindowScript, FaultIsNamedWithItsLine) {
+TEST(WindowScript, NamesLineOfFault) {
     const struct {
         const char *words, *where, *what;
     } faults[] = {{"0 move 1\n", "line 1", "two numbers"},
@@ -251,8 +248,8 @@ TEST(WindowScript, FaultIsNamedWithItsLine) {
         const auto read = read_words(fault.words);
         ASSERT_FALSE(read) << fault.words;
         EXPECT_EQ(read.error().kind, ErrorKind::input);
-        EXPECT_NE(read.error().message.find(fault.where), std::string::npos) << read.error().message;
-        EXPECT_NE(read.error().message.find(fault.what), std::string::npos) << read.error().message;
+        EXPECT_TRUE(contains(read.error().message, fault.where));
+        EXPECT_TRUE(contains(read.error().message, fault.what));
         EXPECT_EQ(read.error().message.find("or an input:") != std::string::npos,
                   std::string_view(fault.what) == "no command")
             << read.error().message;
@@ -272,12 +269,7 @@ void put(const fs::path& file, const std::string& words) {
     std::ofstream(file) << words;
 }
 
-std::string words_in(const fs::path& file) {
-    std::ifstream in(file);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-TEST(SessionSettings, FiltersAtOnceTakeThePlaceOfThoseOneByOne) {
+TEST(SessionSettings, FiltersReplaceSingleFilters) {
     SessionSettings settings =
         felt({{"median", "5"}, {"max-force", "2.50"}, {"filters", "off"}, {"temporal", "on"}});
     EXPECT_EQ(settings.in_words(), "max-force 2.5 N, filters off, temporal on");
@@ -286,7 +278,7 @@ TEST(SessionSettings, FiltersAtOnceTakeThePlaceOfThoseOneByOne) {
     EXPECT_EQ(SessionSettings().in_words(), "as the clip says");
 }
 
-TEST(SessionSettings, MakeTheOptionsOfARun) {
+TEST(SessionSettings, OverrideRunOptions) {
     SessionOptions typed;
     typed.clip.single_filters = {.settings = {.median = 3, .temporal = true, .temporal_noise = {2, 0}},
                                  .stated = {.median = true, .temporal = true}};
@@ -314,7 +306,7 @@ TEST(SessionSettings, MakeTheOptionsOfARun) {
     EXPECT_EQ(with_settings(typed, felt({{"max-force", "5"}})).guard.max_force, 5);
 }
 
-TEST(SessionSettings, ReliefIsThereOnceAnyOfItIsWanted) {
+TEST(SessionSettings, ReliefNeedsAnAmount) {
     SessionSettings settings;
     ASSERT_TRUE(settings.set("relief-fine", "-100"));
     EXPECT_FALSE(with_settings({}, settings).clip.relief);
@@ -331,10 +323,10 @@ TEST(SessionSettings, ReliefIsThereOnceAnyOfItIsWanted) {
     recorded.recorded = true;
     const auto refused = validate(recorded);
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().message.find("touchable relief"), std::string::npos) << refused.error().message;
+    EXPECT_TRUE(contains(refused.error().message, "touchable relief"));
 }
 
-TEST(TwoSettings, BBeginsAsAWithoutFiltersAndStaysAsItWasLeft) {
+TEST(TwoSettings, BStartsUnfiltered) {
     TwoSettings two;
     EXPECT_TRUE(two.set("median", "5"));
     EXPECT_TRUE(two.set("metric", "scaled"));
@@ -347,34 +339,44 @@ TEST(TwoSettings, BBeginsAsAWithoutFiltersAndStaysAsItWasLeft) {
     EXPECT_EQ(two.in_words(), "B: metric scaled, filters off, median 3");
 }
 
-TEST(SettingsFile, AreReadAsTheyWereWritten) {
+class SettingsFileTest : public ::testing::Test {
+protected:
+    /// Two fingers, in place of what is in the file.
+    static Result<void> write_two(const SettingsFile& settings) {
+        KeptSettings kept;
+        kept.fingers = 2;
+        return settings.write(kept);
+    }
+
     const TemporaryFolder folder;
-    const fs::path file = folder / "new/folder/play.json";
+    const fs::path file = folder / "play.json";
+};
+
+TEST_F(SettingsFileTest, RoundTrips) {
+    const fs::path deep = folder / "new/folder/play.json";
     KeptSettings kept{true, 3, 900, 700, felt({{"median", "5"}, {"max-force", "2.5"}}), {}, false};
     kept.b = felt({{"filters", "off"}, {"fill-holes", "3"}});
     kept.volume = 60;
-    const SettingsFile none(file);
+    const SettingsFile none(deep);
     EXPECT_EQ(none.read(), KeptSettings());
     EXPECT_EQ(none.message(), "");
     ASSERT_TRUE(none.write(kept));
-    const SettingsFile again(file);
+    const SettingsFile again(deep);
     EXPECT_EQ(again.read(), kept);
     EXPECT_EQ(again.message(), "");
     // A link stays one, and nothing is written that is there already.
-    fs::create_symlink(file, folder / "link.json");
+    fs::create_symlink(deep, folder / "link.json");
     const SettingsFile link(folder / "link.json");
-    const auto written = fs::last_write_time(file);
+    const auto written = fs::last_write_time(deep);
     EXPECT_TRUE(link.write(kept));
-    EXPECT_EQ(fs::last_write_time(file), written);
+    EXPECT_EQ(fs::last_write_time(deep), written);
     kept.fingers = 1;
     EXPECT_TRUE(link.write(kept));
     EXPECT_TRUE(fs::is_symlink(folder / "link.json"));
-    EXPECT_EQ(SettingsFile(file).read().fingers, 1);
+    EXPECT_EQ(SettingsFile(deep).read().fingers, 1);
 }
 
-TEST(SettingsFile, WhatIsUnknownOrWrongIsSaidOnceAndIgnored) {
-    const TemporaryFolder folder;
-    const fs::path file = folder / "play.json";
+TEST_F(SettingsFileTest, ReportsAndIgnoresInvalidValues) {
     put(file,
         R"({"panel": true, "sparkle": 1, "fingers": 9, "volume": 101, "window": [10, 10], "overlay": "night",
                   "a": {"median": 4, "metric": "pixel", "taste": [[]]}, "b": 3})");
@@ -386,80 +388,72 @@ TEST(SettingsFile, WhatIsUnknownOrWrongIsSaidOnceAndIgnored) {
     EXPECT_EQ(read.read(), right);
     for (const char* word :
          {"'sparkle' is unknown", "1 to 5", "0 to 100", "[320, 200]", "0, 3 or 5", "'taste'", "object"})
-        EXPECT_NE(read.message().find(word), std::string::npos) << word << " in " << read.message();
+        EXPECT_TRUE(contains(read.message(), word));
     EXPECT_EQ(read.message().find('\n'), std::string::npos) << "a warning has one line";
     ASSERT_TRUE(read.write(read.read()));
     EXPECT_EQ(SettingsFile(file).message(), "");
 }
 
-TEST(SettingsFile, ThatIsBrokenIsSetAside) {
-    const TemporaryFolder folder;
-    const fs::path file = folder / "play.json";
+TEST_F(SettingsFileTest, SetsAsideBrokenFile) {
     int count = 0;
     for (const char* words : {"", "{\"panel\": tr", "[1]", "\xff\xfe"}) {
         const std::string aside = "play.json.broken" + (++count == 1 ? "" : std::to_string(count));
         put(file, words);
         const SettingsFile read(file);
         EXPECT_EQ(read.read(), KeptSettings());
-        EXPECT_NE(read.message().find(aside), std::string::npos) << read.message();
+        EXPECT_TRUE(contains(read.message(), aside));
         EXPECT_FALSE(fs::exists(file));
-        EXPECT_EQ(words_in(folder / aside), words) << "none that was set aside is lost";
+        EXPECT_EQ(file_contents(folder / aside), words) << "none that was set aside is lost";
         ASSERT_TRUE(read.write(KeptSettings()));
         EXPECT_EQ(SettingsFile(file).message(), "");
     }
 }
 
-TEST(SettingsFile, ThatHasNoSettingIsSomebodysOwnFile) {
-    const TemporaryFolder folder;
+TEST_F(SettingsFileTest, LeavesForeignFileAlone) {
     const std::string labels = R"({"touchable_labels": 1, "labels": []})";
     put(folder / "labels.json", labels);
     const SettingsFile read(folder / "labels.json");
-    EXPECT_NE(read.message().find("no file of settings"), std::string::npos) << read.message();
-    KeptSettings kept;
-    kept.fingers = 2;
-    EXPECT_TRUE(read.write(kept));
-    EXPECT_EQ(words_in(folder / "labels.json"), labels);
+    EXPECT_TRUE(contains(read.message(), "no file of settings"));
+    EXPECT_TRUE(write_two(read));
+    EXPECT_EQ(file_contents(folder / "labels.json"), labels);
     // Another program's, which shares names with ours: neither its other members nor its values are lost.
     for (const std::string& shared :
          {std::string(R"({"panel": true, "fingers": 2, "theme": "dark"})"),
           std::string(R"({"window": {"x": 1, "y": 2}, "volume": 50})"), std::string(R"({"a": "alpha"})")}) {
         put(folder / "other.json", shared);
         const SettingsFile other(folder / "other.json");
-        EXPECT_NE(other.message().find("left alone"), std::string::npos) << other.message();
+        EXPECT_TRUE(contains(other.message(), "left alone"));
         EXPECT_EQ(other.message().find('\n'), std::string::npos);
-        EXPECT_TRUE(other.write(kept));
-        EXPECT_EQ(words_in(folder / "other.json"), shared);
+        EXPECT_TRUE(write_two(other));
+        EXPECT_EQ(file_contents(folder / "other.json"), shared);
     }
     // One of ours by hand, of which nothing is lost.
     put(folder / "own.json", R"({"fingers": 4, "volume": 30})");
     EXPECT_EQ(SettingsFile(folder / "own.json").message(), "");
-    EXPECT_TRUE(SettingsFile(folder / "own.json").write(kept));
+    EXPECT_TRUE(write_two(SettingsFile(folder / "own.json")));
     EXPECT_EQ(SettingsFile(folder / "own.json").read().fingers, 2);
     put(folder / "empty.json", "{}");
-    EXPECT_TRUE(SettingsFile(folder / "empty.json").write(kept));
+    EXPECT_TRUE(write_two(SettingsFile(folder / "empty.json")));
     EXPECT_EQ(SettingsFile(folder / "empty.json").read().fingers, 2);
 }
 
-TEST(SettingsFile, ThatIsNoneOrCannotBeWrittenIsLeftAlone) {
-    const TemporaryFolder folder;
-    fs::create_directory(folder / "play.json");
-    const SettingsFile is_folder(folder / "play.json");
-    EXPECT_NE(is_folder.message().find("left alone"), std::string::npos);
-    KeptSettings kept;
-    kept.fingers = 2;
-    EXPECT_TRUE(is_folder.write(kept));
-    EXPECT_TRUE(fs::is_directory(folder / "play.json"));
+TEST_F(SettingsFileTest, LeavesUnwritableFileAlone) {
+    fs::create_directory(file);
+    const SettingsFile is_folder(file);
+    EXPECT_TRUE(contains(is_folder.message(), "left alone"));
+    EXPECT_TRUE(write_two(is_folder));
+    EXPECT_TRUE(fs::is_directory(file));
     put(folder / "file", "x");
     const SettingsFile nowhere(folder / "file/touchable/play.json");
-    const auto written = nowhere.write(kept);
+    const auto written = write_two(nowhere);
     ASSERT_FALSE(written);
-    EXPECT_NE(written.error().message.find("touchable"), std::string::npos) << written.error().message;
-    if (geteuid() == 0) return;  // who may write everywhere
+    EXPECT_TRUE(contains(written.error().message, "touchable"));
+    if (geteuid() == 0) return;  // root may write everywhere
     fs::create_directory(folder / "locked");
     put(folder / "locked/play.json", "{\"fingers\": 4}");
     fs::permissions(folder / "locked", fs::perms::owner_read | fs::perms::owner_exec);
     const SettingsFile locked(folder / "locked/play.json");
-    EXPECT_FALSE(locked.write(kept));
+    EXPECT_FALSE(write_two(locked));
     EXPECT_EQ(SettingsFile(folder / "locked/play.json").read().fingers, 4);
     fs::permissions(folder / "locked", fs::perms::owner_all);
 }
@@ -469,26 +463,20 @@ class Variable {
 public:
     Variable(const char* name, const char* value) : name_(name) {
         if (const char* was = std::getenv(name)) was_ = was;
-        if (value)
-            setenv(name, value, 1);
-        else
-            unsetenv(name);
+        set(value);
     }
-    ~Variable() {
-        if (was_)
-            setenv(name_, was_->c_str(), 1);
-        else
-            unsetenv(name_);
-    }
+    ~Variable() { set(was_ ? was_->c_str() : nullptr); }
     Variable(const Variable&) = delete;
     Variable& operator=(const Variable&) = delete;
 
 private:
+    void set(const char* value) { value ? setenv(name_, value, 1) : unsetenv(name_); }
+
     const char* name_;
     std::optional<std::string> was_;
 };
 
-TEST(SettingsFile, OfAPersonIsWhereConfigurationIs) {
+TEST_F(SettingsFileTest, FollowsXdgConfigHome) {
     const Variable home("HOME", "/home/ada");
     {
         const Variable config("XDG_CONFIG_HOME", "/etc/ada");
@@ -496,7 +484,7 @@ TEST(SettingsFile, OfAPersonIsWhereConfigurationIs) {
     }
     const Variable relative("XDG_CONFIG_HOME", "ada");
     EXPECT_EQ(*own_settings_file(), "/home/ada/.config/touchable/play.json");
-    const Variable nobody("HOME", nullptr);
+    const Variable no_home("HOME", nullptr);
     EXPECT_FALSE(own_settings_file());
 }
 

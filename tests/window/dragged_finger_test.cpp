@@ -263,14 +263,14 @@ TEST_P(DraggedOverScene, IsNotCaught) {
 }
 
 /// Walls are not drawn there, and in the way of sight.
-TEST_P(DraggedOverScene, IsNotCaughtSeenFromTheSide) {
+TEST_P(DraggedOverScene, IsNotCaughtFromAside) {
     const auto clip = built_scene(GetParam(), 720, 480);
     DraggedFinger finger(*clip);
     finger.view().turn(35, 15);
     expect_free(finger.sweep(rows, pixels_per_s));
 }
 
-TEST_P(DraggedOverScene, IsNotCaughtByAFlick) {
+TEST_P(DraggedOverScene, IsNotCaughtByFlick) {
     const auto clip = built_scene(GetParam(), 720, 480);
     const Dragged dragged = DraggedFinger(*clip).sweep(rows, 5 * pixels_per_s);
     EXPECT_LE(dragged.limit_share(), 0.05);
@@ -292,7 +292,7 @@ std::vector<glm::dvec3> forces_of_stroke(const BuiltClip& clip, const PointerSet
 }
 
 /// On land and sea, strokes of 5 to 67 mm/s: friction that sticks, and relief.
-TEST(DraggedFinger, FeelsFrictionAndReliefAsWithoutAllThat) {
+TEST(DraggedFinger, FeelsFrictionAndReliefUnchanged) {
     const auto globe = built_scene("globe", 720, 480);
     for (const double speed : {30.0, 120.0, 400.0})
         for (const double row : {250.0, 360.0, 470.0}) {
@@ -311,7 +311,7 @@ TEST(DraggedFinger, FeelsFrictionAndReliefAsWithoutAllThat) {
 }
 
 /// A ledge that is no step is felt before it is gone over.
-TEST(DraggedFinger, FeelsALedge) {
+TEST(DraggedFinger, FeelsLedge) {
     const auto ledges = built_scene("step", 720, 480);
     DraggedFinger finger(*ledges);
     double most = 0;
@@ -362,7 +362,7 @@ Felt felt_where(bool is_dented) {
     return felt;
 }
 
-TEST(Dents, ChangeNoForceAndNoPick) {
+TEST(Dents, KeepForcesAndPicks) {
     const Felt flat = felt_where(false), dented = felt_where(true);
     EXPECT_EQ(dented.forces, flat.forces);
     EXPECT_EQ(dented.goals, flat.goals);

@@ -30,7 +30,7 @@ Rumble after(ContactRumble& rumble, const HeardTick& tick, int ticks) {
     return rumble.next(tick);
 }
 
-TEST(ContactRumble, HeavyMotorFollowsTheForceAndTheLightOneTexture) {
+TEST(ContactRumble, MotorsFollowForceAndTexture) {
     ContactRumble rumble;
     EXPECT_EQ(rumble.next({}), Rumble());
     const Rumble soft = after(rumble, touching(0.5F), 100), hard = after(rumble, touching(5), 100);
@@ -45,7 +45,7 @@ TEST(ContactRumble, HeavyMotorFollowsTheForceAndTheLightOneTexture) {
     EXPECT_LT(resting.high, 0.01F) << "who does not slip feels no texture";
 }
 
-TEST(ContactRumble, KnocksWhereAFingerMeetsTheSurfaceOrGetsLoose) {
+TEST(ContactRumble, KnocksOnContactAndRelease) {
     for (const bool meets : {true, false}) {
         ContactRumble rumble;
         const float before = after(rumble, touching(1), 100).low;
@@ -58,7 +58,7 @@ TEST(ContactRumble, KnocksWhereAFingerMeetsTheSurfaceOrGetsLoose) {
     }
 }
 
-TEST(ContactRumble, IsZeroInTheTickWithoutAForce) {
+TEST(ContactRumble, IsZeroWithoutForce) {
     ContactRumble rumble;
     HeardTick loud = touching(5, 1, 1);
     loud.fingers[1].met = 5;
@@ -71,7 +71,7 @@ TEST(ContactRumble, IsZeroInTheTickWithoutAForce) {
     EXPECT_EQ(rumble.next(touching(1)).high, 0) << "and nothing of before comes back";
 }
 
-TEST(ContactRumble, WhateverComesInStaysBetweenNothingAndAll) {
+TEST(ContactRumble, ClampsAnyInput) {
     constexpr float infinite = std::numeric_limits<float>::infinity(), nan = NAN;
     ContactRumble rumble;
     for (const float a : {nan, infinite, -infinite, 1e30F, -1.0F, 0.5F})
@@ -84,7 +84,7 @@ TEST(ContactRumble, WhateverComesInStaysBetweenNothingAndAll) {
         }
 }
 
-TEST(RumbleOrders, AreGivenWithChangesAndAgainBeforeTheyEnd) {
+TEST(RumbleOrders, RepeatBeforeTheyExpire) {
     RumbleOrders orders;
     const Rumble felt{0.5F, 0.2F};
     EXPECT_FALSE(orders.at(0, {}, 0)) << "nothing was felt yet";
@@ -105,7 +105,7 @@ TEST(RumbleOrders, AreGivenWithChangesAndAgainBeforeTheyEnd) {
     EXPECT_EQ(orders.at(2.03, felt, 303), felt) << "another gamepad";
 }
 
-TEST(RumbleOrders, MotorsAreStoppedWhereTicksStop) {
+TEST(RumbleOrders, StopMotorsWithoutTicks) {
     RumbleOrders orders;
     const Rumble felt{0.5F, 0.2F};
     EXPECT_TRUE(orders.at(1, felt, 100));
@@ -173,7 +173,7 @@ protected:
     VirtualGamepad::Told told_;
 };
 
-TEST_F(RumblingGamepad, IsTakenWhenItIsPluggedInAndLeftAloneWhenItIsGone) {
+TEST_F(RumblingGamepad, IsPluggedAndUnplugged) {
     auto opened = Gamepad::open();
     ASSERT_TRUE(opened) << opened.error().message;
     Gamepad& pad = **opened;
@@ -200,7 +200,7 @@ TEST_F(RumblingGamepad, IsTakenWhenItIsPluggedInAndLeftAloneWhenItIsGone) {
 }
 
 /// However long its thread is not run: states are waited for.
-TEST_F(RumblingGamepad, FollowsTicksAndStopsWithThem) {
+TEST_F(RumblingGamepad, FollowsTicks) {
     const VirtualGamepad one(told_);
     ASSERT_TRUE(one.is_there()) << SDL_GetError();
     const auto comes_to = [&](const std::function<bool()>& is_so, const HeardTick* tick,
@@ -229,7 +229,7 @@ TEST_F(RumblingGamepad, FollowsTicksAndStopsWithThem) {
 
 #endif
 
-TEST(GamepadRumble, WithoutOneSaysWhyAndTakesTicks) {
+TEST(GamepadRumble, ReportsMissingGamepad) {
     GamepadRumble rumble([]() -> Result<std::unique_ptr<Gamepad>> {
         return Error{ErrorKind::device, "built without it"};
     });

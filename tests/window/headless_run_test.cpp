@@ -29,7 +29,7 @@
 namespace touchable::test {
 namespace {
 
-TEST(HeadlessWindow, ShowsAFingerWhereThePointerPresses) {
+TEST(HeadlessWindow, ShowsFingerUnderPointer) {
     const Played without = shot_of(made_clip("globe", 1), "", "0.8");
     const Played with = shot_of(made_clip("globe", 1), "0 move 160 110\n0.1 press left\n", "0.8");
     ASSERT_EQ(with.image.width, 320);
@@ -38,12 +38,12 @@ TEST(HeadlessWindow, ShowsAFingerWhereThePointerPresses) {
     // beside it none.
     EXPECT_GT(differences(without.image, with.image, {140, 90, 180, 130}), 60);
     EXPECT_EQ(differences(without.image, with.image, {220, 100, 310, 170}), 0);
-    EXPECT_NE(with.outcome.out.find("pictures"), std::string::npos) << with.outcome.out;
+    EXPECT_TRUE(contains(with.outcome.out, "pictures"));
 }
 
 /// In the middle, where there is no panel and beside the finger no ring: nothing draws those without a GPU.
-/// (Fingers are compared by Drawing.HasATwinOnTheCpu.)
-TEST(HeadlessWindow, IsDrawnByTheCpuAlike) {
+/// (Fingers are compared by Drawing.CpuTwinMatchesRaster.)
+TEST(HeadlessWindow, CpuPictureMatchesGpu) {
     const std::string large = "0 size 640x480\n", touch = large + "0 move 330 190\n0.1 press left\n";
     const std::vector<std::string> by_cpu{"--painter", "cpu", "--builder", "cpu"};
     const Played gpu = shot_of(made_clip("globe", 1), touch, "0.8", {"--painter", "raster"});
@@ -52,7 +52,7 @@ TEST(HeadlessWindow, IsDrawnByTheCpuAlike) {
     EXPECT_GT(differences(bare.image, cpu.image, {300, 140, 420, 220}), 400);
     EXPECT_LE(differences(gpu.image, cpu.image, {240, 60, 300, 400}), 60);
     EXPECT_LE(differences(gpu.image, cpu.image, {300, 220, 620, 400}), 60);
-    EXPECT_NE(cpu.outcome.out.find("by the cpu painter\n"), std::string::npos) << cpu.outcome.out;
+    EXPECT_TRUE(contains(cpu.outcome.out, "by the cpu painter\n"));
 }
 
 TEST(HeadlessWindow, OverlayColoursTheSurface) {
@@ -61,7 +61,7 @@ TEST(HeadlessWindow, OverlayColoursTheSurface) {
     EXPECT_GT(differences(colour.image, depth.image, {120, 80, 200, 160}), 3000);
 }
 
-TEST(HeadlessWindow, OverlayIsNotCarriedToTheNextClip) {
+TEST(HeadlessWindow, OverlayEndsWithClip) {
     const TemporaryFolder folder;
     const std::vector<std::string> settings{"--settings", (folder / "play.json").string()};
     const Played depth = shot_of(made_clip("globe", 1), "0 overlay depth\n", "0.5", settings);
@@ -71,7 +71,7 @@ TEST(HeadlessWindow, OverlayIsNotCarriedToTheNextClip) {
     EXPECT_EQ(differences(plain.image, next.image, {120, 80, 200, 160}), 0);
 }
 
-TEST(HeadlessWindow, TouchThatIsRecordedRepeatsToTheBitWithoutIt) {
+TEST(HeadlessWindow, RecordedTouchReplaysExactly) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string();
     shot_of(made_clip("globe", 30),
@@ -79,22 +79,19 @@ TEST(HeadlessWindow, TouchThatIsRecordedRepeatsToTheBitWithoutIt) {
             "0.2\n0.7 speed 2\n"
             "0.8 key space\n0.9 wheel 2\n1.0 key .\n1.1 key 3\n1.2 loop\n",
             "1.4", {"--record", record});
-    const auto again = run_touchable({"touch", "--replay", record, "--json", "-"});
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_NE(again.err.find("as recorded, to the bit"), std::string::npos) << again.err;
-    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
-    EXPECT_NE(again.out.find("\"fingers_led\": 3,"), std::string::npos) << "one, and three from 1.1 s on";
+    EXPECT_TRUE(contains(replayed(folder.path(), record), "\"fingers_led\": 3,"))
+        << "one, and three from 1.1 s on";
 }
 
-TEST(HeadlessWindow, FileThatCannotBeOpenedLeavesTheOldClip) {
+TEST(HeadlessWindow, KeepsClipWhenOpenFails) {
     const Played shot = shot_of(made_clip("globe", 1), "0.1 drop nowhere.mkv\n0.2 move 160 110\n", "0.7");
     const Played without = shot_of(made_clip("globe", 1), "0.2 move 160 110\n", "0.7");
     EXPECT_GT(differences(shot.image, without.image, {60, 0, 260, 60}), 100) << "no message";
-    EXPECT_NE(shot.outcome.err.find("nowhere.mkv"), std::string::npos) << "nobody sees that message";
+    EXPECT_TRUE(contains(shot.outcome.err, "nowhere.mkv")) << "the message is not on the terminal";
     EXPECT_EQ(differences(shot.image, without.image, {220, 100, 310, 160}), 0);
 }
 
-TEST(HeadlessWindow, OtherClipTakesThePlaceOfTheOldOneAndIsNotWaitedForInTheEnd) {
+TEST(HeadlessWindow, DroppedClipReplacesOldOne) {
     const Played before = shot_of(made_clip("globe", 30), "0 key space\n0 seek 0.5\n", "0.8");
     // Late, for a clip opens in the background, and a busy machine takes its time.
     const Played other =
@@ -103,17 +100,15 @@ TEST(HeadlessWindow, OtherClipTakesThePlaceOfTheOldOneAndIsNotWaitedForInTheEnd)
     EXPECT_GT(differences(before.image, other.image, {100, 60, 220, 180}), 100);
     EXPECT_LT(differences(same.image, other.image, {100, 60, 220, 180}), 20);
     const TemporaryFolder folder;
-    std::ofstream(folder / "script") << "0.1 drop " << made_clip("globe", 30).string()
-                                     << "\n0.1 key b\n0.1 quit\n";
-    const auto closed =
-        run_touchable({"play", made_clip("globe", 1).string(), "--headless", "--size", "320x240", "--script",
-                       (folder / "script").string(), "--seconds", "20"});
+    const auto closed = run_scripted(
+        {made_clip("globe", 1).string(), "--seconds", "20"},
+        "0.1 drop " + made_clip("globe", 30).string() + "\n0.1 key b\n0.1 quit\n", folder.path());
     EXPECT_EQ(closed.code, 0) << closed.err;
     EXPECT_EQ(closed.err, "");
 }
 
-TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
-    // The overlay and the view of the last visitor are gone; a finger shows how; Escape is nobody's.
+TEST(HeadlessWindow, KioskInvitesAndResets) {
+    // The overlay and the view of the last visitor are gone; a finger shows how; Escape does nothing.
     const std::string visit =
         "0 overlay depth\n0 turn 40\n0 move 160 110\n0.05 key escape\n0.05 drop nowhere\n";
     const Played during = shot_of(made_clip("globe", 1), visit, "0.4", {"--kiosk", "--idle", "5", "9"});
@@ -127,16 +122,17 @@ TEST(HeadlessWindow, KioskInvitesAndBeginsAnewAndNothingEndsIt) {
     EXPECT_LT(differences(after.image, plain.image, {100, 40, 160, 120}), 100);
     EXPECT_GT(differences(invited.image, plain.image, {60, 180, 260, 230}), 2000) << "no words";
     EXPECT_GT(differences(invited.image, plain.image, {60, 60, 260, 150}), 60) << "no finger";
-    const auto kept = run_touchable({"play", made_clip("globe", 1).string(), "--headless", "--seconds", "0.2",
-                                     "--kiosk", "--settings", "play.json"});
-    EXPECT_EQ(kept.code, 2);
-    const auto backward = run_touchable({"play", made_clip("globe", 1).string(), "--headless", "--seconds",
-                                         "0.2", "--kiosk", "--idle", "60", "20"});
-    EXPECT_EQ(backward.code, 2);
-    EXPECT_TRUE(backward.one_line_of_error()) << backward.err;
+    const std::vector<std::string> kiosk{
+        "play", made_clip("globe", 1).string(), "--headless", "--seconds", "0.2", "--kiosk"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), kiosk.begin(), kiosk.end());
+        return more;
+    };
+    EXPECT_EQ(run_touchable(with({"--settings", "play.json"})).code, 2);
+    expect_refused(with({"--idle", "60", "20"}), 2);
 }
 
-TEST(HeadlessWindow, SaysLargeThatForceIsOff) {
+TEST(HeadlessWindow, ShowsThatForceIsOff) {
     const std::string press = "0 move 160 110\n0.05 press left\n";
     for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--kiosk"}}) {
         const Played on = shot_of(made_clip("globe", 1), press, "0.6", more),
@@ -172,14 +168,14 @@ TEST(HeadlessWindow, ScriptWaitsForTheWindow) {
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"begun.png", "script"}));
 }
 
-TEST(HeadlessWindow, ClipAloneIsPlayed) {
+TEST(HeadlessWindow, PlaysClipWithoutCommand) {
     const auto played = run_touchable(
         {made_clip("globe", 30).string(), "--headless", "--seconds", "0.3", "--size", "320x240"});
     EXPECT_EQ(played.code, 0) << played.err;
-    EXPECT_NE(played.out.find("pictures"), std::string::npos);
+    EXPECT_TRUE(contains(played.out, "pictures"));
 }
 
-TEST(HeadlessWindow, SettingsChangeWhatIsFeltWhereTheClipStands) {
+TEST(HeadlessWindow, SettingsApplyInPlace) {
     const std::string touch = "0.1 move 160 110\n0.1 press left\n";
     const Played plain = shot_of(made_clip("globe", 1), touch, "0.9");
     // A and B have a force each; A, of 0.2 N, is in effect in the end.
@@ -192,13 +188,12 @@ TEST(HeadlessWindow, SettingsChangeWhatIsFeltWhereTheClipStands) {
     EXPECT_LT(differences(plain.image, other.image, {180, 150, 300, 170}), 20);
 }
 
-TEST(HeadlessWindow, KeepsSettingsWhereItIsToldTo) {
+TEST(HeadlessWindow, KeepsSettingsInGivenFile) {
     const TemporaryFolder folder;
     const auto kept_after = [&folder](const std::string& script) {
-        std::ofstream(folder / "script") << script;
-        const auto played = run_touchable(
-            {"play", made_clip("globe", 1).string(), "--headless", "--seconds", "0.1", "--size", "320x240",
-             "--script", (folder / "script").string(), "--settings", (folder / "play.json").string()});
+        const auto played =
+            run_scripted({made_clip("globe", 1).string(), "--seconds", "0.1", "--settings", "play.json"},
+                         script, folder.path());
         EXPECT_EQ(played.code, 0) << played.err;
         return file_contents(folder / "play.json");
     };
@@ -206,48 +201,44 @@ TEST(HeadlessWindow, KeepsSettingsWhereItIsToldTo) {
         kept_after("0 median 3\n0 key b\n0 metric pixel\n0 key 2\n0 overlay depth\n0 panel\n");
     for (const char* words : {"\"fingers\": 2", "\"median\": 3", "\"metric\": \"pixel\"",
                               "\"filters\": \"off\"", "\"panel\": true"})
-        EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
-    EXPECT_EQ(kept.find("window"), std::string::npos) << "the size was stated";
-    EXPECT_EQ(kept_after("0 reset\n").find("median"), std::string::npos);
+        EXPECT_TRUE(contains(kept, words));
+    EXPECT_FALSE(contains(kept, "window")) << "the size was stated";
+    EXPECT_FALSE(contains(kept_after("0 reset\n"), "median"));
 }
 
-TEST(HeadlessWindow, SettingsThatDoNotGoWithTheClipStayKeptWhateverIsChanged) {
+TEST(HeadlessWindow, KeepsSettingsUnfitForClip) {
     const TemporaryFolder folder;
     std::ofstream(folder / "play.json") << R"({"a": {"temporal": "on"}, "b": {"metric": "pixel"}})";
-    std::ofstream(folder / "script") << "0 median 3\n";
-    const auto played = run_touchable({"play", made_clip("globe", 1).string(), "--headless", "--seconds",
-                                       "0.1", "--size", "320x240", "--script", (folder / "script").string(),
-                                       "--settings", (folder / "play.json").string()});
+    const auto played =
+        run_scripted({made_clip("globe", 1).string(), "--seconds", "0.1", "--settings", "play.json"},
+                     "0 median 3\n", folder.path());
     EXPECT_EQ(played.code, 0) << played.err;
-    EXPECT_NE(played.err.find("felt as the clip says"), std::string::npos) << played.err;
+    EXPECT_TRUE(contains(played.err, "felt as the clip says"));
     const std::string kept = file_contents(folder / "play.json");
     for (const char* words : {"\"temporal\": \"on\"", "\"metric\": \"pixel\"", "\"median\": 3"})
-        EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
+        EXPECT_TRUE(contains(kept, words));
 }
 
-TEST(HeadlessWindow, ReliefThatDoesNotGoWithTheClipTakesNoOtherSettingWithIt) {
+TEST(HeadlessWindow, UnfitReliefKeepsOtherSettings) {
     const TemporaryFolder folder;
     const std::string settings = (folder / "play.json").string(), record = (folder / "hand.touch").string();
     std::ofstream(settings) << R"({"a": {"relief": 100, "relief-height": 1, "max-force": 0.4}})";
     const Played recorded =
         shot_of(made_clip("globe", 30), "", "0.3", {"--record", record, "--settings", settings});
-    EXPECT_NE(recorded.outcome.err.find("felt without relief: relief that is tried is not recorded"),
-              std::string::npos)
-        << recorded.outcome.err;
+    EXPECT_TRUE(contains(recorded.outcome.err, "felt without relief: relief that is tried is not recorded"));
     const auto recording = read_recording(record);
     ASSERT_TRUE(recording) << recording.error().message;
     EXPECT_EQ(recording->front().facts.at("guard").at("max_force"), 0.4);
     const std::string grey = (folder / "grey.mkv").string();
-    ASSERT_EQ(run_touchable({"make", "bumps", grey, "--size", "64x48", "--frames", "1"}).code, 0);
+    make_clip(grey, "bumps", 1);
     const Played without_colour = shot_of(grey, "", "0.3", {"--settings", settings});
-    EXPECT_NE(without_colour.outcome.err.find("felt without relief: "), std::string::npos)
-        << without_colour.outcome.err;
+    EXPECT_TRUE(contains(without_colour.outcome.err, "felt without relief: "));
     const std::string kept = file_contents(settings);
     for (const char* words : {"\"relief\": 100", "\"relief-height\": 1", "\"max-force\": 0.4"})
-        EXPECT_NE(kept.find(words), std::string::npos) << words << " in " << kept;
+        EXPECT_TRUE(contains(kept, words));
 }
 
-TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
+TEST(HeadlessWindow, RecordingHasPartPerSetting) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string();
     shot_of(made_clip("globe", 30),
@@ -264,10 +255,7 @@ TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
         least = std::min(least, part.facts.at("guard").at("max_force").get<double>());
     }
     EXPECT_EQ(least, 0.4);
-    const auto again = run_touchable({"touch", "--replay", record, "--json", "-"});
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_NE(again.err.find("as recorded, to the bit"), std::string::npos) << again.err;
-    const auto report = nlohmann::json::parse(again.out);
+    const auto report = nlohmann::json::parse(replayed(folder.path(), record));
     EXPECT_GT(report.at("contact_ticks"), 100) << "nothing was touched";
     EXPECT_EQ(report.at("parts").size(), recording->size());
 
@@ -275,16 +263,13 @@ TEST(HeadlessWindow, RecordingKeepsChangesOfSettings) {
     const std::string whole = file_contents(record);
     const std::size_t last = whole.rfind("TOUCHREC");
     std::ofstream(record, std::ios::binary) << whole.substr(0, last);
-    const auto cut = run_touchable({"touch", "--replay", record});
-    EXPECT_EQ(cut.code, 3);
-    EXPECT_TRUE(cut.one_line_of_error()) << cut.err;
+    expect_refused({"touch", "--replay", record}, 3);
     RecordingBytes other(whole.substr(last));
     other.set_real(other.force_at(other.ticks() / 2, 0), 0.125);
     std::ofstream(record, std::ios::binary) << whole.substr(0, last) << other.bytes();
     const auto differs = run_touchable({"touch", "--replay", record});
     EXPECT_EQ(differs.code, 6);
-    EXPECT_NE(differs.err.find("part " + std::to_string(recording->size()) + ", tick"), std::string::npos)
-        << differs.err;
+    EXPECT_TRUE(contains(differs.err, "part " + std::to_string(recording->size()) + ", tick"));
     std::int64_t ms = 0;
     for (const RecordedPart& part : *recording) ms += part.ticks.back().time_ns / 1'000'000 + 1;
     const auto hand = RepeatingHand::read("rec:" + record);
@@ -305,7 +290,7 @@ protected:
     const std::filesystem::path file_ = folder_ / "use.csv";
 };
 
-TEST_F(KioskLog, HasARowForEachVisitAndFaultAndNothingOfPersons) {
+TEST_F(KioskLog, LogsVisitsAndFaultsAnonymously) {
     {
         auto log = UseLog::open(file_);
         ASSERT_TRUE(log) << log.error().message;
@@ -324,17 +309,15 @@ TEST_F(KioskLog, HasARowForEachVisitAndFaultAndNothingOfPersons) {
                           "2026-11-24T10:01:30Z,end,,,\n");
 }
 
-TEST_F(KioskLog, IsOnTheDiskBeforeTheProgramEndsHoweverItDoes) {
+TEST_F(KioskLog, WritesRowsAtOnce) {
     auto log = UseLog::open(file_);
     ASSERT_TRUE(log);
     (*log)->visit(at(0), 1);
-    for (int k = 0; k < 20'000 && text().find(",visit,1,1.0,\n") == std::string::npos; ++k)
-        std::this_thread::sleep_for(1ms);
-    EXPECT_NE(text().find(",visit,1,1.0,\n"), std::string::npos);
+    EXPECT_TRUE(comes_true([&] { return bool(contains(text(), ",visit,1,1.0,\n")); }));
     EXPECT_FALSE(UseLog::open(file_)) << "two programs would write between each other's rows";
 }
 
-TEST_F(KioskLog, GoesOnBehindARowThatWasCutOff) {
+TEST_F(KioskLog, AppendsAfterTruncatedRow) {
     std::ofstream(file_) << UseLog::header << "2026-11-24T09:00:00Z,vis";
     {
         auto log = UseLog::open(file_);
@@ -345,11 +328,11 @@ TEST_F(KioskLog, GoesOnBehindARowThatWasCutOff) {
               std::string(UseLog::header) + "2026-11-24T09:00:00Z,vis\n2026-11-24T10:00:00Z,start,,,\n");
 }
 
-TEST_F(KioskLog, StandsInPlaceOfNothingElse) {
+TEST_F(KioskLog, OverwritesNoOtherFile) {
     std::ofstream(file_) << "my diary\n";
     const auto refused = UseLog::open(file_);
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().message.find("no log of use"), std::string::npos);
+    EXPECT_TRUE(contains(refused.error().message, "no log of use"));
     EXPECT_EQ(text(), "my diary\n");
     EXPECT_FALSE(UseLog::open(folder_.path()));
     EXPECT_FALSE(UseLog::open(folder_ / "nowhere" / "use.csv"));
@@ -357,7 +340,7 @@ TEST_F(KioskLog, StandsInPlaceOfNothingElse) {
 }
 
 /// A pipe takes all that is written to it, and has no disk.
-TEST(DurableAppend, TellsOfARowThatIsWrittenAndNotSafe) {
+TEST(DurableAppend, ReportsUnsyncedRow) {
     int ends[2] = {};
     ASSERT_EQ(pipe(ends), 0);
     EXPECT_EQ(append_durably(ends[1], "row\n"), EINVAL);
@@ -365,7 +348,7 @@ TEST(DurableAppend, TellsOfARowThatIsWrittenAndNotSafe) {
     close(ends[1]);
 }
 
-TEST_F(KioskLog, DoesNotWaitForEverForADiskThatHangs) {
+TEST_F(KioskLog, NeverWaitsForHungDisk) {
     std::promise<void> answer;
     const std::shared_future<void> answers = answer.get_future().share();
     auto log = UseLog::open(file_, [answers](int out, std::string_view row) {
@@ -377,14 +360,14 @@ TEST_F(KioskLog, DoesNotWaitForEverForADiskThatHangs) {
     (*log)->end(at(1));
     const auto missing = (*log)->finish(20ms);
     ASSERT_FALSE(missing);
-    EXPECT_NE(missing.error().message.find("does not answer"), std::string::npos) << missing.error().message;
+    EXPECT_TRUE(contains(missing.error().message, "does not answer"));
     EXPECT_EQ(text(), UseLog::header);
     answer.set_value();
     EXPECT_TRUE((*log)->finish(60s)) << "it was only slow";
-    EXPECT_NE(text().find(",end,,,\n"), std::string::npos);
+    EXPECT_TRUE(contains(text(), ",end,,,\n"));
 }
 
-TEST_F(KioskLog, HasAKioskWhoseClipCannotBeOpened) {
+TEST_F(KioskLog, LogsClipThatCannotOpen) {
     std::ofstream(folder_ / "broken.mkv") << "no clip";
     const auto ended = run_touchable({"play", (folder_ / "broken.mkv").string(),
                                       (folder_ / "broken.mkv").string(), "--headless", "--painter", "cpu",
@@ -394,9 +377,9 @@ TEST_F(KioskLog, HasAKioskWhoseClipCannotBeOpened) {
         << text();
 }
 
-TEST_F(KioskLog, OfAProgramCountsWhoCameAndSaysOnceThatItsDiskIsFull) {
+TEST_F(KioskLog, ReportsFullDiskOnce) {
     const std::string clip = (folder_ / "globe.mkv").string();
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"}).code, 0);
+    make_clip(clip, "globe", 2);
     std::string script;  // three visitors
     for (const double come_s : {0.1, 2.3, 4.5})
         script += std::to_string(come_s) + " move 80 60\n" + std::to_string(come_s + 0.2) + " move 90 60\n";
@@ -419,7 +402,7 @@ TEST_F(KioskLog, OfAProgramCountsWhoCameAndSaysOnceThatItsDiskIsFull) {
     std::ofstream(file_) << long_log;
     const auto full = run_on_full_disk(words, 4);
     EXPECT_EQ(full.code, 0) << full.err;
-    EXPECT_NE(full.err.find("rows of the log of use are lost"), std::string::npos) << full.err;
+    EXPECT_TRUE(contains(full.err, "rows of the log of use are lost"));
     EXPECT_EQ(std::count(full.err.begin(), full.err.end(), '\n'), 1) << full.err;
     EXPECT_EQ(text().back(), '\n') << "only whole rows";
 }
@@ -520,7 +503,7 @@ protected:
     std::int64_t tick_ = 0;
 };
 
-TEST_F(HeardGlobe, RoughLandIsLouderThanTheSmoothSea) {
+TEST_F(HeardGlobe, LandIsLouderThanSea) {
     stroke(sea, 90);
     go_on(300);
     stroke(land, 90);
@@ -533,7 +516,7 @@ TEST_F(HeardGlobe, RoughLandIsLouderThanTheSmoothSea) {
     EXPECT_GT(wav.loudness(2200, 2700), 1.5 * wav.loudness(700, 1200));
 }
 
-TEST_F(HeardGlobe, SurfaceThatIsAnotherAllAtOnceIsNoTap) {
+TEST_F(HeardGlobe, ChangedSurfaceIsNoTap) {
     fingers_->set_pointer(sea);
     go_on(300);
     fingers_->press(true);
@@ -563,10 +546,9 @@ TEST_F(HeardGlobe, IsSilentWhileMuted) {
     EXPECT_GT(wav.loudness(1500, 2400), 0.002);
 }
 
-TEST(Sound, OfTheWindowIsKept) {
+TEST(Sound, WindowSoundIsSaved) {
     const TemporaryFolder folder;
-    const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "2"}).code, 0);
+    const std::string clip = made_clip("globe", 2).string(), wav = (folder / "heard.wav").string();
     const auto play = [&] {
         return run_scripted({clip, "--seconds", "0.6", "--sound", wav}, "0 move 160 130\n0.2 press left\n",
                             folder.path());
@@ -578,14 +560,13 @@ TEST(Sound, OfTheWindowIsKept) {
     EXPECT_GT(heard.loudness(0, heard.milliseconds()), 0.001);
     const auto again = play();
     EXPECT_EQ(again.code, 2);
-    EXPECT_NE(again.err.find("--overwrite"), std::string::npos) << again.err;
+    EXPECT_TRUE(contains(again.err, "--overwrite"));
 }
 
 /// A visitor has stopped forces: the next one presses, and feels.
-TEST(Sound, OfAKioskIsThereAgainForWhoeverPresses) {
+TEST(Sound, KioskSoundReturnsOnPress) {
     const TemporaryFolder folder;
-    const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "2"}).code, 0);
+    const std::string clip = made_clip("globe", 2).string(), wav = (folder / "heard.wav").string();
     const auto played = run_scripted({clip, "--kiosk", "--seconds", "1.5", "--sound", wav},
                                      "0 move 160 130\n0 key f\n0.3 press left\n", folder.path());
     ASSERT_EQ(played.code, 0) << played.err;
@@ -593,10 +574,10 @@ TEST(Sound, OfAKioskIsThereAgainForWhoeverPresses) {
     EXPECT_GT(heard.loudness(0, heard.milliseconds()), 0.001);
 }
 
-TEST(Sound, OfTheClipIsKeptWithItsTouch) {
+TEST(Sound, ClipSoundIsSaved) {
     const TemporaryFolder folder;
     const std::string clip = (folder / "globe.mkv").string(), wav = (folder / "heard.wav").string();
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "60"}).code, 0);
+    make_clip(clip, "globe", 60);
     std::vector<StereoSample> sound = tone(480, 1.8);
     std::fill_n(sound.begin(), 24'000, StereoSample{});  // for half a second it is silent
     write_sounding_clip(folder / "sounding.mkv", sound, clip);
@@ -617,16 +598,10 @@ protected:
         ASSERT_EQ(setenv("ALSA_CONFIG_PATH", (folder_ / "asound.conf").c_str(), 1), 0);
     }
     void TearDown() override { unsetenv("ALSA_CONFIG_PATH"); }
-    /// Whether it came to be in ten seconds, far longer than any machine takes.
-    template <class What>
-    static bool comes_true(What what) {
-        for (int k = 0; k < 10000 && !what(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        return what();
-    }
     TemporaryFolder folder_;
 };
 
-TEST_F(Loudspeakers, ThatAreMissingAreNoError) {
+TEST_F(Loudspeakers, MissingDeviceIsNoError) {
     configure("");
     auto sound = WindowSound::create(true, {}, Existing::keep);
     ASSERT_TRUE(sound);
@@ -637,7 +612,7 @@ TEST_F(Loudspeakers, ThatAreMissingAreNoError) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST_F(Loudspeakers, GetWhatIsTouched) {
+TEST_F(Loudspeakers, PlayTouch) {
 #ifndef TOUCHABLE_HAS_ALSA
     GTEST_SKIP() << "built without ALSA";
 #endif

@@ -25,7 +25,7 @@
 namespace touchable::test {
 namespace {
 
-TEST(Keys, AreLettersAsTheyArePrinted) {
+TEST(Keys, LettersFollowLayout) {
     EXPECT_EQ(name_of_key('Q', "q"), "q");
     EXPECT_EQ(name_of_key('Q', "a"), "a") << "French";
     EXPECT_EQ(name_of_key('Y', "z"), "z") << "German";
@@ -34,7 +34,7 @@ TEST(Keys, AreLettersAsTheyArePrinted) {
     EXPECT_EQ(name_of_key('M', ","), "") << "French: comes as a sign";
 }
 
-TEST(Keys, AreThoseOfTheSamePlaceWhereNoLatinLetterIs) {
+TEST(Keys, NonLatinLayoutsUsePosition) {
     EXPECT_EQ(name_of_key('F', "\u0430"), "f") << "Russian";
     EXPECT_EQ(name_of_key('F', "\u03c6"), "f") << "Greek";
     EXPECT_EQ(name_of_key('F', "\u05db"), "f") << "Hebrew";
@@ -42,7 +42,7 @@ TEST(Keys, AreThoseOfTheSamePlaceWhereNoLatinLetterIs) {
     EXPECT_EQ(name_of_key(59, "\u0436"), "") << "Russian, where no letter is";
 }
 
-TEST(Keys, AreDigitsWhateverIsPrintedThere) {
+TEST(Keys, DigitsIgnoreLayout) {
     EXPECT_EQ(name_of_key('2', "2"), "2");
     EXPECT_EQ(name_of_key('2', "\u00e9"), "2") << "French";
     EXPECT_EQ(name_of_key('1', "&"), "1") << "French";
@@ -50,7 +50,7 @@ TEST(Keys, AreDigitsWhateverIsPrintedThere) {
     EXPECT_EQ(name_of_key(321, "1"), "1") << "of the block of digits";
 }
 
-TEST(Keys, AreSignsByWhatWasTyped) {
+TEST(Keys, SignsFollowTypedText) {
     for (const KeyBinding& binding : key_bindings()) {
         const std::string key = binding.key;
         const bool is_sign = key.size() == 1 && !std::isalnum(static_cast<unsigned char>(key[0]));
@@ -82,7 +82,7 @@ int rows_that_say(const std::vector<HelpGroup>& groups, const std::string& what)
     return count;
 }
 
-TEST(Help, HasEachKeyOnceWhetherAPointerOrADeviceLeads) {
+TEST(Help, ListsEachKeyOnce) {
     const auto by_pointer = help_groups(facts_of(false)), by_hand = help_groups(facts_of(true));
     for (const KeyBinding& binding : key_bindings()) {
         if (!binding.what) continue;
@@ -97,16 +97,16 @@ TEST(Help, HasEachKeyOnceWhetherAPointerOrADeviceLeads) {
     EXPECT_EQ(rows_that_say(by_hand, "so many fingers"), 0);
 }
 
-TEST(Help, BeginsWithWhatSomebodyNewNeeds) {
+TEST(Help, StartsWithTheBasics) {
     const std::vector<HelpGroup> groups = help_groups(facts_of(false));
     ASSERT_FALSE(groups.empty());
     std::string keys;
     for (const HelpGroup::Row& row : groups[0].rows) keys += row.keys + "; ";
     EXPECT_EQ(keys, "Left button; Right button; Ctrl and drag; Home; PageUp  PageDown  <  >; T; ");
-    EXPECT_NE(groups[0].rows[1].what.find("presses deeper"), std::string::npos) << "nobody guesses it";
+    EXPECT_TRUE(contains(groups[0].rows[1].what, "presses deeper")) << "it is no habit of other players";
 }
 
-TEST(Help, NamesAKeyWithAndWithoutShiftOnce) {
+TEST(Help, MergesShiftVariants) {
     for (const HelpGroup& group : help_groups(facts_of(false)))
         for (const HelpGroup::Row& row : group.rows)
             if (row.what.find("Shift ten") != std::string::npos) {
@@ -124,7 +124,7 @@ std::pair<Image, Image> turned_at(const std::string& size, const std::string& mi
             played_by({clip}, open + "0.3 wheel -50\n", "1", size).image};
 }
 
-TEST(Help, IsScrolledToItsEndWhereItDoesNotFit) {
+TEST(Help, ScrollsToItsEnd) {
     const auto [top, end] = turned_at("640x400", "300 150");
     EXPECT_GT(differences(top, end, {90, 30, 540, 300}), 4000) << "it did not move";
     // The ground of what says that there is more, in the box's last line beside the words.
@@ -135,12 +135,12 @@ TEST(Help, IsScrolledToItsEndWhereItDoesNotFit) {
     EXPECT_LT(blue_at(end), 45) << "there is no more";
 }
 
-TEST(Help, IsSeenAtOnceInALargeWindow) {
+TEST(Help, FitsInLargeWindow) {
     const auto [top, end] = turned_at("1280x720", "640 300");
     EXPECT_EQ(differences(top, end, {140, 110, 1140, 550}), 0) << "something was scrolled to";
 }
 
-TEST(Notices, RemarksGoByThemselvesAndFaultsWhenTheyWereRead) {
+TEST(Notices, RemarksExpireFaultsWait) {
     Notices notices;
     notices.say("no such clip", Tone::fault, 0);
     notices.say("volume 80 %", Tone::remark, 1);
@@ -157,7 +157,7 @@ TEST(Notices, RemarksGoByThemselvesAndFaultsWhenTheyWereRead) {
     EXPECT_FALSE(notices.dismiss()) << "Escape is free for something else";
 }
 
-TEST(Notices, FaultsWaitForEachOtherOnceEach) {
+TEST(Notices, FaultsQueueWithoutRepeats) {
     Notices notices;
     for (const char* words : {"a", "b", "a", "c", "d", "e"}) notices.say(words, Tone::fault, 0);
     EXPECT_EQ(notices.faults(), (std::deque<std::string>{"a", "b", "c", "d", "e"}));
@@ -170,7 +170,7 @@ TEST(Notices, FaultsWaitForEachOtherOnceEach) {
     EXPECT_EQ(notices.faults().size(), 5U);
 }
 
-TEST(Notices, GoWithTheirClip) {
+TEST(Notices, LeaveWithTheirClip) {
     Notices notices;
     notices.say("a.mkv: breaks off", Tone::fault, 0, About::clip);
     notices.say("the disk is full", Tone::fault, 0);
@@ -191,7 +191,7 @@ Playlist list_of(const std::vector<std::string>& names, bool wraps = false) {
     return Playlist(std::move(clips), wraps);
 }
 
-TEST(Playlist, GoesOnAndBackAndStaysAtItsEnds) {
+TEST(Playlist, StopsAtBothEnds) {
     Playlist list = list_of({"a", "b"});
     EXPECT_EQ(list.previous(), nullptr);
     EXPECT_EQ(list.now().file, "a");
@@ -203,7 +203,7 @@ TEST(Playlist, GoesOnAndBackAndStaysAtItsEnds) {
     EXPECT_EQ(list.now().file, "a");
 }
 
-TEST(Playlist, ThatWrapsHasNoEnds) {
+TEST(Playlist, WrapsAround) {
     Playlist list = list_of({"a", "b", "c"}, true);
     EXPECT_EQ(list.previous()->file, "c");
     EXPECT_EQ(list.next()->file, "a");
@@ -212,7 +212,7 @@ TEST(Playlist, ThatWrapsHasNoEnds) {
     EXPECT_EQ(alone.previous(), nullptr);
 }
 
-TEST(Playlist, OfAFolderIsItsClipsByName) {
+TEST(Playlist, FolderIsSortedByName) {
     const TemporaryFolder folder;
     for (const char* name : {"clip10.mkv", "clip2.MKV", "b.webm", ".hidden.mkv", "notes.txt"})
         std::ofstream(folder / name) << "x";
@@ -231,48 +231,44 @@ TEST(Playlist, OfAFolderIsItsClipsByName) {
     EXPECT_EQ(clips_of(folder.path()), std::vector<fs::path>{folder.path()});
 }
 
-TEST(DoubleClick, IsTwoQuickPressesAtOnePlace) {
+TEST(DoubleClick, NeedsTwoQuickClosePresses) {
     DoubleClick click;
     EXPECT_FALSE(click.press(0, {100, 100}));
     EXPECT_TRUE(click.press(0.25, {103, 98}));
     EXPECT_FALSE(click.press(0.4, {103, 98})) << "a third is a first again";
     EXPECT_FALSE(click.press(0.8, {103, 98})) << "too late";
-    EXPECT_FALSE(click.press(1.0, {140, 98})) << "elsewhere: somebody taps along";
+    EXPECT_FALSE(click.press(1.0, {140, 98})) << "elsewhere";
     click.forget();
     EXPECT_FALSE(click.press(1.1, {140, 98}));
 }
 
-struct Machine {
-    double read_ms, build_ms, late_share;
-};
-
 /// After so many frames, 16.7 ms apart.
-bool is_why_after(int frames, const Machine& machine) {
+bool is_why_after(int frames, double read_ms, double build_ms, double late_share) {
     SlowReading reading;
     WatchedFigures figures;
     for (int frame = 1; frame <= frames; ++frame) {
         figures.feed.frames = frame;
-        figures.feed.read_ms = machine.read_ms;
-        figures.feed.build_ms = machine.build_ms;
-        figures.late_frames = static_cast<std::int64_t>(machine.late_share * frame);
+        figures.feed.read_ms = read_ms;
+        figures.feed.build_ms = build_ms;
+        figures.late_frames = static_cast<std::int64_t>(late_share * frame);
         // Looked at by every picture, of which a frame has several.
         for (int picture = 0; picture < 3; ++picture) reading.add(figures, 16.7);
     }
-    EXPECT_NEAR(reading.read_ms(), machine.read_ms, 1e-9);
+    EXPECT_NEAR(reading.read_ms(), read_ms, 1e-9);
     return reading.is_why();
 }
 
-TEST(SlowReading, IsNoticedWhereFramesAreLateForIt) {
-    EXPECT_TRUE(is_why_after(64, {18, 6, 0.8}));
-    EXPECT_TRUE(is_why_after(64, {10, 6, 0.3}));
+TEST(SlowReading, IsNoticedForLateFrames) {
+    EXPECT_TRUE(is_why_after(64, 18, 6, 0.8));
+    EXPECT_TRUE(is_why_after(64, 10, 6, 0.3));
 }
 
-TEST(SlowReading, IsNotTheReasonWhereFramesAreInTimeOrOtherThingsAreSlow) {
-    EXPECT_FALSE(is_why_after(64, {18, 6, 0})) << "frames are in time";
-    EXPECT_FALSE(is_why_after(15, {18, 6, 1})) << "they were few, as at the beginning";
-    EXPECT_FALSE(is_why_after(1000, {18, 6, 0.1})) << "few of many";
-    EXPECT_FALSE(is_why_after(64, {10, 30, 0.8})) << "building takes longer";
-    EXPECT_FALSE(is_why_after(64, {2, 1, 0.8})) << "something else of the machine";
+TEST(SlowReading, IgnoresOtherCauses) {
+    EXPECT_FALSE(is_why_after(64, 18, 6, 0)) << "frames are in time";
+    EXPECT_FALSE(is_why_after(15, 18, 6, 1)) << "they were few, as at the beginning";
+    EXPECT_FALSE(is_why_after(1000, 18, 6, 0.1)) << "few of many";
+    EXPECT_FALSE(is_why_after(64, 10, 30, 0.8)) << "building takes longer";
+    EXPECT_FALSE(is_why_after(64, 2, 1, 0.8)) << "something else of the machine";
 }
 
 }  // namespace

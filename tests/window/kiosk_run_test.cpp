@@ -1,5 +1,4 @@
-// A day of a kiosk with visitors who press and touch whatever there is, by a clock that the test puts
-// forward.
+// A day of a kiosk whose visitors press and touch everything, by a clock that the test puts forward.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,6 +9,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <set>
 #include <sstream>
@@ -21,14 +21,12 @@
 #include "engine/picture/sound.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "player/audio/window_sound.hpp"
-#include "player/window/play_window.hpp"
-#include "player/window/window_clock.hpp"
-#include "tests/player/program.hpp"
 #include "tests/sanitizers.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/sounding_clip.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/two_surfaces.hpp"
+#include "tests/window/wrapped_screen.hpp"
 
 namespace touchable::test {
 namespace {
@@ -46,7 +44,7 @@ double hours_of_visitors() {
     return asked ? std::atof(asked) : 1;
 }
 
-/// What the next turn of the window brings: time, and what somebody does at its end.
+/// What the next turn of the window brings: time, and the inputs at its end.
 struct Turn {
     double seconds = 0;
     std::vector<InputEvent> events{};
@@ -110,7 +108,7 @@ public:
     }
 
 private:
-    /// Nobody is there; a moment before the next one comes.
+    /// Without a visitor; a moment before the next one comes.
     Turn wait() {
         if (comes_s_ <= now_s_) {
             // Never near the times of the kiosk, as the machine's own time is added.
@@ -208,78 +206,54 @@ struct Day {
     double early_mib = 0, late_mib = 0;
 };
 
-/// A screen whose time is the visitors'. Once they are gone it goes on, with nobody there.
-class PublicScreen final : public Screen {
+/// Their screen. Once they are gone it goes on without input.
+class DayScreen final : public PublicScreen {
 public:
-    PublicScreen(Visitors visitors, int turns, Day& day)
+    DayScreen(Visitors visitors, int turns, Day& day)
         : visitors_(std::move(visitors)), turns_(turns), day_(day) {}
 
-    std::vector<std::string> extensions() const override { return {}; }
-    Result<void> attach(std::shared_ptr<GpuDevice>) override { return {}; }
-    Result<void> health() const override { return {}; }
     ScreenSize size() const override { return {public_width, public_height, 1}; }
-    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
-        if (!is_open_) {
-            std::this_thread::sleep_for(longest);
-            return {};
-        }
+    std::vector<InputEvent> next_events() override {
         if (visitors_.are_gone()) {
             day_.late_mib = std::max(day_.late_mib, resident_mib());
             std::this_thread::sleep_for(++quiet_ < 145 ? 5ms : 20ms);  // fingers go by their own time
-            WindowClock::put_forward(1s);
+            put_forward(1);
             return {};
         }
         if (++turn_ == turns_ / 4) day_.early_mib = resident_mib();
         const Turn turn = visitors_.next();
-        WindowClock::put_forward(
-            std::chrono::duration_cast<WindowClock::duration>(std::chrono::duration<double>(turn.seconds)));
+        put_forward(turn.seconds);
         return turn.events;
     }
-    Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
-    std::string touch_state() const override { return ""; }
-    void set_title(const std::string&) override {}
-    void set_fullscreen(bool) override { ADD_FAILURE() << "a visitor has left full screen"; }
-    /// By the script, once the window shows pictures.
     void set_size(int, int) override {
         EXPECT_FALSE(is_open_) << "a visitor has changed the window";
         is_open_ = true;
     }
-    void hide_pointer(bool) override {}
 
 private:
     Visitors visitors_;
     int turns_, turn_ = 0, quiet_ = 0;
     Day& day_;
-    bool is_open_ = false;
 };
 
 class KioskDay : public ::testing::Test {
 protected:
     void SetUp() override {
-        options_.session.clip.file = folder_ / "globe.mkv";
-        ASSERT_EQ(run_touchable({"make", "globe", (folder_ / "globe.mkv").string(), "--size", "64x48",
-                                 "--frames", "30"})
-                      .code,
-                  0);
-        options_.session.builder.name = "cpu";
-        options_.headless = true;
-        options_.painter = "cpu";
+        options_ = headless_by_cpu(folder_ / "globe.mkv");
+        make_clip(folder_ / "globe.mkv", "globe", 30);
         options_.kiosk = KioskOptions{.times = times, .use_log = folder_ / "use.csv"};
     }
     /// The picture that the next visitor sees after so many hours of others, who presses a finger in the
     /// middle: of a moment of the clip, so that it is always the same. `is_stopped`: its force is off.
-    Image seen_after(double hours, bool is_stopped) {
-        return seen_after(Visitors(hours), std::to_string(hours), is_stopped);
-    }
-    Image seen_after(const Visitors& visitors, const std::string& name, bool is_stopped) {
+    Image seen_after(const Visitors& visitors, bool is_stopped = false) {
         int turns = 0;
         for (Visitors counted = visitors; !counted.are_gone(); ++turns) (void)counted.next();
         options_.make_screen = [&](const ScreenOptions&) -> std::unique_ptr<Screen> {
-            return std::make_unique<PublicScreen>(visitors, turns, day_);
+            return std::make_unique<DayScreen>(visitors, turns, day_);
         };
-        // Of a script: 150 s without anybody, as one who holds something counts as being there for a minute.
+        // Of a script: 150 s without a visitor, as a held button counts as one for a minute.
         const double next_s = 0.1 * turns + 15;
-        const auto shot = folder_ / (name + (is_stopped ? "stopped.png" : ".png"));
+        const auto shot = folder_ / (std::to_string(shots_++) + ".png");
         using Kind = InputEvent::Kind;
         options_.script = {{0, WindowCommand{.verb = WindowVerb::size}},
                            {next_s, to_the_middle},
@@ -288,7 +262,7 @@ protected:
                            // Once the clip is there: a surface that moves would take the finger along.
                            {next_s + 2, InputEvent{.kind = Kind::pressed, .word = "left"}}};
         if (is_stopped) options_.script.push_back({next_s + 2.1, InputEvent{.kind = Kind::key, .word = "f"}});
-        for (int k = 3; k < 6; ++k)  // somebody who is there does something
+        for (int k = 3; k < 6; ++k)  // the visitor does something
             options_.script.push_back({next_s + k, to_the_middle});
         options_.script.push_back({next_s + 5.5, WindowCommand{WindowVerb::screenshot, 0, shot.string()}});
         options_.script.push_back({next_s + 5.6, WindowCommand{WindowVerb::quit}});
@@ -298,34 +272,34 @@ protected:
         EXPECT_TRUE(image);
         return image ? *image : Image{};
     }
+    /// Of samples, by more than 24.
     static int differences(const Image& a, const Image& b) {
         if (a.samples.size() != b.samples.size()) return -1;
-        int count = 0;
-        for (std::size_t k = 0; k < a.samples.size(); ++k)
-            count += std::abs(a.samples[k] - b.samples[k]) > 24;
-        return count;
+        return std::inner_product(a.samples.begin(), a.samples.end(), b.samples.begin(), 0, std::plus<>(),
+                                  [](int one, int other) { return std::abs(one - other) > 24 ? 1 : 0; });
     }
 
     const TemporaryFolder folder_;
     PlayOptions options_;
     Day day_;
+    int shots_ = 0;
 };
 
-TEST_F(KioskDay, EndsReadyForTheNextVisitorAndInTheMemoryThatItBeganWith) {
+TEST_F(KioskDay, LeavesNothingAndLeaksNothing) {
     const double hours = hours_of_visitors();
-    const Image first = seen_after(0, false), stopped = seen_after(0, true);
+    const Image first = seen_after(Visitors(0)), stopped = seen_after(Visitors(0), true);
     std::filesystem::remove(folder_ / "use.csv");
-    const Image last = seen_after(hours, false);
+    const Image last = seen_after(Visitors(hours));
     // What the finger takes of the picture is some 250 samples, and a little less or more in each run; a
     // second finger is as many, a view or an overlay thousands.
-    EXPECT_GT(differences(first, stopped), 150) << "nobody sees the finger";
+    EXPECT_GT(differences(first, stopped), 150) << "the finger is not seen";
     EXPECT_GT(differences(last, stopped), 100) << "the force of a visitor is still off";
     EXPECT_GE(differences(first, last), 0);
     EXPECT_LT(differences(first, last), 220) << "something of the visitors is left";
 #ifndef TOUCHABLE_SANITIZED  // which keeps what is freed
     EXPECT_LT(day_.late_mib, day_.early_mib + 12);
 #endif
-    // Its log has everybody, and for how long.
+    // Its log has every visitor, and for how long.
     Visitors visitors(hours);
     while (!visitors.are_gone()) (void)visitors.next();
     std::istringstream log(file_contents(folder_ / "use.csv"));
@@ -345,20 +319,19 @@ TEST_F(KioskDay, EndsReadyForTheNextVisitorAndInTheMemoryThatItBeganWith) {
     EXPECT_EQ(faults, 0) << file_contents(folder_ / "use.csv");
 }
 
-TEST_F(KioskDay, IsReadyAfterTenMinutesOfAnyVisitorWhoNeverRests) {
-    const Image first = seen_after(0, false);
+TEST_F(KioskDay, IsReadyAfterRestlessVisitors) {
+    const Image first = seen_after(Visitors(0));
     // All of them in the long run of the tests. The 13th leaves with a button held on a button.
     const unsigned step = hours_of_visitors() > 1 ? 1 : 4 * static_cast<unsigned>(sweep_step());
     for (unsigned seed = 1; seed <= 20; seed += step) {
-        const Image last = seen_after(Visitors::restless(1.0 / 6, seed), std::to_string(seed), false);
+        const Image last = seen_after(Visitors::restless(1.0 / 6, seed));
         EXPECT_GE(differences(first, last), 0) << seed;
         EXPECT_LT(differences(first, last), 220) << seed << ": something of the visitors is left";
     }
 }
 
 // A kiosk's bar of large buttons: what visitors do by it, with a mouse and with a finger, and what is left of
-// it. In a window so narrow that buttons are as wide as there is room for, so that it is known where they
-// are.
+// it. The window is so narrow that buttons fill the bar: so their places are known.
 
 /// From the left, of two clips that are more than a picture; of one there is no `next`, of pictures no
 /// `pause`.
@@ -397,7 +370,7 @@ protected:
     static std::string straight() { return place_of(3, 4); }
 };
 
-TEST_F(KioskBarTest, TurnsColoursAndLeadsBackByMouseAndByFinger) {
+TEST_F(KioskBarTest, WorksByMouseAndFinger) {
     const Image plain = seen("0 move 310 4\n", "1");
     for (const auto& press : {click, tap}) {
         const Image coloured = seen(press(0.1, colours()), "1.2");
@@ -415,12 +388,12 @@ TEST_F(KioskBarTest, TurnsColoursAndLeadsBackByMouseAndByFinger) {
         EXPECT_LT(differences(plain, pressed, above), 300) << "a drag touches";
         EXPECT_GT(differences(plain, turned, above), 3000) << "a drag turns";
         EXPECT_LT(differences(plain, back, above), 300);
-        EXPECT_LT(differences(plain, again, above), 300) << "whoever is back touches again";
-        EXPECT_GT(differences(pressed, turned, bar), 100) << "nobody sees that it turns";
+        EXPECT_LT(differences(plain, again, above), 300) << "after the way back a drag touches again";
+        EXPECT_GT(differences(pressed, turned, bar), 100) << "the bar does not show that it turns";
     }
 }
 
-TEST_F(KioskBarTest, ColoursAndTurnedViewStayWithAVisitorFromClipToClip) {
+TEST_F(KioskBarTest, KeepsChoicesAcrossClips) {
     const std::string chosen = "0.1 turn 30\n" + click(0.2, colours());
     const Image other = seen(chosen + click(0.9, next()), "2"),
                 same = bumps("0.1 turn 30\n0.2 overlay depth\n0.8 move 310 4\n", "2");
@@ -430,7 +403,7 @@ TEST_F(KioskBarTest, ColoursAndTurnedViewStayWithAVisitorFromClipToClip) {
 }
 
 /// The finger that invites is elsewhere.
-TEST_F(KioskBarTest, TheNextVisitorBeginsWithTheFirstClipStraightAndWithItsColours) {
+TEST_F(KioskBarTest, ResetsForNextVisitor) {
     const std::vector<std::string> soon{"--idle", "0.8", "0.9"};
     constexpr PicturePart beside{100, 30, 150, 90};
     const Image fresh = seen("", "0.5"),
@@ -441,7 +414,7 @@ TEST_F(KioskBarTest, TheNextVisitorBeginsWithTheFirstClipStraightAndWithItsColou
     EXPECT_LT(differences(fresh, later, beside), 100);
 }
 
-TEST_F(KioskBarTest, AButtonThatIsHeldOverTheResetDoesNothing) {
+TEST_F(KioskBarTest, IgnoresButtonHeldOverReset) {
     const std::vector<std::string> soon{"--idle", "0.8", "0.8"};
     const std::string by_mouse =
                           "0.1 move " + colours() + "\n0.2 press left\n2.6 release left\n2.7 move 310 4\n",
@@ -452,7 +425,7 @@ TEST_F(KioskBarTest, AButtonThatIsHeldOverTheResetDoesNothing) {
 }
 
 /// One clip: of several the next one would come.
-TEST_F(KioskBarTest, GoesWhereNothingMovesAndMayBeLeftOut) {
+TEST_F(KioskBarTest, HidesWhenIdle) {
     const auto alone = [](const std::string& script, const char* seconds, std::vector<std::string> more) {
         more.insert(more.begin(), {made_clip("globe", 1).string(), "--kiosk"});
         return played_by(more, script, seconds).image;
@@ -464,41 +437,28 @@ TEST_F(KioskBarTest, GoesWhereNothingMovesAndMayBeLeftOut) {
     EXPECT_GT(differences(shown, gone, bar), 3000);
     EXPECT_LT(differences(shown, again, bar), 100);
     EXPECT_LT(differences(gone, off, bar), 100);
-    const auto refused = [](const std::vector<std::string>& more) {
-        std::vector<std::string> words{"play", made_clip("globe", 1).string(), "--headless", "--seconds",
-                                       "0.2"};
-        words.insert(words.end(), more.begin(), more.end());
-        const auto outcome = run_touchable(words);
-        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
-        return outcome.code;
+    const std::vector<std::string> play{"play", made_clip("globe", 1).string(), "--headless", "--seconds",
+                                        "0.2"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), play.begin(), play.end());
+        return more;
     };
-    EXPECT_EQ(refused({"--kiosk", "--kiosk-bar", "perhaps"}), 2);
-    EXPECT_EQ(refused({"--kiosk-bar", "off"}), 2);
+    expect_refused(with({"--kiosk", "--kiosk-bar", "perhaps"}), 2);
+    expect_refused(with({"--kiosk-bar", "off"}), 2);
 }
 
 /// How often a finger comes to the surface.
 int touches_by(const std::string& script) {
-    const TemporaryFolder folder;
-    std::ofstream(folder / "script") << script << "5.4 quit\n";
-    PlayOptions options;
-    options.session.clip.file = made_clip("bumps", 1);
-    options.session.builder.name = "cpu";
-    options.headless = true;
-    options.painter = "cpu";
-    options.screen.width = 320;
-    options.screen.height = 240;
+    PlayOptions options = headless_by_cpu(made_clip("bumps", 1));
     options.kiosk = KioskOptions{};
     options.meter = std::make_shared<TouchMeter>();
-    auto inputs = read_window_script(folder / "script");
-    EXPECT_TRUE(inputs) << inputs.error().message;
-    if (!inputs) return -1;
-    options.script = std::move(*inputs);
+    options.script = inputs_of(script + "5.4 quit\n");
     const auto played = play_in_window(options);
     EXPECT_TRUE(played) << played.error().message;
     return options.meter->measures().touches;
 }
 
-TEST_F(KioskBarTest, APressOnAButtonTouchesNothingAndWhereItIsGoneTheSurfaceIsTouched) {
+TEST_F(KioskBarTest, PressTouchesNothingBelow) {
     const std::string button = place_of(1, 3);
     EXPECT_EQ(touches_by(click(0.5, button) + tap(1.2, button)), 0);
     const std::string deep = "0.3 move " + button + "\n0.4 wheel 9\n0.5 wheel 9\n";
@@ -515,13 +475,19 @@ class KioskLabels : public ::testing::Test {
 protected:
     void SetUp() override {
         clip_ = (folder_ / "still.mkv").string();
-        ASSERT_EQ(run_touchable({"make", "globe", clip_, "--size", "160x120", "--frames", "1"}).code, 0);
+        make_clip(clip_, "globe", 1, "160x120");
         write_sounding_clip(folder_ / "bell.wav", tone(label_hertz, 0.4));
     }
+    /// As `play`, which has to end well.
+    void play_well(const std::string& labels, const std::vector<std::string>& more = {},
+                   const std::string& script = press, const char* at_s = "2", const char* bar = "off") {
+        const Outcome played = play(labels, more, script, at_s, bar);
+        EXPECT_EQ(played.code, 0) << played.err;
+    }
+    static constexpr const char* press = "0 move 160 110\n0.1 press left\n";
     /// The finger comes to the middle of a window of 320x240, and stays.
     Outcome play(const std::string& labels, const std::vector<std::string>& more = {},
-                 const std::string& script = "0 move 160 110\n0.1 press left\n", const char* at_s = "2",
-                 const char* bar = "off") {
+                 const std::string& script = press, const char* at_s = "2", const char* bar = "off") {
         std::ofstream(folder_ / "labels.json") << "{\"touchable_labels\": 1, \"labels\": [" << labels << "]}";
         std::filesystem::remove(folder_ / "heard.wav");
         std::filesystem::remove(folder_ / "shot.png");
@@ -531,6 +497,14 @@ protected:
             "--screenshot", "shot.png",  "--at",        at_s};
         words.insert(words.end(), more.begin(), more.end());
         return run_scripted(words, script, folder_.path());
+    }
+    /// The kiosk invites, without a visitor.
+    void invite(const std::vector<std::string>& more) {
+        std::vector<std::string> words{clip_,          "--kiosk",  "--idle", "0.1", "9",
+                                       "--screenshot", "shot.png", "--at",   "1.6", "--overwrite"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome played = run_scripted(words, "", folder_.path());
+        EXPECT_EQ(played.code, 0) << played.err;
     }
     /// How much of the label's tone is in a stretch of what was heard, seconds: its amplitude.
     double tone_between(double from_s, double to_s) const {
@@ -567,34 +541,29 @@ protected:
     std::string clip_;
 };
 
-TEST_F(KioskLabels, AreShownAndHeardWhereAFingerRestsAndNowhereElse) {
+TEST_F(KioskLabels, AppearUnderRestingFinger) {
     const std::string middle =
         R"({"caption": "Indian Ocean", "sound": "bell.wav", "rectangle": [60, 40, 100, 70]})";
-    const auto rested = play(middle);
-    ASSERT_EQ(rested.code, 0) << rested.err;
+    play_well(middle);
     EXPECT_GT(written(), 100) << "no caption";
     EXPECT_LT(tone_between(0, 0.5), 0.01) << "the finger had not rested yet";
     EXPECT_GT(tone_between(0.5, 2), 0.08) << "no sound";
     const std::string other =
-                          R"({"caption": "Indian Ocean", "sound": "bell.wav", "rectangle": [0, 0, 50, 119]})",
-                      press = "0 move 160 110\n0.1 press left\n";
-    const auto beside = play(other);
-    ASSERT_EQ(beside.code, 0) << beside.err;
+        R"({"caption": "Indian Ocean", "sound": "bell.wav", "rectangle": [0, 0, 50, 119]})";
+    play_well(other);
     EXPECT_LT(written(), 20);
-    ASSERT_EQ(play(middle, {}, press, "2", "on").code, 0);
+    play_well(middle, {}, press, "2", "on");
     EXPECT_GT(written(135, 160), 60) << "the bar is over it";
-    ASSERT_EQ(play(other, {}, press, "2", "on").code, 0);
+    play_well(other, {}, press, "2", "on");
     EXPECT_LT(written(135, 160), 20);
     EXPECT_LT(tone_between(0.5, 2), 0.01);
-    const auto above = play(middle, {}, "0 move 160 110\n");
-    ASSERT_EQ(above.code, 0) << above.err;
+    play_well(middle, {}, "0 move 160 110\n");
     EXPECT_LT(written(), 20) << "the finger touched nothing";
-    const auto muted = play(middle, {}, "0 move 160 110\n0 mute\n0.1 press left\n");
-    ASSERT_EQ(muted.code, 0) << muted.err;
+    play_well(middle, {}, "0 move 160 110\n0 mute\n0.1 press left\n");
     EXPECT_LT(tone_between(0.5, 2), 0.01) << "M silences all";
 }
 
-TEST_F(KioskLabels, OfSegmentsAreFoundByTheirNames) {
+TEST_F(KioskLabels, AreFoundBySegmentName) {
     ASSERT_NO_FATAL_FAILURE(write_two_surfaces(folder_ / "wall.mkv", 1));
     clip_ = (folder_ / "wall.mkv").string();
     std::ofstream(folder_ / "segments.json")
@@ -603,17 +572,15 @@ TEST_F(KioskLabels, OfSegmentsAreFoundByTheirNames) {
     const auto refused = play(label);
     EXPECT_EQ(refused.code, 3);
     EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
-    EXPECT_NE(refused.err.find("--segments"), std::string::npos) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "--segments"));
     const std::vector<std::string> segments{"--segments", (folder_ / "segments.json").string()};
-    const auto rested = play(label, segments, "0 move 80 120\n0.3 press left\n", "4");
-    ASSERT_EQ(rested.code, 0) << rested.err;
+    play_well(label, segments, "0 move 80 120\n0.3 press left\n", "4");
     EXPECT_GT(written(), 40);
-    const auto beside = play(label, segments, "0 move 250 120\n0.3 press left\n", "4");
-    ASSERT_EQ(beside.code, 0) << beside.err;
+    play_well(label, segments, "0 move 250 120\n0.3 press left\n", "4");
     EXPECT_LT(written(), 20);
 }
 
-TEST_F(KioskLabels, ThatDoNotGoWithTheClipOrHaveNoSoundAreOneLine) {
+TEST_F(KioskLabels, RejectInvalidInOneLine) {
     for (const auto& [label, words] :
          {std::pair{R"({"caption": "a", "rectangle": [0, 0, 160, 10]})", "160x120"},
           {R"({"caption": "a", "rectangle": [0, 0, 1, 1], "sound": "none.wav"})", "none.wav"},
@@ -621,31 +588,15 @@ TEST_F(KioskLabels, ThatDoNotGoWithTheClipOrHaveNoSoundAreOneLine) {
         const auto refused = play(label);
         EXPECT_EQ(refused.code, 3) << label;
         EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
-        EXPECT_NE(refused.err.find(words), std::string::npos) << refused.err;
+        EXPECT_TRUE(contains(refused.err, words));
     }
 }
 
 /// Each of them once, and each of the languages that come with the program.
-TEST_F(KioskLabels, TextsAreOfTheLanguageThatIsAskedForOrOfAFile) {
+TEST_F(KioskLabels, TextsFollowLanguageOrFile) {
     const auto bright = [&](const std::vector<std::string>& more, const char* language = nullptr) {
         if (language) setenv("LC_ALL", language, 1);
-        std::vector<std::string> words{"play",
-                                       clip_,
-                                       "--kiosk",
-                                       "--headless",
-                                       "--size",
-                                       "320x240",
-                                       "--idle",
-                                       "0.1",
-                                       "9",
-                                       "--screenshot",
-                                       (folder_ / "shot.png").string(),
-                                       "--at",
-                                       "1.6",
-                                       "--overwrite"};
-        words.insert(words.end(), more.begin(), more.end());
-        const auto played = run_touchable(words);
-        EXPECT_EQ(played.code, 0) << played.err;
+        invite(more);
         if (language) unsetenv("LC_ALL");
         return written();
     };
@@ -657,30 +608,24 @@ TEST_F(KioskLabels, TextsAreOfTheLanguageThatIsAskedForOrOfAFile) {
     EXPECT_EQ(bright({}, "xx_XX"), english) << "a language without texts";
     std::ofstream(folder_ / "texts.json")
         << R"({"touchable_kiosk_texts": 1, "language": "de", "how_by_mouse": "I", "how_by_touch_screen": "I"})";
-    EXPECT_LT(bright({"--kiosk-texts", (folder_ / "texts.json").string()}), english * 3 / 4);
-    const auto none =
-        run_touchable({"play", clip_, "--kiosk", "--headless", "--seconds", "0.2", "--kiosk-texts", "xx"});
-    EXPECT_EQ(none.code, 2);
-    EXPECT_TRUE(none.one_line_of_error()) << none.err;
-    EXPECT_NE(none.err.find("de, en"), std::string::npos) << none.err;
+    EXPECT_LT(bright({"--kiosk-texts", "texts.json"}), english * 3 / 4);
+    expect_refused({"play", clip_, "--kiosk", "--headless", "--seconds", "0.2", "--kiosk-texts", "xx"}, 2,
+                   "de, en");
 }
 
-TEST_F(KioskLabels, ALongTextHasSeveralLines) {
+TEST_F(KioskLabels, LongTextWraps) {
     std::string words;
     while (words.size() < 190) words += "Etna ";
     std::ofstream(folder_ / "texts.json")
         << R"({"touchable_kiosk_texts": 1, "language": "en", "invitation": ")" << words << R"("})";
-    const auto played = run_touchable({"play", clip_, "--kiosk", "--headless", "--size", "320x240", "--idle",
-                                       "0.1", "9", "--kiosk-texts", (folder_ / "texts.json").string(),
-                                       "--screenshot", (folder_ / "shot.png").string(), "--at", "1.6"});
-    ASSERT_EQ(played.code, 0) << played.err;
+    invite({"--kiosk-texts", "texts.json"});
     EXPECT_EQ(written(115, 240, 0, 5), 0) << "cut off on the left";
     EXPECT_EQ(written(115, 240, 315, 320), 0) << "cut off on the right";
     EXPECT_GT(written(130, 155), 60) << "one of its lines";
     EXPECT_GT(written(180, 200), 60) << "another one";
 }
 
-TEST_F(KioskLabels, NoSettingLiftsAForceAboveTheMostThatWasAskedFor) {
+TEST_F(KioskLabels, ForceStaysBelowMaxForce) {
     const std::string record = (folder_ / "hand.touch").string();
     std::ofstream(folder_ / "script")
         << "0 max-force 10\n0.3 move 160 110\n0.4 press left\n1.4 reset\n1.6 wheel -9\n";
@@ -703,7 +648,7 @@ TEST_F(KioskLabels, NoSettingLiftsAForceAboveTheMostThatWasAskedFor) {
     EXPECT_LE(limited, 0.3);
 }
 
-TEST(SpokenSound, IsReadWholeAndSaidOnceWhileOthersAreSofter) {
+TEST(SpokenSound, PlaysOnceAndDucksOthers) {
     const TemporaryFolder folder;
     write_sounding_clip(folder / "tone.wav", tone(1000, 0.05));
     const auto sound = SpokenSound::read(folder / "tone.wav");
@@ -731,14 +676,14 @@ TEST(SpokenSound, IsReadWholeAndSaidOnceWhileOthersAreSofter) {
     EXPECT_NEAR(after, 0.1, 1e-6) << "as loud as before, and it is not said again";
 }
 
-TEST(SpokenSound, OfMoreThanAMinuteOrOfNothingIsRefused) {
+TEST(SpokenSound, RejectsLongOrSilent) {
     const TemporaryFolder folder;
     write_sounding_clip(folder / "long.wav", tone(100, 61));
     write_sounding_clip(folder / "silent.wav", std::vector<StereoSample>(4800));
     for (const char* name : {"long.wav", "silent.wav", "missing.wav"}) {
         const auto refused = SpokenSound::read(folder / name);
         ASSERT_FALSE(refused) << name;
-        EXPECT_NE(refused.error().message.find(name), std::string::npos) << refused.error().message;
+        EXPECT_TRUE(contains(refused.error().message, name));
     }
 }
 

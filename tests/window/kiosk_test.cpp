@@ -1,4 +1,4 @@
-// A window that nobody watches over.
+// An unattended window.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,36 +7,35 @@
 #include <string>
 
 #include "player/window/kiosk.hpp"
-#include "player/window/play_window.hpp"
 #include "player/window/window_command.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
 
 using Kind = InputEvent::Kind;
 
-TEST(Kiosk, InvitesWhereNobodyIsAndForgetsAVisitOnce) {
+TEST(Kiosk, InvitesAndResetsOnce) {
     KioskWatch watch({20, 60});
     EXPECT_FALSE(watch.invites(19.9));
     EXPECT_DOUBLE_EQ(watch.invites(22).value_or(-1), 2);
-    EXPECT_FALSE(watch.begins_anew(100)) << "nobody has changed anything yet";
+    EXPECT_FALSE(watch.begins_anew(100)) << "nothing was changed yet";
     watch.came(100);
     EXPECT_FALSE(watch.invites(119));
     EXPECT_TRUE(watch.invites(121));
     EXPECT_FALSE(watch.begins_anew(159));
     EXPECT_TRUE(watch.begins_anew(160));
     EXPECT_FALSE(watch.begins_anew(161)) << "once";
-    EXPECT_TRUE(watch.invites(161)) << "until somebody comes";
+    EXPECT_TRUE(watch.invites(161)) << "until a visitor comes";
     watch.came(36000);
     EXPECT_FALSE(watch.invites(36001));
     EXPECT_TRUE(watch.begins_anew(36060));
 }
 
-TEST(Kiosk, FingerThatIsHeldStillIsSomebodyForAWhile) {
+TEST(Kiosk, HeldFingerCountsForMinute) {
     KioskWatch watch({20, 60});
     watch.holds(50);
-    EXPECT_TRUE(watch.invites(50)) << "nobody came";
+    EXPECT_TRUE(watch.invites(50)) << "without a visitor";
     watch.came(100);
     for (double at = 100; at < 400; ++at) watch.holds(at);
     EXPECT_FALSE(watch.invites(178));
@@ -45,9 +44,9 @@ TEST(Kiosk, FingerThatIsHeldStillIsSomebodyForAWhile) {
     EXPECT_TRUE(watch.begins_anew(400));
 }
 
-TEST(Kiosk, CountsAVisitFromTheFirstToTheLastThingThatSomebodyDoes) {
+TEST(Kiosk, MeasuresVisitByActions) {
     KioskWatch watch({20, 60});
-    EXPECT_FALSE(watch.ended(100)) << "nobody came";
+    EXPECT_FALSE(watch.ended(100)) << "without a visitor";
     watch.came(100);
     EXPECT_TRUE(watch.is_there());
     watch.came(119);
@@ -68,8 +67,8 @@ std::string texts_of(const char* language) {
                          (std::string(language) + ".json"));
 }
 
-/// So who translates them has all of them.
-TEST(KioskTexts, ThatComeWithTheProgramAreWhole) {
+/// So translators see all of them.
+TEST(KioskTexts, BundledTextsAreComplete) {
     const auto english = parse_kiosk_texts(texts_of("en"), "en.json"),
                german = parse_kiosk_texts(texts_of("de"), "de.json");
     ASSERT_TRUE(english) << english.error().message;
@@ -83,11 +82,10 @@ TEST(KioskTexts, ThatComeWithTheProgramAreWhole) {
         EXPECT_NE(english->how(by), german->how(by));
         EXPECT_NE(english->again(by), german->again(by));
     }
-    EXPECT_EQ(german->how(TouchedBy::touch_screen).find("Taste"), std::string::npos)
-        << "a touch screen has no button";
+    EXPECT_FALSE(contains(german->how(TouchedBy::touch_screen), "Taste")) << "a touch screen has no button";
 }
 
-TEST(KioskTexts, ThatCannotBeAreRefusedAndWhatIsLeftOutIsEnglish) {
+TEST(KioskTexts, DefaultToEnglish) {
     const auto message = [](const std::string& json) {
         const auto parsed = parse_kiosk_texts(json, "t.json");
         return parsed ? "" : parsed.error().message;
@@ -97,19 +95,17 @@ TEST(KioskTexts, ThatCannotBeAreRefusedAndWhatIsLeftOutIsEnglish) {
     ASSERT_TRUE(some) << some.error().message;
     EXPECT_EQ(some->invitation, "Rör bilden");
     EXPECT_EQ(some->force_is_off, KioskTexts().force_is_off);
-    EXPECT_NE(message(begin + R"(, "invitatoin": "x"})").find("invitation"), std::string::npos)
+    EXPECT_TRUE(contains(message(begin + R"(, "invitatoin": "x"})"), "invitation"))
         << "no word of what is right";
-    EXPECT_NE(message(begin + R"(, "invitation": ""})").find("invitation"), std::string::npos);
-    EXPECT_NE(message(begin + R"(, "invitation": "a\nb"})").find("a line"), std::string::npos);
-    EXPECT_NE(message(R"({"touchable_kiosk_texts": 1, "language": "Svenska"})").find("de"),
-              std::string::npos);
-    EXPECT_NE(message(R"({"touchable_kiosk_texts": 2, "language": "sv"})").find("must be 1"),
-              std::string::npos);
+    EXPECT_TRUE(contains(message(begin + R"(, "invitation": ""})"), "invitation"));
+    EXPECT_TRUE(contains(message(begin + R"(, "invitation": "a\nb"})"), "a line"));
+    EXPECT_TRUE(contains(message(R"({"touchable_kiosk_texts": 1, "language": "Svenska"})"), "de"));
+    EXPECT_TRUE(contains(message(R"({"touchable_kiosk_texts": 2, "language": "sv"})"), "must be 1"));
     EXPECT_EQ(message("x").find("t.json: "), 0U);
 }
 
 /// As Linux's kernel writes what it knows of its inputs.
-TEST(TouchScreens, AreInputsOnADisplayWithPlacesOfFingers) {
+TEST(TouchScreens, AreDirectMultitouchInputs) {
     const TemporaryFolder inputs;
     const auto add = [&](const char* name, const char* properties, const char* abs) {
         std::filesystem::create_directories(inputs / name / "capabilities");
@@ -125,7 +121,7 @@ TEST(TouchScreens, AreInputsOnADisplayWithPlacesOfFingers) {
     EXPECT_TRUE(has_touch_screen(inputs.path()));
 }
 
-TEST(Kiosk, VisitorsNeitherEndItNorOpenNorLeaveFiles) {
+TEST(Kiosk, VisitorsCannotQuitOrOpen) {
     const auto may = [](Kind kind, const char* word, bool shift = false) {
         InputEvent event;
         event.kind = kind;
@@ -146,7 +142,7 @@ TEST(Kiosk, VisitorsNeitherEndItNorOpenNorLeaveFiles) {
     EXPECT_TRUE(may(Kind::resized, ""));
 }
 
-TEST(Kiosk, FingerThatShowsHowStaysInThePictureAndComesBack) {
+TEST(Kiosk, DemonstrationStaysInPicture) {
     int pressed = 0;
     for (int k = 0; k < 1000; ++k) {
         const ShownStroke stroke = stroke_at(k * 0.037);

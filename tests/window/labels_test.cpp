@@ -11,6 +11,7 @@
 #include "player/window/kiosk.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/view/shown.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -25,7 +26,7 @@ std::string refusal(const std::string& labels) {
     return parsed ? "" : parsed.error().message;
 }
 
-TEST(TouchLabels, AreFoundByPlaceFrameAndSegmentAndTheFirstCounts) {
+TEST(TouchLabels, FirstMatchWins) {
     const auto labels = read(R"(
         {"caption": "early", "rectangle": [10, 20, 30, 40], "frames": [0, 9]},
         {"caption": "late", "rectangle": [10, 20, 30, 40], "frames": [10, 19]},
@@ -47,7 +48,7 @@ TEST(TouchLabels, AreFoundByPlaceFrameAndSegmentAndTheFirstCounts) {
     EXPECT_EQ(at(5, 5, 0, "bell"), 2);
 }
 
-TEST(TouchLabels, AreSaidInTheLanguageThatIsAskedForOrInOneThatThereIs) {
+TEST(TouchLabels, FallBackToAvailableLanguage) {
     const auto labels = read(R"(
         {"caption": {"de": "Afrika", "en": "Africa"}, "sound": {"de": "afrika.wav"}, "segment": "a"},
         {"caption": "Etna", "sound": "/sounds/etna.wav", "segment": "b"},
@@ -65,40 +66,38 @@ TEST(TouchLabels, AreSaidInTheLanguageThatIsAskedForOrInOneThatThereIs) {
     EXPECT_EQ(said_in(labels->labels[2].sounds, "en"), nullptr);
 }
 
-TEST(TouchLabels, ThatCannotBeAreRefusedWithWhatWouldBeRight) {
-    EXPECT_NE(refusal("").find("1 to 1000 labels"), std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "a"})").find("rectangle, polygon or segment"), std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "a", "segment": "a", "rectangle": [0, 0, 1, 1]})").find("one place"),
-              std::string::npos);
-    EXPECT_NE(refusal(R"({"segment": "a"})").find("labels[0].caption is missing"), std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "", "segment": "a"})").find("labels[0].caption"), std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": {"Deutsch": "a"}, "segment": "a"})").find("\"de\""), std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "a", "rectangle": [5, 0, 4, 1]})").find("left"), std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "a", "rectangle": [-1, 0, 4, 1]})").find("rectangle[0]"),
-              std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "a", "polygon": [[0, 0], [1, 1]]})").find("3 to 1000"),
-              std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "a", "segment": "a", "frames": [3, 2]})").find("labels[0].frames"),
-              std::string::npos);
-    EXPECT_NE(refusal(R"({"caption": "a", "segment": "a", "colour": 1})").find("colour"), std::string::npos);
+TEST(TouchLabels, RejectInvalidWithHint) {
+    EXPECT_TRUE(contains(refusal(""), "1 to 1000 labels"));
+    EXPECT_TRUE(contains(refusal(R"({"caption": "a"})"), "rectangle, polygon or segment"));
+    EXPECT_TRUE(
+        contains(refusal(R"({"caption": "a", "segment": "a", "rectangle": [0, 0, 1, 1]})"), "one place"));
+    EXPECT_TRUE(contains(refusal(R"({"segment": "a"})"), "labels[0].caption is missing"));
+    EXPECT_TRUE(contains(refusal(R"({"caption": "", "segment": "a"})"), "labels[0].caption"));
+    EXPECT_TRUE(contains(refusal(R"({"caption": {"Deutsch": "a"}, "segment": "a"})"), "\"de\""));
+    EXPECT_TRUE(contains(refusal(R"({"caption": "a", "rectangle": [5, 0, 4, 1]})"), "left"));
+    EXPECT_TRUE(contains(refusal(R"({"caption": "a", "rectangle": [-1, 0, 4, 1]})"), "rectangle[0]"));
+    EXPECT_TRUE(contains(refusal(R"({"caption": "a", "polygon": [[0, 0], [1, 1]]})"), "3 to 1000"));
+    EXPECT_TRUE(
+        contains(refusal(R"({"caption": "a", "segment": "a", "frames": [3, 2]})"), "labels[0].frames"));
+    EXPECT_TRUE(contains(refusal(R"({"caption": "a", "segment": "a", "colour": 1})"), "colour"));
     EXPECT_EQ(refusal("[").find("l.json: "), 0U);
 }
 
-TEST(TouchLabels, MustGoWithTheClipAndItsSegments) {
+TEST(TouchLabels, MustFitClipAndSegments) {
     const auto labels = read(R"({"caption": "a", "rectangle": [0, 0, 63, 47], "frames": [9, 20]},
                                 {"caption": "b", "segment": "bell"})");
     ASSERT_TRUE(labels);
     EXPECT_TRUE(labels->fits(64, 48, 10));
     EXPECT_TRUE(labels->fits(64, 48, 0)) << "a stream";
     EXPECT_FALSE(labels->fits(63, 48, 10));
-    EXPECT_NE(labels->fits(64, 47, 10).error().message.find("l.json: labels[0]"), std::string::npos);
-    EXPECT_NE(labels->fits(64, 48, 9).error().message.find("frame 9"), std::string::npos);
+    EXPECT_TRUE(contains(labels->fits(64, 47, 10).error().message, "l.json: labels[0]"));
+    EXPECT_TRUE(contains(labels->fits(64, 48, 9).error().message, "frame 9"));
     EXPECT_TRUE(labels->has_segments({"wall", "bell"}));
-    EXPECT_NE(labels->has_segments({"wall"}).error().message.find("labels[1]"), std::string::npos);
+    EXPECT_TRUE(contains(labels->has_segments({"wall"}).error().message, "labels[1]"));
 }
 
 /// Fingers at their times.
-class Rest : public ::testing::Test {
+class RestingFinger : public ::testing::Test {
 protected:
     std::optional<std::size_t> look(double now_s, std::optional<std::size_t> label, double x = 10) {
         const LabelledFinger finger{{x, 10}, label};
@@ -107,7 +106,7 @@ protected:
     RestingFingers fingers_{3};
 };
 
-TEST_F(Rest, IsSaidAfterHalfASecondAndOnce) {
+TEST_F(RestingFinger, SpeaksOnceAfterHalfSecond) {
     EXPECT_FALSE(look(1.0, 4));
     EXPECT_FALSE(look(1.4, 4));
     EXPECT_FALSE(fingers_.shown());
@@ -122,13 +121,13 @@ TEST_F(Rest, IsSaidAfterHalfASecondAndOnce) {
     EXPECT_EQ(look(13.6, 4), 4U) << "it was left, and is met again";
 }
 
-TEST_F(Rest, IsNoneWhileTheFingerGoesOn) {
+TEST_F(RestingFinger, MovingFingerDoesNotRest) {
     for (double at = 1; at < 4; at += 0.1) EXPECT_FALSE(look(at, 4, 10 * at)) << at;
     EXPECT_FALSE(look(4.2, 4, 40));
     EXPECT_EQ(look(4.8, 4, 41), 4U);
 }
 
-TEST_F(Rest, GoesOnThroughAMomentAway) {
+TEST_F(RestingFinger, SurvivesShortLift) {
     EXPECT_FALSE(look(1.0, 4));
     EXPECT_FALSE(look(1.3, 4));
     EXPECT_FALSE(look(1.4, {}));
@@ -139,7 +138,7 @@ TEST_F(Rest, GoesOnThroughAMomentAway) {
     EXPECT_FALSE(look(2.7, 4)) << "it never left";
 }
 
-TEST_F(Rest, OnAnotherPlaceIsThatOnes) {
+TEST_F(RestingFinger, SwitchesToOtherLabel) {
     EXPECT_FALSE(look(1.0, 4));
     EXPECT_EQ(look(1.5, 4), 4U);
     EXPECT_FALSE(look(1.8, 5));
@@ -148,7 +147,7 @@ TEST_F(Rest, OnAnotherPlaceIsThatOnes) {
     EXPECT_EQ(fingers_.shown(), 5U);
 }
 
-TEST(RestOfSeveral, EachFingerHasItsOwn) {
+TEST_F(RestingFinger, TracksEachFinger) {
     RestingFingers resting(3);
     const LabelledFinger both[] = {{{10, 10}, 0U}, {{50, 10}, 1U}};
     EXPECT_FALSE(resting.take(std::span(both, 1), 1.0));
@@ -160,7 +159,7 @@ TEST(RestOfSeveral, EachFingerHasItsOwn) {
 // How forces are told beside fingers, and on the bar.
 
 /// The figures of docs/play.md.
-TEST(Ring, TightensWithForceAndClosesInWithTheSurface) {
+TEST(Ring, TightensWithForceAndDistance) {
     EXPECT_DOUBLE_EQ(ring_radii(0, 0, 10), 1.55);
     EXPECT_DOUBLE_EQ(ring_radii(0, 1, 10), 1.46);
     EXPECT_DOUBLE_EQ(ring_radii(0, 3, 10), 1.28);
@@ -196,7 +195,7 @@ TEST(Shadow, ClosesInAndDarkens) {
 }
 
 /// A finger before the middle of a plane, seen by the clip's own camera.
-class FingerMarksInAWindow : public ::testing::Test {
+class WindowFingerMarks : public ::testing::Test {
 protected:
     FingerHalo halo_of(const glm::dvec3& newtons) const {
         FingerMark mark;
@@ -211,13 +210,13 @@ protected:
     const ViewCamera camera_ = own_view(shown_->scene, 192, 128, 1e-3 * shown_->scene.depth.near);
 };
 
-TEST_F(FingerMarksInAWindow, TheRingTellsWhetherTheForceComesOrGoes) {
+TEST_F(WindowFingerMarks, RingTellsForceDirection) {
     EXPECT_TRUE(halo_of({0, 0, 2}).towards_eye);
     EXPECT_FALSE(halo_of({0, 0, -2}).towards_eye);
     EXPECT_EQ(halo_of({0, 0, -2}).newtons, 2);
 }
 
-TEST_F(FingerMarksInAWindow, AFullTurnOfTheRingIsTheLargestForce) {
+TEST_F(WindowFingerMarks, FullRingIsLargestForce) {
     const FingerHalo one = halo_of({0, 0, 1}), three = halo_of({0, 0, 3}), most = halo_of({0, 0, 11});
     EXPECT_DOUBLE_EQ(one.share, 0.1);
     EXPECT_DOUBLE_EQ(three.share, 0.3);
@@ -226,7 +225,7 @@ TEST_F(FingerMarksInAWindow, AFullTurnOfTheRingIsTheLargestForce) {
     EXPECT_DOUBLE_EQ(three.ring, 1.28 * three.radius);
 }
 
-TEST_F(FingerMarksInAWindow, TheArrowGoesWhereTheFingerIsPushed) {
+TEST_F(WindowFingerMarks, ArrowPointsAlongForce) {
     const FingerHalo right = halo_of({1, 0, 0}), up = halo_of({0, 1, 0});
     EXPECT_GT(right.arrow.x, 1);
     EXPECT_NEAR(right.arrow.y, 0, 1e-9);
@@ -234,7 +233,7 @@ TEST_F(FingerMarksInAWindow, TheArrowGoesWhereTheFingerIsPushed) {
     EXPECT_NEAR(up.arrow.x, 0, 1e-9);
 }
 
-TEST_F(FingerMarksInAWindow, TheForceIsTheOneThatWasAskedOfTheDevice) {
+TEST_F(WindowFingerMarks, ForceIsCommandedForce) {
     WatchedTick tick;
     tick.tick = 1;
     tick.fingers.resize(1);
@@ -246,7 +245,7 @@ TEST_F(FingerMarksInAWindow, TheForceIsTheOneThatWasAskedOfTheDevice) {
     EXPECT_EQ(marks[0].force, glm::dvec3(1, -2, 3));
 }
 
-TEST(FingerHalos, LabelsStandBesideFingersThatAreCloseAndNeverOnEachOther) {
+TEST(FingerHalos, LabelsNeverOverlap) {
     std::vector<LabelBox> taken{{{90, 90}, {110, 110}}, {{115, 90}, {135, 110}}};  // two rings
     const glm::dvec2 size(40, 16);
     const auto place = [&](const glm::dvec2& at) {

@@ -1,4 +1,4 @@
-// What whoever knows other players looks for in the window: keys, full screen, a playlist, volume, a bar that
+// What users of other players expect of the window: keys, full screen, a playlist, volume, a bar that
 // gives way, words that stay. Without a window, by the program as a person starts it.
 
 #include <gtest/gtest.h>
@@ -32,18 +32,23 @@ namespace fs = std::filesystem;
 /// still of bumps, which fill the picture.
 const fs::path& some_clips() {
     static const TemporaryFolder folder;
-    static const fs::path made = [] {
-        const auto make = [](const std::string& scene, const std::string& name, const std::string& frames) {
-            const auto done = run_touchable(
-                {"make", scene, (folder / name).string(), "--size", "160x120", "--frames", frames});
-            EXPECT_EQ(done.code, 0) << done.err;
-        };
-        make("globe", "a-globe.mkv", "30");
-        make("globe", "b-still.mkv", "1");
-        make("bumps", "c-bumps.mkv", "1");
-        return folder.path();
-    }();
-    return made;
+    if (folder.file_count() == 0) {
+        make_clip(folder / "a-globe.mkv", "globe", 30, "160x120");
+        make_clip(folder / "b-still.mkv", "globe", 1, "160x120");
+        make_clip(folder / "c-bumps.mkv", "bumps", 1, "160x120");
+    }
+    return folder.path();
+}
+std::string clip(const std::string& name) {
+    return (some_clips() / (name + ".mkv")).string();
+}
+const std::string globe = "a-globe", still = "b-still", bumps = "c-bumps";
+Image shown(const std::string& name, const std::string& script, const std::string& seconds) {
+    return shot_of(clip(name), script, seconds).image;
+}
+/// The same with the bumps as the next clip.
+Image in_turn(const std::string& name, const std::string& script, const std::string& seconds) {
+    return played_by({clip(name), clip(bumps)}, script, seconds).image;
 }
 
 /// The picture's middle, without words, bars and curves.
@@ -51,78 +56,68 @@ int in_the_middle(const Image& a, const Image& b) {
     return differences(a, b, {100, 100, 220, 170});
 }
 
-bool has(const std::vector<std::string>& files, const std::string& name) {
-    return std::find(files.begin(), files.end(), name) != files.end();
+/// Whether the window of these words is still there when a picture is asked for after so many seconds.
+bool stays(const std::vector<std::string>& words, const std::string& script, const char* asked_s = "0.6",
+           const char* end_s = "1") {
+    const auto files = played_by(words, script + asked_s + " screenshot there.png\n", end_s).files;
+    return std::ranges::count(files, "there.png") > 0;
 }
 
-/// The window is still there when its picture `there.png` is asked for.
-constexpr const char* there = "0.6 screenshot there.png\n";
-
-TEST(Habits, QClosesAndOtherKeysLeadTheFinger) {
-    EXPECT_FALSE(has(shot_of(some_clips() / "b-still.mkv", std::string("0.3 key q\n") + there, "1").files,
-                     "there.png"));
-    EXPECT_TRUE(
-        has(shot_of(some_clips() / "b-still.mkv", std::string("0.3 key x\n0.3 key e\n") + there, "1").files,
-            "there.png"));
+TEST(PlayerControls, QCloses) {
+    EXPECT_FALSE(stays({clip(still)}, "0.3 key q\n"));
+    EXPECT_TRUE(stays({clip(still)}, "0.3 key x\n0.3 key e\n")) << "other keys lead the finger";
 }
 
-TEST(Habits, EscapeLeavesFullScreenBeforeItCloses) {
-    const std::string escape = std::string("0.3 key escape\n") + there,
-                      twice = std::string("0.3 key escape\n0.4 key escape\n") + there;
-    const std::string still = (some_clips() / "b-still.mkv").string();
-    EXPECT_TRUE(has(played_by({still, "--fullscreen"}, escape, "1").files, "there.png"));
-    EXPECT_FALSE(has(played_by({still, "--fullscreen"}, twice, "1").files, "there.png"));
-    EXPECT_FALSE(has(played_by({still}, escape, "1").files, "there.png"));
-    EXPECT_TRUE(has(played_by({still}, "0.1 key f11\n" + escape, "1").files, "there.png"));
+TEST(PlayerControls, EscapeLeavesFullScreenFirst) {
+    const std::string escape = "0.3 key escape\n";
+    EXPECT_TRUE(stays({clip(still), "--fullscreen"}, escape));
+    EXPECT_FALSE(stays({clip(still), "--fullscreen"}, escape + "0.4 key escape\n"));
+    EXPECT_FALSE(stays({clip(still)}, escape));
+    EXPECT_TRUE(stays({clip(still)}, "0.1 key f11\n" + escape));
 }
 
-TEST(Habits, ADoubleClickFillsTheScreenAndSlowOnesDoNot) {
-    const std::string escape = std::string("0.5 key escape\n") + there;
-    const std::string twice =
-        "0.1 move 160 110\n0.2 press left\n0.25 release left\n0.3 press left\n0.35 release "
-        "left\n";
-    const std::string slow =
-        "0 move 160 110\n0 press left\n0.05 release left\n0.4 press left\n0.45 release left\n";
-    EXPECT_TRUE(has(shot_of(some_clips() / "b-still.mkv", twice + escape, "1").files, "there.png"));
-    EXPECT_FALSE(has(shot_of(some_clips() / "b-still.mkv", slow + escape, "1").files, "there.png"));
-    const std::string bar =
-        "0.1 move 160 224\n0.2 press left\n0.25 release left\n0.3 press left\n0.35 release left\n";
-    EXPECT_FALSE(has(shot_of(some_clips() / "b-still.mkv", bar + escape, "1").files, "there.png"))
-        << "that is the bar's";
+TEST(PlayerControls, DoubleClickFillsScreen) {
+    const auto fills = [](const std::string& place, const std::string& second, const std::string& released) {
+        return stays({clip(still)},
+                     "0 move " + place + "\n0.2 press left\n0.25 release left\n" + second + " press left\n" +
+                         released + " release left\n0.65 key escape\n",
+                     "0.75");
+    };
+    EXPECT_TRUE(fills("160 110", "0.3", "0.35"));
+    EXPECT_FALSE(fills("160 110", "0.6", "0.65")) << "too slow";
+    EXPECT_FALSE(fills("160 224", "0.3", "0.35")) << "that is the bar's";
 }
 
 /// Newtons on the first finger in the end.
-double force_in_the_end(const std::string& clip, const std::string& script, const std::string& seconds) {
+double force_in_the_end(const std::string& name, const std::string& script, const std::string& seconds) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string();
-    played_by({(some_clips() / clip).string(), "--record", record}, script, seconds);
+    played_by({clip(name), "--record", record}, script, seconds);
     const auto recording = read_recording(record);
     EXPECT_TRUE(recording) << recording.error().message;
     if (!recording || recording->back().ticks.empty()) return -1;
     return glm::length(recording->back().ticks.back().forces.at(0));
 }
 
-TEST(Habits, TheSecondClickOfADoubleClickPressesNoFinger) {
+TEST(PlayerControls, DoubleClickPressesOnce) {
     const std::string first = "0.1 move 160 100\n0.2 press left\n0.25 release left\n";
-    EXPECT_GT(force_in_the_end("b-still.mkv", first + "0.8 press left\n", "1.6"), 0.05);
-    EXPECT_EQ(force_in_the_end("b-still.mkv", first + "0.4 press left\n", "1.6"), 0);
+    EXPECT_GT(force_in_the_end(still, first + "0.8 press left\n", "1.6"), 0.05);
+    EXPECT_EQ(force_in_the_end(still, first + "0.4 press left\n", "1.6"), 0);
 }
 
-TEST(Habits, AFingerUnderTheBarIsFelt) {
+TEST(PlayerControls, FingerUnderBarIsFelt) {
     const std::string near = "0 nearer 1.6\n";  // the globe is under the bar too
     const std::string pressed = near + "0.1 move 160 100\n0.1 wheel 16\n";
-    EXPECT_GT(force_in_the_end("b-still.mkv", pressed + "0.4 move 160 180\n0.5 move 160 200\n", "1.6"), 0.05)
+    EXPECT_GT(force_in_the_end(still, pressed + "0.4 move 160 180\n0.5 move 160 200\n", "1.6"), 0.05)
         << "by the wheel";
     const std::string held = near + "0.1 move 160 100\n0.1 press left\n0.4 move 160 180\n0.5 move 160 200\n";
-    EXPECT_GT(force_in_the_end("b-still.mkv", held, "1.6"), 0.05) << "by the button";
-    EXPECT_EQ(force_in_the_end("b-still.mkv", near + "0.1 move 160 200\n0.3 press left\n", "1.6"), 0)
+    EXPECT_GT(force_in_the_end(still, held, "1.6"), 0.05) << "by the button";
+    EXPECT_EQ(force_in_the_end(still, near + "0.1 move 160 200\n0.3 press left\n", "1.6"), 0)
         << "a click there is the bar's";
 }
 
-TEST(Habits, AFingerThatTouchesNothingIsNotDrawnWhileThePointerIsOnTheBar) {
-    const auto at = [](const std::string& script) {
-        return shot_of(some_clips() / "b-still.mkv", "0 nearer 1.6\n" + script, "1").image;
-    };
+TEST(PlayerControls, BarHidesIdleFinger) {
+    const auto at = [](const std::string& script) { return shown(still, "0 nearer 1.6\n" + script, "1"); };
     // Just within the bar, whose upper side cuts the ring.
     const std::string onto_bar = "0.1 move 160 100\n0.5 move 160 183\n";
     const PicturePart above{130, 150, 190, 178};
@@ -136,65 +131,55 @@ TEST(Habits, AFingerThatTouchesNothingIsNotDrawnWhileThePointerIsOnTheBar) {
         << "keys have moved it away from the bar";
 }
 
-TEST(Habits, TheBarGoesWhenNothingMovesAndComesBack) {
-    const Image there_is = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n", "1").image;
-    const Image rests = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n", "4.8").image;
-    const Image back = shot_of(some_clips() / "c-bumps.mkv", "0 move 20 20\n4.5 move 21 20\n", "4.9").image;
+TEST(PlayerControls, BarHidesWhenIdle) {
+    const Image there_is = shown(bumps, "0 move 20 20\n", "1");
+    const Image rests = shown(bumps, "0 move 20 20\n", "4.8");
+    const Image back = shown(bumps, "0 move 20 20\n4.5 move 21 20\n", "4.9");
     EXPECT_GT(differences(there_is, rests, {20, 185, 300, 225}), 2000) << "it is still there";
     EXPECT_LT(differences(there_is, back, {20, 185, 300, 225}), 200) << "it did not come back";
     // Where a finger presses under it, it goes at once.
-    const Image under =
-        shot_of(some_clips() / "c-bumps.mkv", "0 move 160 100\n0 press left\n0.4 move 160 205\n", "1").image;
+    const Image under = shown(bumps, "0 move 160 100\n0 press left\n0.4 move 160 205\n", "1");
     EXPECT_LT(differences(rests, under, {20, 185, 120, 225}), 200) << "it hides the finger";
 }
 
-TEST(Habits, TheSeekHandleEndsAtTheEndOfItsBar) {
-    const Image image = shot_of(some_clips() / "a-globe.mkv", "0 seek 10\n", "0.8").image;
+TEST(PlayerControls, SeekHandleReachesBarEnd) {
+    const Image image = shown(globe, "0 seek 10\n", "0.8");
     ASSERT_EQ(image.width, 320);
     const int y = 240 - 12 - 24;
-    const auto at = [&](int x, int c) {
-        return int{image.samples[static_cast<std::size_t>((y * 320 + x) * 3 + c)]};
-    };
     // The handle is the accent's blue; what is right of it, the bar's own ground and then its end.
-    int right = -1;
-    for (int x = 0; x < 320; ++x)
-        if (at(x, 2) > 180 && at(x, 2) - at(x, 0) > 80) right = x;
+    const auto is_handle = [&](const Image& seen, int x) {
+        const auto colour = colour_at(seen, x, y);
+        return colour[2] > 180 && colour[2] - colour[0] > 80;
+    };
+    int right = 319;
+    while (right > 0 && !is_handle(image, right)) --right;
     ASSERT_GT(right, 0) << "no handle";
-    int beyond = 0;
-    while (right + 3 + beyond < 320 && std::abs(at(right + 3 + beyond, 1) - at(right + 3, 1)) < 8 &&
-           beyond < 40)
-        ++beyond;
-    const Image begin = shot_of(some_clips() / "a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image;
+    const Image begin = shown(globe, "0 key space\n0 seek 0\n", "0.8");
     ASSERT_EQ(begin.width, 320);
-    int left = 320;
-    for (int x = 319; x >= 0; --x) {
-        const auto k = static_cast<std::size_t>((y * 320 + x) * 3);
-        if (begin.samples[k + 2] > 180 && begin.samples[k + 2] - begin.samples[k] > 80) left = x;
-    }
+    int left = 0;
+    while (left < 320 && !is_handle(begin, left)) ++left;
     ASSERT_LT(left, right);
     // At the beginning the place at which it ends is ground of the same bar.
-    const auto ground = [&](int x) {
-        return int{begin.samples[static_cast<std::size_t>((y * 320 + x) * 3 + 1)]};
-    };
+    const auto ground = [&](int x) { return colour_at(begin, x, y)[1]; };
     int room = 0;
     while (right + room + 1 < 320 && std::abs(ground(right + room + 1) - ground(right - 2)) < 8) ++room;
     EXPECT_LE(room, 4) << "so many pixels of the bar are right of the handle";
 }
 
-TEST(Habits, VolumeIsByKeysAndKept) {
+TEST(PlayerControls, KeysChangeVolumePersistently) {
     const TemporaryFolder folder;
     const std::string settings = (folder / "play.json").string();
     const auto kept_after = [&](const std::string& script) {
-        played_by({(some_clips() / "b-still.mkv").string(), "--settings", settings}, script, "0.4");
+        played_by({clip(still), "--settings", settings}, script, "0.4");
         return file_contents(settings);
     };
     const std::string kept = kept_after("0 key 9\n0 key 9\n0 key 9\n0 key 0\n0 key /\n0 key /\n0 key *\n");
-    EXPECT_NE(kept.find("\"volume\": 85"), std::string::npos) << kept;
-    EXPECT_NE(kept_after("0 louder 5\n").find("\"volume\": 90"), std::string::npos) << "from 85";
-    EXPECT_NE(kept_after("0 reset\n").find("\"volume\": 100"), std::string::npos);
+    EXPECT_TRUE(contains(kept, "\"volume\": 85"));
+    EXPECT_TRUE(contains(kept_after("0 louder 5\n"), "\"volume\": 90")) << "from 85";
+    EXPECT_TRUE(contains(kept_after("0 reset\n"), "\"volume\": 100"));
 }
 
-TEST(Habits, VolumeIsOfAllThatIsHeardAndHalfOfItAnEighth) {
+TEST(PlayerControls, HalfVolumeIsAnEighth) {
     // The same contact at full and at half of the volume: to the bit but for the factor.
     const auto heard = [](float loudness) {
         ClipSound none;
@@ -225,8 +210,7 @@ TEST(Habits, VolumeIsOfAllThatIsHeardAndHalfOfItAnEighth) {
     const auto loudest = [](const std::string& volume) {
         const TemporaryFolder folder;
         const std::string file = (folder / "heard.wav").string();
-        played_by({(some_clips() / "b-still.mkv").string(), "--sound", file},
-                  volume + "0.1 move 160 100\n0.2 press left\n", "1.2");
+        played_by({clip(still), "--sound", file}, volume + "0.1 move 160 100\n0.2 press left\n", "1.2");
         const auto track = SoundTrack::open(file);
         EXPECT_TRUE(track && *track);
         std::vector<StereoSample> samples(48'000);
@@ -239,43 +223,34 @@ TEST(Habits, VolumeIsOfAllThatIsHeardAndHalfOfItAnEighth) {
     EXPECT_EQ(loudest("0 volume 0\n"), 0);
 }
 
-TEST(Habits, TheEndOfAClipIsTheBeginningOfTheNext) {
-    const std::string globe = (some_clips() / "a-globe.mkv").string(),
-                      bumps = (some_clips() / "c-bumps.mkv").string();
-    const Image end = played_by({globe}, "", "2.5").image, next = played_by({bumps}, "", "0.8").image;
+TEST(PlayerControls, ClipEndStartsNext) {
+    const Image end = shown(globe, "", "2.5"), next = shown(bumps, "", "0.8");
     ASSERT_GT(in_the_middle(end, next), 1000);
-    EXPECT_LT(in_the_middle(played_by({globe, bumps}, "", "4").image, next), 50);
-    EXPECT_GT(in_the_middle(played_by({globe, bumps}, "0.1 loop\n", "4").image, next), 1000)
-        << "it is looped";
-    EXPECT_GT(in_the_middle(played_by({globe, bumps}, "0.1 move 160 110\n0.2 press left\n", "4").image, next),
-              1000)
-        << "somebody touches it";
+    EXPECT_LT(in_the_middle(in_turn(globe, "", "4"), next), 50);
+    EXPECT_GT(in_the_middle(in_turn(globe, "0.1 loop\n", "4"), next), 1000) << "it is looped";
+    EXPECT_GT(in_the_middle(in_turn(globe, "0.1 move 160 110\n0.2 press left\n", "4"), next), 1000)
+        << "it is touched";
 }
 
-TEST(Habits, WhatIsOverInABlinkRestsBeforeTheNext) {
-    const std::string still = (some_clips() / "b-still.mkv").string(),
-                      bumps = (some_clips() / "c-bumps.mkv").string();
-    const Image first = played_by({still}, "", "0.8").image, next = played_by({bumps}, "", "0.8").image;
-    EXPECT_LT(in_the_middle(played_by({still, bumps}, "", "3").image, first), 50);
-    EXPECT_LT(in_the_middle(played_by({still, bumps}, "", "6.5").image, next), 50);
+TEST(PlayerControls, ShortClipPausesBeforeNext) {
+    const Image first = shown(still, "", "0.8"), next = shown(bumps, "", "0.8");
+    EXPECT_LT(in_the_middle(in_turn(still, "", "3"), first), 50);
+    EXPECT_LT(in_the_middle(in_turn(still, "", "6.5"), next), 50);
 }
 
 /// A clip of a second, whose end comes while a finger presses.
-TEST(Habits, ClipStaysBetweenTwoStrokes) {
-    const std::string globe = (some_clips() / "a-globe.mkv").string(),
-                      bumps = (some_clips() / "c-bumps.mkv").string();
-    const Image next = played_by({bumps}, "", "0.8").image;
+TEST(PlayerControls, ClipStaysBetweenStrokes) {
+    const Image next = shown(bumps, "", "0.8");
     const auto after = [&](const char* seconds) {
-        return played_by({globe, bumps}, "0.1 move 160 110\n0.2 press left\n3 release left\n", seconds).image;
+        return in_turn(globe, "0.1 move 160 110\n0.2 press left\n3 release left\n", seconds);
     };
     EXPECT_GT(in_the_middle(after("5"), next), 1000) << "it went as the finger was lifted";
     EXPECT_LT(in_the_middle(after("8"), next), 50) << "it is not touched any more";
 }
 
-TEST(Habits, AKioskGoesThroughItsClipsAlsoWhileNobodyIsThere) {
-    const std::string still = (some_clips() / "b-still.mkv").string(),
-                      bumps = (some_clips() / "c-bumps.mkv").string();
+TEST(PlayerControls, KioskCyclesUnattended) {
     const auto seen = [](std::vector<std::string> clips, const char* seconds, const char* invited_after) {
+        for (std::string& name : clips) name = clip(name);
         clips.insert(clips.end(), {"--kiosk", "--idle", invited_after, "200"});
         return played_by(clips, "", seconds).image;
     };
@@ -287,114 +262,78 @@ TEST(Habits, AKioskGoesThroughItsClipsAlsoWhileNobodyIsThere) {
     EXPECT_GT(in_the_middle(seen({still, bumps}, "6.5", "0.5"), first), 1000) << "a finger invites";
 }
 
-TEST(Habits, KeysGoToTheNextClipOfAFolderAndBack) {
+TEST(PlayerControls, KeysStepThroughFolder) {
     const std::string folder = some_clips().string();
-    const Image globe = shot_of(some_clips() / "a-globe.mkv", "0 key space\n0 seek 0\n", "0.8").image,
-                bumps = shot_of(some_clips() / "c-bumps.mkv", "", "0.8").image,
-                still = shot_of(some_clips() / "b-still.mkv", "", "0.8").image;
+    const Image last = shown(bumps, "", "0.8"), middle = shown(still, "", "0.8");
     const std::string on = "0.1 key pagedown\n1.2 key >\n";
-    EXPECT_LT(in_the_middle(played_by({folder}, on, "3").image, bumps), 50);
-    EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key <\n", "4").image, still), 50);
-    EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key pagedown\n", "3.5").image, bumps), 50)
-        << "the last";
-    const auto recorded =
-        run_touchable({"play", folder, "--headless", "--seconds", "1", "--record", "a.touch"});
-    EXPECT_EQ(recorded.code, 2);
-    EXPECT_TRUE(recorded.one_line_of_error()) << recorded.err;
-    const auto nowhere = run_touchable(
-        {"play", (some_clips() / "b-still.mkv").string(), "nowhere.mkv", "--headless", "--seconds", "1"});
-    EXPECT_EQ(nowhere.code, 3);
-    EXPECT_NE(nowhere.err.find("nowhere.mkv"), std::string::npos) << nowhere.err;
+    EXPECT_LT(in_the_middle(played_by({folder}, on, "3").image, last), 50);
+    EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key <\n", "4").image, middle), 50);
+    EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key pagedown\n", "3.5").image, last), 50);
+    expect_refused({"play", folder, "--headless", "--seconds", "1", "--record", "a.touch"}, 2);
+    expect_refused({"play", clip(still), "nowhere.mkv", "--headless", "--seconds", "1"}, 3, "nowhere.mkv");
 }
 
-TEST(Habits, AClipThatCannotBeOpenedIsGonePast) {
+TEST(PlayerControls, SkipsUnopenableClip) {
     const TemporaryFolder folder;
     std::ofstream(folder / "broken.mkv") << "no clip";
     std::ofstream(folder / "script") << "0.2 dismiss\n";
     const std::string broken = (folder / "broken.mkv").string(), picture = (folder / "end.png").string();
-    const auto played = run_touchable({"play", broken, (some_clips() / "b-still.mkv").string(), "--headless",
-                                       "--size", "320x240", "--screenshot", picture, "--at", "0.8",
-                                       "--script", (folder / "script").string()});
+    const auto played =
+        run_touchable({"play", broken, clip(still), "--headless", "--size", "320x240", "--screenshot",
+                       picture, "--at", "0.8", "--script", (folder / "script").string()});
     EXPECT_EQ(played.code, 3);
-    EXPECT_NE(played.err.find("broken.mkv"), std::string::npos) << played.err;
+    EXPECT_TRUE(contains(played.err, "broken.mkv"));
     const auto image = read_image(picture);
     ASSERT_TRUE(image) << image.error().message;
-    EXPECT_LT(in_the_middle(*image, shot_of(some_clips() / "b-still.mkv", "", "0.8").image), 50);
+    EXPECT_LT(in_the_middle(*image, shown(still, "", "0.8")), 50);
     EXPECT_EQ(run_touchable({"play", broken, broken, "--headless", "--seconds", "1"}).code, 3);
 }
 
-TEST(Habits, AFaultStaysUntilItWasReadAndEscapeReadsIt) {
-    const Image without = shot_of(some_clips() / "c-bumps.mkv", "5.5 move 20 100\n", "6").image;
-    const Image after_long =
-        shot_of(some_clips() / "c-bumps.mkv", "0.1 drop nowhere.mkv\n5.5 move 20 100\n", "6").image;
-    const Played read =
-        shot_of(some_clips() / "c-bumps.mkv",
-                "0.1 drop nowhere.mkv\n5.5 move 20 100\n5.5 key escape\n5.7 screenshot there.png\n", "6.1");
-    EXPECT_GT(differences(after_long, without, {60, 0, 260, 60}), 300) << "it went by itself";
-    EXPECT_TRUE(has(read.files, "there.png")) << "Escape closed the window";
-    const Played clicked =
-        shot_of(some_clips() / "c-bumps.mkv",
-                "0.1 drop nowhere.mkv\n1 move 160 25\n1.2 press left\n1.4 release left\n1.6 key escape\n" +
-                    std::string("1.8 screenshot there.png\n"),
-                "2");
-    EXPECT_FALSE(has(clicked.files, "there.png")) << "a click did not read it: Escape had to";
+TEST(PlayerControls, FaultStaysUntilEscape) {
+    const std::string fault = "0.1 drop nowhere.mkv\n", later = "5.5 move 20 100\n";
+    const Image without = shown(bumps, later, "6"), with = shown(bumps, fault + later, "6");
+    EXPECT_GT(differences(with, without, {60, 0, 260, 60}), 300) << "it went by itself";
+    EXPECT_TRUE(stays({clip(bumps)}, fault + later + "5.5 key escape\n", "5.7", "6.1"))
+        << "Escape closed the window";
+    const std::string click = "1 move 160 25\n1.2 press left\n1.4 release left\n";
+    EXPECT_FALSE(stays({clip(bumps)}, fault + click + "1.6 key escape\n", "1.8", "2"))
+        << "a click did not read it: Escape had to";
 }
 
-TEST(Habits, TheNameOfAScreenshotIsShown) {
-    const Image without =
-        shot_of(some_clips() / "c-bumps.mkv", "0 move 160 100\n0 press left\n0.1 release left\n", "1.2")
-            .image;
-    const Image with = shot_of(some_clips() / "c-bumps.mkv",
-                               "0 move 160 100\n0 press left\n0.1 release left\n0.3 key f12\n", "1.2")
-                           .image;
+TEST(PlayerControls, ShowsScreenshotName) {
+    const std::string press = "0 move 160 100\n0 press left\n0.1 release left\n";
+    const Image without = shown(bumps, press, "1.2"), with = shown(bumps, press + "0.3 key f12\n", "1.2");
     EXPECT_GT(differences(with, without, {60, 8, 260, 60}), 300);
 }
 
-TEST(Habits, AWindowWithoutAClipSaysWhatToDropAndOpensIt) {
-    const std::string still = (some_clips() / "b-still.mkv").string();
-    const Image page = played_by(std::vector<std::string>{}, "", "0.6").image;
+TEST(PlayerControls, EmptyWindowOpensDroppedClip) {
+    const Image page = played_by({}, "", "0.6").image;
     ASSERT_EQ(page.width, 320);
     int bright = 0;
     for (const auto sample : page.samples) bright += sample > 150 ? 1 : 0;
     EXPECT_GT(bright, 1000) << "no words";
-    const Played dropped = played_by(std::vector<std::string>{}, "0.3 drop " + still + "\n", "3");
-    EXPECT_LT(in_the_middle(dropped.image, shot_of(some_clips() / "b-still.mkv", "", "0.8").image), 50);
-    const Played wrong = played_by(std::vector<std::string>{}, "0.2 drop nowhere.mkv\n0.5 key o\n", "1.5");
-    EXPECT_NE(wrong.outcome.err.find("nowhere.mkv"), std::string::npos) << wrong.outcome.err;
+    const Played dropped = played_by({}, "0.3 drop " + clip(still) + "\n", "3");
+    EXPECT_LT(in_the_middle(dropped.image, shown(still, "", "0.8")), 50);
+    const Played wrong = played_by({}, "0.2 drop nowhere.mkv\n0.5 key o\n", "1.5");
+    EXPECT_TRUE(contains(wrong.outcome.err, "nowhere.mkv"));
     EXPECT_GT(differences(wrong.image, page, {60, 0, 260, 60}), 300) << "the fault is not shown";
     EXPECT_LT(differences(wrong.image, page, {10, 120, 310, 230}), 500) << "it does not wait for another";
-    EXPECT_FALSE(has(played_by(std::vector<std::string>{}, std::string("0.3 key q\n") + there, "1").files,
-                     "there.png"));
-    const auto recorded = run_touchable({"play", "--headless", "--seconds", "1", "--record", "a.touch"});
-    EXPECT_EQ(recorded.code, 2);
-    EXPECT_TRUE(recorded.one_line_of_error()) << recorded.err;
+    EXPECT_FALSE(stays({}, "0.3 key q\n"));
+    expect_refused({"play", "--headless", "--seconds", "1", "--record", "a.touch"}, 2);
 }
 
-TEST(Habits, WordsAreAsLargeAsTheyAreAskedToBe) {
-    const auto bar_height = [](const Image& image) {
-        // The bar's dark ground over bright bumps, from below, at its left edge.
-        int rows = 0;
-        for (int y = 0; y < image.height; ++y) {
-            const auto k = static_cast<std::size_t>((y * image.width + image.width / 2) * 3);
-            if (y > image.height / 2 && image.samples[k] < 90 && image.samples[k + 1] < 90) ++rows;
-        }
-        return rows;
+TEST(PlayerControls, ScaleEnlargesText) {
+    const auto height = [](const char* scale) {
+        const std::string large = "0 size 640x480\n0.3 move 20 20\n";
+        return bar_height(played_by({clip(bumps), "--scale", scale}, large, "0.9").image);
     };
-    const std::vector<std::string> words{(some_clips() / "c-bumps.mkv").string()};
-    const auto sized = [&](const std::string& scale) {
-        auto all = words;
-        all.insert(all.end(), {"--scale", scale});
-        return played_by(all, "0 size 640x480\n0.3 move 20 20\n", "0.9").image;
-    };
-    const int one = bar_height(sized("1")), two = bar_height(sized("2"));
+    const int one = height("1");
     EXPECT_GT(one, 20);
-    EXPECT_GT(two, 1.6 * one);
-    const auto refused = run_touchable({"play", words[0], "--headless", "--seconds", "1", "--scale", "0.2"});
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
+    EXPECT_GT(height("2"), 1.6 * one);
+    expect_refused({"play", clip(bumps), "--headless", "--seconds", "1", "--scale", "0.2"}, 2);
 }
 
-// Somebody who never read anything, with a mouse and no keys: finds the help, reads what buttons do, presses,
+// A person who never read anything, with a mouse and no keys: finds the help, reads what buttons do, presses,
 // turns, measures, goes to the next clip and back; in windows small and large. Without a window, by the
 // program as a person starts it.
 
@@ -407,11 +346,11 @@ double scale_of(const WindowOfSize& window) {
     return window.width > 2000 ? 1.5 : 1;
 }
 
-/// What somebody does with a mouse, as a script, and pictures of what is seen then.
+/// What a person does with a mouse, as a script, and pictures of what is seen then.
 class MouseScript {
 public:
     explicit MouseScript(const WindowOfSize& window) : window_(window) {}
-    /// Large pictures take long to be written: whoever sees so many takes more time.
+    /// Large pictures take long to be written: a script with so many takes more time.
     double times() const { return window_.width > 2000 ? 3 : 1; }
 
     /// A place of the picture, in thousandths of its sides.
@@ -420,6 +359,11 @@ public:
     }
     void press(double at_s) { add(at_s, "press left"); }
     void release(double at_s) { add(at_s, "release left"); }
+    void click(double at_s, int x, int y) {
+        move(at_s, x, y);
+        press(at_s + 0.05);
+        release(at_s + 0.1);
+    }
     void leave(double at_s) { add(at_s, "leave"); }
     void picture(double at_s, const std::string& name) { add(at_s, "screenshot " + name); }
     /// On the bar, so many pixels from its right end; below 0: from its left one.
@@ -459,14 +403,11 @@ private:
 /// Where buttons are.
 constexpr int help = 39, settings = 84, measure = 170, turn = 288, previous = -39, next = -115;
 
-class MouseAlone : public ::testing::TestWithParam<WindowOfSize> {
+class MouseOnly : public ::testing::TestWithParam<WindowOfSize> {
 protected:
     void SetUp() override {
-        for (const char* scene : {"globe", "bumps"})
-            ASSERT_EQ(run_touchable({"make", scene, (folder_ / (scene + std::string(".mkv"))).string(),
-                                     "--size", "160x120", "--frames", "1"})
-                          .code,
-                      0);
+        for (const std::string scene : {"globe", "bumps"})
+            make_clip(folder_ / (scene + ".mkv"), scene, 1, "160x120");
     }
     /// What the program says in the end.
     std::string play(const std::vector<std::string>& clips, const std::string& script) {
@@ -508,7 +449,7 @@ protected:
     const TemporaryFolder folder_;
 };
 
-TEST_P(MouseAlone, FindsHelpTurnsAndMeasures) {
+TEST_P(MouseOnly, FindsHelpTurnsAndMeasures) {
     MouseScript script(GetParam());
     script.picture(0.4, "untouched.png");
     script.click_bar(0.5, help);
@@ -530,12 +471,8 @@ TEST_P(MouseAlone, FindsHelpTurnsAndMeasures) {
     script.drag(3.2);
     script.picture(3.5, "pressed-again.png");
     script.click_bar(3.6, measure);
-    script.move(3.8, 420, 400);
-    script.press(3.85);
-    script.release(3.9);
-    script.move(4, 560, 520);
-    script.press(4.05);
-    script.release(4.1);
+    script.click(3.8, 420, 400);
+    script.click(4, 560, 520);
     script.click_bar(4.3, settings);
     script.picture(4.5, "settings.png");
     script.click_bar(4.6, settings);
@@ -549,13 +486,13 @@ TEST_P(MouseAlone, FindsHelpTurnsAndMeasures) {
     EXPECT_LT(middle_differs("pressed.png", "untouched.png"), 0.02) << "a drag presses";
     EXPECT_GT(middle_differs("turned.png", "untouched.png"), 0.05);
     EXPECT_LT(middle_differs("pressed-again.png", "turned.png"), 0.02);
-    EXPECT_NE(said.find("measured"), std::string::npos) << said;
+    EXPECT_TRUE(contains(said, "measured"));
     const int width = GetParam().width;  // of which the panel has the same pixels on the right
     EXPECT_GT(differs("settings.png", "turned.png", 1000 - 240'000 / width, 100, 1000 - 20'000 / width, 700),
               0.2);
 }
 
-TEST_P(MouseAlone, GoesToTheNextClipAndBack) {
+TEST_P(MouseOnly, StepsThroughClips) {
     MouseScript script(GetParam());
     script.picture(0.3, "first.png");
     script.click_bar(0.5, next);
@@ -571,7 +508,7 @@ TEST_P(MouseAlone, GoesToTheNextClipAndBack) {
 }
 
 /// Above what is said of the button.
-TEST_P(MouseAlone, ReadsTheLegendWhileAButtonIsExplained) {
+TEST_P(MouseOnly, SeesLegendAboveTooltip) {
     MouseScript script(GetParam());
     script.leave(0.1);
     script.picture(0.5, "away.png");
@@ -582,16 +519,16 @@ TEST_P(MouseAlone, ReadsTheLegendWhileAButtonIsExplained) {
     EXPECT_GT(lower_right_differs("explained.png", "away.png", 200, 140, 20, 104), 0.2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Sizes, MouseAlone,
+INSTANTIATE_TEST_SUITE_P(Sizes, MouseOnly,
                          ::testing::Values(WindowOfSize{640, 400}, WindowOfSize{1280, 720},
                                            WindowOfSize{2560, 1440}),
                          [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
 
 /// In a narrow window the bar keeps what is needed most, and the legend of an overlay has a place beside
 /// what is said of the pixel under the pointer.
-class MouseInANarrowWindow : public MouseAlone {};
+class NarrowWindowMouse : public MouseOnly {};
 
-TEST_P(MouseInANarrowWindow, FindsHelpAndReadsLegends) {
+TEST_P(NarrowWindowMouse, FindsHelpAndReadsLegends) {
     MouseScript script(GetParam());
     script.move(0.1, 450, 400);
     const std::string legend = "0.1 overlay depth\n";
@@ -612,7 +549,7 @@ TEST_P(MouseInANarrowWindow, FindsHelpAndReadsLegends) {
 
 /// They take a fifth of its height, and are not said of what the bar covers, where buttons explain
 /// themselves.
-TEST_P(MouseInANarrowWindow, ThePixelsWordsLeaveThePictureFree) {
+TEST_P(NarrowWindowMouse, PixelTextLeavesPictureFree) {
     MouseScript script(GetParam());
     script.move(0.1, 800, 300);
     script.picture(0.5, "said.png");
@@ -629,8 +566,8 @@ TEST_P(MouseInANarrowWindow, ThePixelsWordsLeaveThePictureFree) {
     EXPECT_LT(differs("on-help.png", "away.png", left, 470, right, bottom), 0.001);
 }
 
-/// The house is among what is needed most: whoever has no keys comes back by it.
-TEST_P(MouseInANarrowWindow, FindsTheWayBackToTheClipsOwnView) {
+/// The house is among what is needed most: without keys it is the way back.
+TEST_P(NarrowWindowMouse, ReturnsToOwnView) {
     MouseScript script(GetParam());
     script.leave(0.1);
     script.picture(0.5, "own.png");
@@ -645,11 +582,11 @@ TEST_P(MouseInANarrowWindow, FindsTheWayBackToTheClipsOwnView) {
     EXPECT_LT(middle_differs("back.png", "own.png"), 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(Narrow, MouseInANarrowWindow,
+INSTANTIATE_TEST_SUITE_P(Narrow, NarrowWindowMouse,
                          ::testing::Values(WindowOfSize{320, 400}, WindowOfSize{480, 360}),
                          [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
 
-// Whatever a person, a cat or a child does to the window, it goes on, and no force is above the limit.
+// With any input, of a person, a cat or a child, the window goes on, and no force is above the limit.
 
 /// Seconds of it; longer by TOUCHABLE_RANDOM_SECONDS.
 double seconds_of_input() {
@@ -721,10 +658,10 @@ private:
     std::minstd_rand random_;
 };
 
-TEST(RandomInput, EndsWellAndNoForceIsAboveTheLimit) {
+TEST(RandomInput, KeepsForceBelowLimit) {
     const TemporaryFolder folder;
     const std::string clip = (folder / "globe.mkv").string(), record = (folder / "hand.touch").string();
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "160x120", "--frames", "30"}).code, 0);
+    make_clip(clip, "globe", 30, "160x120");
     const double seconds = seconds_of_input();
     const auto played = run_scripted({clip, "--seconds", std::to_string(seconds + 0.2), "--record", record},
                                      RandomScript(20).of(seconds), folder.path(), "640x400");

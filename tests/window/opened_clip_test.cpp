@@ -18,55 +18,23 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/audio/heard_sound.hpp"
-#include "player/window/opened_clip.hpp"
-#include "tests/player/in_process.hpp"
 #include "tests/sanitizers.hpp"
-#include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"
+#include "tests/window/opened_clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {
 
-class ChangedClip : public ::testing::Test {
+class ChangedClip : public OpenedClipTest {
 protected:
     void SetUp() override {
-        const std::string file = (folder_ / "globe.mkv").string();
-        const SceneOptions globe{.width = 64, .height = 48, .properties = true};
-        ASSERT_TRUE(write_generated_clip("globe", file, globe, 60));
-        choice_.file = file;
-        options_.session.builder.name = "cpu";
-        auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
-        ASSERT_TRUE(opened) << opened.error().message;
-        clip_ = std::move(*opened);
-        ASSERT_TRUE(clip_->begin());
+        ASSERT_NO_FATAL_FAILURE(make_globe(60));
+        begin();
     }
     PlaybackState now() const { return clip_->session().playback(); }
-    /// Commands take effect with a tick.
-    template <class Condition>
-    bool comes_true(const Condition& condition) {
-        for (int k = 0; k < 20'000; ++k) {
-            if (condition()) return true;
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        return false;
-    }
-    Result<void> change(const char* name, const char* value) {
-        SessionSettings settings = clip_->settings();
-        if (auto set = settings.set(name, value); !set) return set;
-        auto change = clip_->prepare(settings);
-        if (!change) return change.error();
-        EXPECT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
-        return clip_->take(std::move(*change));
-    }
-
-    const TemporaryFolder folder_;
-    ClipChoice choice_;
-    PlayOptions options_;
-    std::unique_ptr<WindowSound> sound_ = std::move(*WindowSound::create(false, {}, Existing::keep));
-    std::unique_ptr<OpenedClip> clip_;
 };
 
-TEST_F(ChangedClip, GoesOnWhereItWasAsItWas) {
+TEST_F(ChangedClip, KeepsPlaybackState) {
     WatchedSession& before = clip_->session();
     ASSERT_TRUE(before.ask(PlaybackVerb::rate, 500));
     ASSERT_TRUE(before.ask(PlaybackVerb::loop, 100'000'000, 1'500'000'000));
@@ -95,7 +63,7 @@ TEST_F(ChangedClip, GoesOnWhereItWasAsItWas) {
     EXPECT_EQ(clip_->in_effect().at("median"), "5");
 }
 
-TEST_F(ChangedClip, GoesWhereItWasLedMeanwhile) {
+TEST_F(ChangedClip, FollowsCommandsGivenMeanwhile) {
     ASSERT_TRUE(comes_true([this] { return now().moment.time_ns > 0; }));
     auto change = clip_->prepare(clip_->settings());
     ASSERT_TRUE(change) << change.error().message;
@@ -113,7 +81,7 @@ TEST_F(ChangedClip, GoesWhereItWasLedMeanwhile) {
     EXPECT_EQ(now().loop_begin_ns, 1'000'000'000);
 }
 
-TEST_F(ChangedClip, LosesNoCommandThatIsGivenWhenItChanges) {
+TEST_F(ChangedClip, LosesNoCommandDuringChange) {
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::loop, 0, 1'500'000'000));
     ASSERT_TRUE(comes_true([this] { return now().loops; }));
     auto change = clip_->prepare(clip_->settings());
@@ -132,7 +100,7 @@ TEST_F(ChangedClip, LosesNoCommandThatIsGivenWhenItChanges) {
     EXPECT_TRUE(comes_true([this] { return !now().playing; }));
 }
 
-TEST_F(ChangedClip, StillSaysWhyASessionBeforeEnded) {
+TEST_F(ChangedClip, ReportsFailureOfEarlierSession) {
     auto change = clip_->prepare(clip_->settings());
     ASSERT_TRUE(change) << change.error().message;
     std::filesystem::resize_file(choice_.file, 3000);
@@ -140,10 +108,10 @@ TEST_F(ChangedClip, StillSaysWhyASessionBeforeEnded) {
     EXPECT_FALSE(clip_->failure()) << "it still goes on";
     ASSERT_TRUE(clip_->take(std::move(*change)));
     ASSERT_TRUE(clip_->failure());
-    EXPECT_NE(clip_->failure()->message.find("globe.mkv"), std::string::npos) << clip_->failure()->message;
+    EXPECT_TRUE(contains(clip_->failure()->message, "globe.mkv"));
 }
 
-TEST_F(ChangedClip, CountsTheTicksOfAllItsSessions) {
+TEST_F(ChangedClip, CountsTicksOfAllSessions) {
     ASSERT_TRUE(comes_true([this] { return clip_->figures().ticks.ticks > 20; }));
     const std::int64_t before = clip_->figures().ticks.ticks;
     ASSERT_TRUE(change("metric", "pixel"));
@@ -151,7 +119,7 @@ TEST_F(ChangedClip, CountsTheTicksOfAllItsSessions) {
     EXPECT_LT(clip_->session().figures().ticks.ticks, clip_->figures().ticks.ticks);
 }
 
-TEST_F(ChangedClip, IsTouchedAtTheScaleThatItWasOpenedWith) {
+TEST_F(ChangedClip, KeepsItsScale) {
     const std::string file = (folder_ / "noise.mkv").string();
     ASSERT_TRUE(write_generated_clip("noise", file, {.width = 64, .height = 48}, 3));
     Scene scene = open_clip(file).value()->scene();
@@ -161,19 +129,17 @@ TEST_F(ChangedClip, IsTouchedAtTheScaleThatItWasOpenedWith) {
     noise.file = file;
     noise.scene_file = folder_ / "scene.json";
     const auto scale = [](const TouchSetup& setup) { return setup.settings.touch.metres_per_scene_unit; };
-    auto opened = OpenedClip::open(options_, noise, {}, *sound_);
-    ASSERT_TRUE(opened) << opened.error().message;
-    ASSERT_TRUE((*opened)->begin());
+    const auto first = opened(noise);
+    ASSERT_TRUE(first && first->begin());
     SessionSettings smooth;
     ASSERT_TRUE(smooth.set("median", "5"));
-    auto anew = OpenedClip::open(options_, noise, smooth, *sound_);
-    ASSERT_TRUE(anew);
-    ASSERT_TRUE((*anew)->begin());
-    const double first = scale((*opened)->session().setup());
-    ASSERT_NE(scale((*anew)->session().setup()), first) << "nothing is tested";
-    const auto changed = (*opened)->prepare(smooth);
+    const auto anew = opened(noise, smooth);
+    ASSERT_TRUE(anew && anew->begin());
+    const double before = scale(first->session().setup());
+    ASSERT_NE(scale(anew->session().setup()), before) << "nothing is tested";
+    const auto changed = first->prepare(smooth);
     ASSERT_TRUE(changed) << changed.error().message;
-    EXPECT_EQ(scale(*changed->setup), first);
+    EXPECT_EQ(scale(*changed->setup), before);
 }
 
 /// How often each frame of a clip was read, and how often the clip was opened.
@@ -206,23 +172,20 @@ protected:
         choice_.scene_file = folder_ / "scene.json";
         if (!record.empty()) options_.record = record;
         choice_.share_clip();
-        const auto opened = choice_.shared_clip->open([this]() -> Result<std::unique_ptr<ClipReader>> {
+        const auto shared = choice_.shared_clip->open([this]() -> Result<std::unique_ptr<ClipReader>> {
             auto clip = open_clip(choice_.file, choice_.scene_file);
             if (!clip) return clip;
             ++read_->opened;
             return std::unique_ptr<ClipReader>(std::make_unique<CountedReader>(std::move(*clip), read_));
         });
-        ASSERT_TRUE(opened) << opened.error().message;
-        auto made = OpenedClip::open(options_, choice_, {}, *sound_);
-        ASSERT_TRUE(made) << made.error().message;
-        clip_ = std::move(*made);
-        ASSERT_TRUE(clip_->begin());
+        ASSERT_TRUE(shared) << shared.error().message;
+        begin();
     }
 
     const std::shared_ptr<ReadClip> read_ = std::make_shared<ReadClip>();
 };
 
-TEST_F(CountedClip, AnotherSettingOpensNothingAndReadsNoFrameAgain) {
+TEST_F(CountedClip, ChangeRereadsNothing) {
 #ifdef TOUCHABLE_SANITIZED
     constexpr std::int64_t speed = 100;  // thousandths: 60 frames are 20 s
 #else
@@ -254,7 +217,7 @@ TEST_F(CountedClip, AnotherSettingOpensNothingAndReadsNoFrameAgain) {
 
 /// In frames and in the clip's time: what it takes on a machine is the filters' time for so many. Under a
 /// sanitizer, beside other tests, these take many times as long, so time is as much slower there.
-TEST_F(CountedClip, AnotherSettingIsFeltWithinATenthOfASecondAfterAFewFramesAreFiltered) {
+TEST_F(CountedClip, ChangeFiltersFewFrames) {
 #ifdef TOUCHABLE_SANITIZED
     constexpr std::int64_t speed = 20;  // thousandths
 #else
@@ -279,15 +242,11 @@ TEST_F(CountedClip, AnotherSettingIsFeltWithinATenthOfASecondAfterAFewFramesAreF
 }
 
 /// Of the fingers' forces, tick by tick, at every change.
-TEST_F(CountedClip, TheForceOnAFingerThatIsPressedInBeginsAtZeroAndRisesByTheGuardsRamp) {
+TEST_F(CountedClip, ForceRampsUpAfterChange) {
     const std::filesystem::path record = folder_ / "hand.touch";
     ASSERT_NO_FATAL_FAILURE(open(record));
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause));
-    ASSERT_TRUE(comes_true([this] { return clip_->session().look() != nullptr; }));
-    const HeightField field(clip_->scene(), clip_->session().look()->held.pair);
-    clip_->fingers().set_pointer(glm::dvec2(32, 24));
-    clip_->fingers().press(true);
-    clip_->fingers().intend(field, clip_->view().camera(64, 48));
+    ASSERT_NO_FATAL_FAILURE(press(32, 24));
     const auto presses = [this] {
         const WatchedMoment* const moment = clip_->session().look();
         return moment && moment->felt.tick > 300 && glm::length(moment->felt.fingers[0].force.force) > 0.1;
@@ -318,7 +277,7 @@ TEST_F(CountedClip, TheForceOnAFingerThatIsPressedInBeginsAtZeroAndRisesByTheGua
     }
 }
 
-TEST_F(ChangedClip, HasTheReliefOfItsColourThatIsAskedFor) {
+TEST_F(ChangedClip, AppliesColourRelief) {
     choice_.share_clip();
     const auto heights = [&] {
         auto reader = choice_.open();
@@ -354,29 +313,21 @@ TEST_F(ChangedClip, HasTheReliefOfItsColourThatIsAskedFor) {
     EXPECT_FALSE(clip_->failure());
 }
 
-TEST_F(ChangedClip, KeepsItsSessionWhereItDoesNotGoWithTheSettings) {
+TEST_F(ChangedClip, KeepsSessionOnUnfitSettings) {
     const WatchedSession* const before = &clip_->session();
     ASSERT_TRUE(comes_true([this] { return now().moment.time_ns > 0; }));
     const auto refused = change("temporal", "on");
     ASSERT_FALSE(refused) << "a made clip has no noise";
-    EXPECT_NE(refused.error().message.find("temporal"), std::string::npos);
+    EXPECT_TRUE(contains(refused.error().message, "temporal"));
     EXPECT_EQ(&clip_->session(), before);
     EXPECT_TRUE(clip_->session().running());
     EXPECT_TRUE(comes_true([this] { return now().playing; }));
     EXPECT_EQ(clip_->settings(), SessionSettings());
 }
 
-TEST_F(ChangedClip, FingerStaysPressedInAndIsFeltAgain) {
-    const auto felt = [this] {
-        const WatchedMoment* const moment = clip_->session().look();
-        return moment && !moment->felt.fingers.empty() ? moment->felt.fingers[0] : WatchedTick::Finger();
-    };
+TEST_F(ChangedClip, FingerStaysPressed) {
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause));
-    ASSERT_TRUE(comes_true([this] { return clip_->session().look() != nullptr; }));
-    const HeightField field(clip_->scene(), clip_->session().look()->held.pair);
-    clip_->fingers().set_pointer(glm::dvec2(32, 24));
-    clip_->fingers().press(true);
-    clip_->fingers().intend(field, clip_->view().camera(64, 48));
+    ASSERT_NO_FATAL_FAILURE(press(32, 24));
     const auto presses = [&] { return glm::length(felt().force.force) > 0.1; };
     ASSERT_TRUE(comes_true(presses));
     const glm::dvec3 before = felt().goal;
@@ -387,7 +338,7 @@ TEST_F(ChangedClip, FingerStaysPressedInAndIsFeltAgain) {
     EXPECT_TRUE(comes_true(presses));
 }
 
-TEST_F(ChangedClip, TakesCommandsForeverByOneSessionAfterTheOther) {
+TEST_F(ChangedClip, TakesCommandsAcrossSessions) {
     for (int k = 0; k < 65000; ++k) ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, 1000));
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, 500));
     ASSERT_TRUE(comes_true([this] { return clip_->is_nearly_full() && now().rate == 500; }));
@@ -413,32 +364,28 @@ protected:
     /// Until a second and a half from there has been decoded.
     void wait_for(double seconds) {
         std::vector<StereoSample> samples(72'000);
-        for (int k = 0; k < 10'000; ++k) {
-            if (clip_.read(static_cast<std::int64_t>(seconds * SoundTrack::rate) - 1, samples)) return;
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        FAIL() << "nothing is decoded at " << seconds << " s";
+        const auto first = static_cast<std::int64_t>(seconds * SoundTrack::rate) - 1;
+        ASSERT_TRUE(comes_true([&] { return clip_.read(first, samples); })) << seconds << " s";
     }
     /// Ticks from a moment on, at a speed.
     std::vector<StereoSample> hear(double from_s, int ticks, float speed = 1, std::uint64_t epoch = 0) {
         std::vector<StereoSample> heard;
-        ContactSound::Samples samples{};
         for (int k = 0; k < ticks; ++k) {
             HeardTick tick;
             tick.clip = {true, static_cast<std::int64_t>(1e9 * from_s + 1e6 * speed * k), epoch, speed};
-            voice_.render(tick, clip_, samples);
-            heard.insert(heard.end(), samples.begin(), samples.end());
+            add(tick, heard);
         }
         return heard;
     }
     std::vector<StereoSample> hear_nothing(int ticks) {
         std::vector<StereoSample> heard;
-        ContactSound::Samples samples{};
-        for (int k = 0; k < ticks; ++k) {
-            voice_.render(HeardTick{}, clip_, samples);
-            heard.insert(heard.end(), samples.begin(), samples.end());
-        }
+        for (int k = 0; k < ticks; ++k) add(HeardTick{}, heard);
         return heard;
+    }
+    void add(const HeardTick& tick, std::vector<StereoSample>& heard) {
+        ContactSound::Samples samples{};
+        voice_.render(tick, clip_, samples);
+        heard.insert(heard.end(), samples.begin(), samples.end());
     }
     static int zero_crossings(const std::vector<StereoSample>& heard) {
         int count = 0;
@@ -460,7 +407,7 @@ protected:
     HeardSound voice_;
 };
 
-TEST_F(ClipHeard, IsTheTracksOwnAtItsOwnSpeed) {
+TEST_F(ClipHeard, MatchesTrackAtNormalSpeed) {
     wait_for(0.2);
     const auto heard = hear(0.5, 200);
     for (std::size_t k = 48; k < heard.size(); ++k) {  // after it has risen
@@ -469,14 +416,14 @@ TEST_F(ClipHeard, IsTheTracksOwnAtItsOwnSpeed) {
     }
 }
 
-TEST_F(ClipHeard, IsHigherWhereTheClipIsFaster) {
+TEST_F(ClipHeard, PitchFollowsSpeed) {
     wait_for(0.2);
     const int once = zero_crossings(hear(0.5, 200));
     EXPECT_NEAR(zero_crossings(hear(0.5, 200, 2, 1)), 2 * once, 3);
     EXPECT_NEAR(zero_crossings(hear(0.5, 200, 0.5F, 2)), once / 2, 3);
 }
 
-TEST_F(ClipHeard, HasNoJumpsWhereTheClipJumpsPausesAndEnds) {
+TEST_F(ClipHeard, SeeksAndPausesWithoutClicks) {
     wait_for(0.2);
     const double step = 1.3 * largest_step(sound_);
     auto heard = hear(0.5, 50);
@@ -487,7 +434,7 @@ TEST_F(ClipHeard, HasNoJumpsWhereTheClipJumpsPausesAndEnds) {
 }
 
 /// What comes last takes the place of what came first: a block is there, and the one behind it is not yet.
-TEST_F(ClipHeard, HasNoJumpsWhereItIsNotDecodedInTime) {
+TEST_F(ClipHeard, LateDecodingDoesNotClick) {
     const double step = 1.3 * largest_step(sound_);
     for (std::uint64_t go = 0; go < 20; ++go) {
         wait_for(1.4);
@@ -504,22 +451,20 @@ TEST_F(ClipHeard, IsSilentWhileNothingPlays) {
     for (const StereoSample& sample : hear_nothing(50)) ASSERT_EQ(sample.left, 0);
 }
 
-TEST_F(ClipHeard, FollowsTicksThatComeTooFast) {
+TEST_F(ClipHeard, FollowsFastTicks) {
     // A hundredth of a percent is what clocks differ by; a tenth is far more.
     wait_for(0.1);
     std::vector<StereoSample> heard;
-    ContactSound::Samples samples{};
     HeardTick tick;
     for (int k = 0; k < 1000; ++k) {
         tick.clip = {true, static_cast<std::int64_t>(200'000'000 + 1'001'000.0 * k), 0, 1};
-        voice_.render(tick, clip_, samples);
-        heard.insert(heard.end(), samples.begin(), samples.end());
+        add(tick, heard);
     }
     EXPECT_LT(largest_step(heard), 1.1 * largest_step(sound_));
     EXPECT_GT(zero_crossings(heard), 2 * 480 - 3);
 }
 
-TEST_F(ClipHeard, OfAnotherFileIsAnother) {
+TEST_F(ClipHeard, FollowsOpenedFile) {
     hear(0.1, 20);
     begin(tone(960, 1));
     hear_nothing(2);
@@ -531,7 +476,7 @@ TEST_F(ClipHeard, OfAnotherFileIsAnother) {
     EXPECT_EQ(clip_.fault(), "");
 }
 
-TEST_F(ClipHeard, OfAFileThatWasReplacedIsTheNewOnes) {
+TEST_F(ClipHeard, FollowsReplacedFile) {
     hear(0.1, 20);
     std::filesystem::remove(folder_ / "1.mkv");
     files_ = 0;
@@ -540,7 +485,7 @@ TEST_F(ClipHeard, OfAFileThatWasReplacedIsTheNewOnes) {
     EXPECT_NEAR(zero_crossings(hear(0, 100)), 192, 4);
 }
 
-TEST_F(ClipHeard, IsFoundWhereverTheClipGoes) {
+TEST_F(ClipHeard, DecodesAfterAnySeek) {
     begin(tone(480, 20));
     for (const double moment : {15.0, 3.0, 19.5, 0.0, 7.77}) wait_for(moment);
     wait_for(7.77);
@@ -549,7 +494,7 @@ TEST_F(ClipHeard, IsFoundWhereverTheClipGoes) {
         ASSERT_NEAR(heard[k].left, sound_[372'960 + k].left, 1e-4) << k;
 }
 
-TEST(ClipSound, SaysThatATrackIsDamagedOnceItMeetsThePlace) {
+TEST(ClipSound, ReportsDamagedTrack) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder / "film.mkv";
     auto film = FilmWriter::create(file, Existing::keep);
@@ -562,8 +507,7 @@ TEST(ClipSound, SaysThatATrackIsDamagedOnceItMeetsThePlace) {
         ClipSound sound;
         sound.open(clip);
         std::vector<StereoSample> samples(60'000);
-        for (int k = 0; k < 10'000 && !sound.read(0, samples); ++k)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        comes_true([&] { return sound.read(0, samples); }, 10'000);
         return sound.fault();
     };
     EXPECT_EQ(fault_of(file), "");
@@ -571,7 +515,7 @@ TEST(ClipSound, SaysThatATrackIsDamagedOnceItMeetsThePlace) {
     bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));
     bytes << std::string(6000, '\xAA');
     bytes.close();
-    EXPECT_NE(fault_of(file).find("film.mkv: its sound is damaged"), std::string::npos);
+    EXPECT_TRUE(contains(fault_of(file), "film.mkv: its sound is damaged"));
 }
 
 }  // namespace

@@ -13,40 +13,22 @@
 
 #include "haptics_cpu/force_guard.hpp"
 #include "player/run/run_files.hpp"
-#include "player/window/opened_clip.hpp"
 #include "player/window/persistent_device.hpp"
-#include "player/window/play_window.hpp"
-#include "tests/player/in_process.hpp"
 #include "tests/player/standstill.hpp"
 #include "tests/sanitizers.hpp"
-#include "tests/temporary_folder.hpp"
 #include "tests/window/fake_hand.hpp"
+#include "tests/window/opened_clip_fixture.hpp"
 
 namespace touchable::test {
 namespace {
 
-template <class Condition>
-bool soon(const Condition& condition, int tries = 20'000) {
-    for (int k = 0; k < tries; ++k) {
-        if (condition()) return true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
-    return false;
-}
-
-class HeldClip : public ::testing::Test {
+class DeviceClip : public OpenedClipTest {
 protected:
     void SetUp() override {
-        choice_.file = folder_ / "globe.mkv";
-        const SceneOptions globe{.width = 64, .height = 48, .properties = true};
-        ASSERT_TRUE(write_generated_clip("globe", choice_.file, globe, 2));
-        options_.session.builder.name = "cpu";
+        ASSERT_NO_FATAL_FAILURE(make_globe(2));
         options_.hand = std::make_shared<PersistentDevice>(fake_);
-        auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
-        ASSERT_TRUE(opened) << opened.error().message;
-        clip_ = std::move(*opened);
-        ASSERT_TRUE(clip_->begin());
-        ASSERT_TRUE(soon([this] { return clip_->session().look() != nullptr; }));
+        ASSERT_NO_FATAL_FAILURE(begin());
+        ASSERT_TRUE(comes_true([this] { return clip_->session().look() != nullptr; }));
         const FramePair pair = clip_->session().look()->held.pair;
         depth_ = pair.prev.frame->vertices->at(32, 24).depth;
     }
@@ -54,12 +36,8 @@ protected:
     void put_before(double metres) {
         fake_->put(clip_->session().setup().workspace.to_device({0, 0, -depth_}) + glm::dvec3(0, 0, metres));
     }
-    WatchedTick::Finger felt() {
-        const WatchedMoment* const moment = clip_->session().look();
-        return moment && !moment->felt.fingers.empty() ? moment->felt.fingers[0] : WatchedTick::Finger();
-    }
     bool comes_to(const glm::dvec3& scene) {
-        return soon([&] { return glm::length(felt().goal - scene) < 1e-6; });
+        return comes_true([&] { return glm::length(felt().goal - scene) < 1e-6; });
     }
     /// Presses, and feels it; it was free before. Where the machine stood still meanwhile it has to be free
     /// once more.
@@ -69,105 +47,90 @@ protected:
             put_before(0.02);
             clip_->set_force(true);
             std::this_thread::yield();
-            const std::int64_t since = fake_->reads;
-            ASSERT_TRUE(soon([&] { return fake_->reads > since + 150; }));  // the guard's ramp, too
+            ASSERT_TRUE(pass(150));  // the guard's ramp, too
             put_before(-0.004);
-            felt = soon([this] { return fake_->newtons > 0.1; }, 2000);
+            felt = comes_true([this] { return fake_->newtons > 0.1; }, 2000);
         }
         ASSERT_TRUE(felt);
     }
-    Result<void> change(const char* name, const char* value) {
-        SessionSettings settings = clip_->settings();
-        if (auto set = settings.set(name, value); !set) return set;
-        auto change = clip_->prepare(settings);
-        if (!change) return change.error();
-        EXPECT_TRUE(soon([&] { return clip_->has_come_to(*change); }));
-        return clip_->take(std::move(*change));
+    /// Waits for so many more ticks.
+    bool pass(int ticks) {
+        return comes_true([this, since = fake_->reads + ticks] { return fake_->reads > since; });
     }
     HandState state() { return hand_state(*options_.hand, *clip_->control()); }
 
-    const TemporaryFolder folder_;
-    ClipChoice choice_;
-    PlayOptions options_;
     const std::shared_ptr<FakeHand> fake_ = std::make_shared<FakeHand>();
-    std::unique_ptr<WindowSound> sound_ = std::move(*WindowSound::create(false, {}, Existing::keep));
-    std::unique_ptr<OpenedClip> clip_;
     double depth_ = 0;
 };
 
-TEST_F(HeldClip, FingersAreTheDevicesAndForcesReachItOnceTheyAreAskedFor) {
+TEST_F(DeviceClip, ForcesReachDeviceOnRequest) {
     EXPECT_EQ(clip_->shown(), 1);
     EXPECT_EQ(state().words, "forces off - press F or the device's first button");
     put_before(-0.004);
-    ASSERT_TRUE(soon([this] { return felt().contact.touching; }));
+    ASSERT_TRUE(comes_true([this] { return felt().contact.touching; }));
     EXPECT_EQ(glm::length(felt().force.force), 0) << "shown as it is in the hand";
     EXPECT_EQ(fake_->most_newtons, 0);
     feel();
     EXPECT_EQ(state().mood, HandState::Mood::on);
     clip_->set_force(false);
-    EXPECT_TRUE(soon([this] { return fake_->newtons == 0; }));
+    EXPECT_TRUE(comes_true([this] { return fake_->newtons == 0; }));
     EXPECT_EQ(state().mood, HandState::Mood::off);
 }
 
-TEST_F(HeldClip, ItsMiddleIsInTheAir) {
+TEST_F(DeviceClip, CentreIsInTheAir) {
     const Workspace workspace = clip_->session().setup().workspace;
     EXPECT_EQ(workspace.to_scene({}).x, 0);
     EXPECT_NEAR(workspace.to_device({0, 0, -depth_}).z, -0.02, 0.01)
         << "the globe's middle is what is nearest";
 }
 
-TEST_F(HeldClip, ItsFirstButtonAsksForForces) {
+TEST_F(DeviceClip, FirstButtonRequestsForces) {
     fake_->pressed = 0;
-    ASSERT_TRUE(soon([this] { return fake_->reads > 20; }));
+    ASSERT_TRUE(comes_true([this] { return fake_->reads > 20; }));
     fake_->pressed = 1;
-    EXPECT_TRUE(soon([this] { return clip_->force_is_on(); }));
+    EXPECT_TRUE(comes_true([this] { return clip_->force_is_on(); }));
 }
 
-TEST_F(HeldClip, ClutchHoldsTheFingerWhileTheHandMoves) {
+TEST_F(DeviceClip, ClutchHoldsFinger) {
     put_before(0.02);
-    ASSERT_TRUE(soon([this] { return std::isfinite(felt().goal.z) && felt().goal.z < 0; }));
+    ASSERT_TRUE(comes_true([this] { return std::isfinite(felt().goal.z) && felt().goal.z < 0; }));
     const Workspace workspace = clip_->session().setup().workspace;
     const glm::dvec3 there =
         workspace.to_scene(workspace.to_device({0, 0, -depth_}) + glm::dvec3(0, 0, 0.02));
     ASSERT_TRUE(comes_to(there));
     clip_->control()->hold(true);
-    ASSERT_TRUE(soon([this] { return state().words == "no force while the hand is repositioned"; }));
+    ASSERT_TRUE(comes_true([this] { return state().words == "no force while the hand is repositioned"; }));
     put_before(0.05);
-    const std::int64_t since = fake_->reads;
-    ASSERT_TRUE(soon([&] { return fake_->reads > since + 20; }));
+    ASSERT_TRUE(pass(20));
     EXPECT_TRUE(comes_to(there));
     clip_->control()->hold(false);
-    const std::int64_t released = fake_->reads;
-    ASSERT_TRUE(soon([&] { return fake_->reads > released + 20; }));
+    ASSERT_TRUE(pass(20));
     EXPECT_TRUE(comes_to(there));
     put_before(0.06);
     EXPECT_TRUE(comes_to(there + glm::dvec3(0, 0, 0.01 / workspace.metres_per_scene_unit)));
 }
 
-TEST_F(HeldClip, WhoLetsGoOfTheClutchInsideIsFreeAndFeelsWhatIsPressedNext) {
+TEST_F(DeviceClip, ClutchReleasedInsideFreesFinger) {
     feel();
     clip_->control()->hold(true);
-    ASSERT_TRUE(soon([this] { return fake_->newtons == 0; }));
-    const auto after_ticks = [this](int ticks) {
-        return soon([this, since = fake_->reads + ticks] { return fake_->reads > since; });
-    };
+    ASSERT_TRUE(comes_true([this] { return fake_->newtons == 0; }));
     put_before(0.03);
-    ASSERT_TRUE(after_ticks(20));
+    ASSERT_TRUE(pass(20));
     ASSERT_TRUE(felt().contact.touching) << "it was held inside";
     clip_->control()->hold(false);
-    ASSERT_TRUE(after_ticks(20));
-    EXPECT_TRUE(soon([this] { return !felt().contact.touching; }));
+    ASSERT_TRUE(pass(20));
+    EXPECT_TRUE(comes_true([this] { return !felt().contact.touching; }));
     EXPECT_EQ(fake_->newtons, 0);
     put_before(0.03 - 0.004);
-    if (!soon([this] { return fake_->newtons > 0.1; }, 2000)) {  // the machine stood still
+    if (!comes_true([this] { return fake_->newtons > 0.1; }, 2000)) {  // the machine stood still
         put_before(0.03);
-        ASSERT_TRUE(after_ticks(20));
+        ASSERT_TRUE(pass(20));
         put_before(0.03 - 0.004);
     }
-    EXPECT_TRUE(soon([this] { return fake_->newtons > 0.1; }));
+    EXPECT_TRUE(comes_true([this] { return fake_->newtons > 0.1; }));
 }
 
-TEST_F(HeldClip, OtherScaleLeavesTheFingerWhereItIs) {
+TEST_F(DeviceClip, ScaleChangeKeepsFinger) {
     const Workspace first = clip_->session().setup().workspace;
     fake_->put({0.01, 0.02, 0.05});
     ASSERT_TRUE(comes_to(first.to_scene({0.01, 0.02, 0.05})));
@@ -182,14 +145,13 @@ TEST_F(HeldClip, OtherScaleLeavesTheFingerWhereItIs) {
     EXPECT_EQ(fake_->openings, 1) << "the hardware is held all the while";
 }
 
-TEST_F(HeldClip, OtherSettingsAreFeltOnceTheFingerHasBeenFree) {
+TEST_F(DeviceClip, ChangeIsFeltAfterRelease) {
     feel();
     ASSERT_TRUE(change("median", "3"));
     EXPECT_TRUE(clip_->force_is_on());
-    ASSERT_TRUE(soon([this] { return glm::length(felt().goal) > 0; }));
+    ASSERT_TRUE(comes_true([this] { return glm::length(felt().goal) > 0; }));
     fake_->most_newtons = 0;
-    const std::int64_t since = fake_->reads;
-    ASSERT_TRUE(soon([&] { return fake_->reads > since + 400; }));
+    ASSERT_TRUE(pass(400));
     EXPECT_EQ(fake_->most_newtons, 0) << "it is pushed out of what it did not come into";
     const bool keeps_back = (felt().force.reasons & guard_waiting) != 0;
     EXPECT_EQ(hand_state(*options_.hand, *clip_->control(), keeps_back).remark,
@@ -197,87 +159,91 @@ TEST_F(HeldClip, OtherSettingsAreFeltOnceTheFingerHasBeenFree) {
     feel();
 }
 
-TEST_F(HeldClip, AnotherClipBeginsWithoutForces) {
+TEST_F(DeviceClip, NextClipStartsWithoutForces) {
     feel();
-    auto other = OpenedClip::open(options_, choice_, {}, *sound_);
-    ASSERT_TRUE(other);
-    ASSERT_TRUE(clip_->finish());
+    auto other = opened(choice_);
+    ASSERT_TRUE(other && clip_->finish());
     EXPECT_EQ(fake_->newtons, 0);
     fake_->most_newtons = 0;
-    clip_ = std::move(*other);
+    clip_ = std::move(other);
     ASSERT_TRUE(clip_->begin());
     EXPECT_FALSE(clip_->force_is_on());
-    const std::int64_t since = fake_->reads;
-    ASSERT_TRUE(soon([&] { return fake_->reads > since + 100; }));
+    ASSERT_TRUE(pass(100));
     EXPECT_EQ(fake_->most_newtons, 0);
 }
 
-TEST_F(HeldClip, OfADeviceWithoutMotorsTheForceIsThatOfTheScene) {
+TEST_F(DeviceClip, MotorlessDeviceShowsSceneForce) {
     ASSERT_TRUE(clip_->finish());
     fake_->axes = 0;
-    auto other = OpenedClip::open(options_, choice_, {}, *sound_);
-    ASSERT_TRUE(other);
-    clip_ = std::move(*other);
-    ASSERT_TRUE(clip_->begin());
+    ASSERT_NO_FATAL_FAILURE(begin());
     put_before(0.02);
-    const std::int64_t since = fake_->reads;
-    ASSERT_TRUE(soon([&] { return fake_->reads > since + 150; }));
+    ASSERT_TRUE(pass(150));
     put_before(-0.004);
-    EXPECT_TRUE(soon([this] { return glm::length(felt().force.force) > 0.1; }));
+    EXPECT_TRUE(comes_true([this] { return glm::length(felt().force.force) > 0.1; }));
     EXPECT_FALSE(clip_->force_is_on());
 }
 
-TEST_F(HeldClip, IsAwayForAWhileAndBack) {
+TEST_F(DeviceClip, ReturnsAfterAbsence) {
     feel();
     fake_->is_away = true;
     fake_->take_away();
     EXPECT_EQ(state().words, "the device is away: fake: nothing is plugged in");
-    ASSERT_TRUE(soon([this] { return fake_->newtons == 0; }));
+    ASSERT_TRUE(comes_true([this] { return fake_->newtons == 0; }));
     EXPECT_TRUE(clip_->session().running());
     fake_->is_away = false;
     feel();
 }
 
-TEST_F(HeldClip, IsLostAndLookedForAgain) {
+TEST_F(DeviceClip, IsFoundAgainAfterLoss) {
     fake_->is_unplugged = fake_->has_failed = true;
-    ASSERT_TRUE(soon([this] { return options_.hand->is_gone(); }));
+    ASSERT_TRUE(comes_true([this] { return options_.hand->is_gone(); }));
     EXPECT_EQ(state().words, "no device: fake: nothing is plugged in - press F to look for it again");
     EXPECT_TRUE(clip_->session().running()) << "without a hand";
-    ASSERT_TRUE(soon([this] { return std::isnan(felt().goal.x); }));
+    ASSERT_TRUE(comes_true([this] { return std::isnan(felt().goal.x); }));
     options_.hand->look_again();
-    ASSERT_TRUE(soon([this] { return options_.hand->is_gone(); })) << "it is not there";
+    ASSERT_TRUE(comes_true([this] { return options_.hand->is_gone(); })) << "it is not there";
     EXPECT_EQ(fake_->openings, 2);
     fake_->is_unplugged = false;
     options_.hand->look_again();
-    ASSERT_TRUE(soon([this] { return state().mood == HandState::Mood::off; }));
+    ASSERT_TRUE(comes_true([this] { return state().mood == HandState::Mood::off; }));
     clip_->set_force(false);
     feel();
 }
 
-TEST(PersistentDevice, ThatExertsNoForceSaysSo) {
-    const auto fake = std::make_shared<FakeHand>();
+/// A fake in the hand, which tests open.
+class PersistentDeviceTest : public ::testing::Test {
+protected:
+    /// Reads where it is.
+    bool read() { return hand.read_positions(std::span(&place, 1)); }
+    bool push(double newtons) {
+        const glm::dvec3 force(0, 0, newtons);
+        return hand.write_forces(std::span(&force, 1));
+    }
+
+    const std::shared_ptr<FakeHand> fake = std::make_shared<FakeHand>();
+    PersistentDevice hand{fake};
+    glm::dvec3 place{};
+};
+
+TEST_F(PersistentDeviceTest, ReportsLackOfForce) {
     fake->axes = 0;
-    PersistentDevice hand(fake);
     ASSERT_TRUE(hand.open());
     const HandControl control(1, {});
     const HandState state = hand_state(hand, control);
     EXPECT_EQ(state.words, "the fake exerts no force: you see what you touch");
-    EXPECT_EQ(state.remark, "fake: no position comes from it") << "nobody has read one yet";
+    EXPECT_EQ(state.remark, "fake: no position comes from it") << "none was read yet";
 }
 
-TEST(PersistentDevice, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
-    const auto fake = std::make_shared<FakeHand>();
+TEST_F(PersistentDeviceTest, FailedDeviceHasNoState) {
     fake->pressed = 1;
-    PersistentDevice hand(fake);
     ASSERT_TRUE(hand.open());
-    glm::dvec3 place;
-    ASSERT_TRUE(hand.read_positions(std::span(&place, 1)));
+    ASSERT_TRUE(read());
     EXPECT_EQ(hand.age_s(), 0.001);
     EXPECT_EQ(hand.buttons(), 1U);
     fake->has_failed = true;
     for (const bool works_again : {false, true}) {
         if (works_again) fake->has_failed = false;
-        EXPECT_TRUE(hand.read_positions(std::span(&place, 1))) << "the session goes on";
+        EXPECT_TRUE(read()) << "the session goes on";
         EXPECT_TRUE(std::isnan(place.x) && std::isnan(place.y) && std::isnan(place.z)) << works_again;
         EXPECT_EQ(hand.age_s(), std::numeric_limits<double>::infinity());
         EXPECT_EQ(hand.buttons(), 0U);
@@ -285,69 +251,54 @@ TEST(PersistentDevice, ThatHasFailedHasNoPlaceNoAgeAndNoButtons) {
     }
 }
 
-TEST(PersistentDevice, ThatHasFailedFeelsNothingUntilItIsLookedFor) {
-    const auto fake = std::make_shared<FakeHand>();
-    PersistentDevice hand(fake);
+TEST_F(PersistentDeviceTest, FailedDeviceGetsNoForce) {
     ASSERT_TRUE(hand.open());
-    const glm::dvec3 push(0, 0, 3);
-    const auto write = [&] { return hand.write_forces(std::span(&push, 1)); };
-    EXPECT_TRUE(write());
+    EXPECT_TRUE(push(3));
     EXPECT_EQ(fake->newtons, 3);
     fake->has_failed = true;
-    EXPECT_TRUE(write()) << "the session goes on";
+    EXPECT_TRUE(push(3)) << "the session goes on";
     EXPECT_TRUE(hand.is_gone());
     fake->has_failed = false;
     fake->newtons = 0;
-    EXPECT_TRUE(write());
+    EXPECT_TRUE(push(3));
     EXPECT_EQ(fake->newtons, 0);
     hand.look_again();
-    ASSERT_TRUE(soon([&] { return !hand.is_looked_for(); }));
+    ASSERT_TRUE(comes_true([&] { return !hand.is_looked_for(); }));
     EXPECT_FALSE(hand.is_gone());
-    EXPECT_TRUE(write());
+    EXPECT_TRUE(push(3));
     EXPECT_EQ(fake->newtons, 3);
 }
 
-TEST(PersistentDevice, ClosingLeavesNoForceAndTheDeviceOpen) {
-    const auto fake = std::make_shared<FakeHand>();
-    PersistentDevice hand(fake);
+TEST_F(PersistentDeviceTest, ClosingKeepsDeviceOpen) {
     ASSERT_TRUE(hand.open());
-    const glm::dvec3 push(0, 0, 3);
-    ASSERT_TRUE(hand.write_forces(std::span(&push, 1)));
+    ASSERT_TRUE(push(3));
     hand.close();
     EXPECT_EQ(fake->newtons, 0);
     ASSERT_TRUE(hand.open());
     EXPECT_EQ(fake->openings, 1);
 }
 
-TEST(PersistentDevice, ThatIsLeftLimpGetsNoForceWhoeverWritesOne) {
-    const auto fake = std::make_shared<FakeHand>();
-    PersistentDevice hand(fake);
+TEST_F(PersistentDeviceTest, PowerOffBlocksForces) {
     ASSERT_TRUE(hand.open());
-    const glm::dvec3 force(0, 0, 2);
-    EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
+    EXPECT_TRUE(push(2));
     EXPECT_EQ(fake->newtons, 2);
     hand.power_off();
-    EXPECT_TRUE(hand.write_forces(std::span(&force, 1)));
+    EXPECT_TRUE(push(2));
     EXPECT_EQ(fake->newtons, 0);
 }
 
-TEST(PersistentDevice, ThatIsNotThereIsRefused) {
-    const auto fake = std::make_shared<FakeHand>();
+TEST_F(PersistentDeviceTest, RejectsMissingDevice) {
     fake->is_unplugged = true;
-    PersistentDevice hand(fake);
     const auto opened = hand.open();
     ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().kind, ErrorKind::device);
-    glm::dvec3 place;
-    EXPECT_FALSE(hand.read_positions(std::span(&place, 1)));
+    EXPECT_FALSE(read());
 }
 
-TEST(PersistentDevice, ThatIsSlowToOpenIsNotWaitedForAtTheEnd) {
-    const auto fake = std::make_shared<FakeHand>();
+TEST_F(PersistentDeviceTest, PowerOffCancelsSlowOpening) {
     fake->is_slow = true;
-    PersistentDevice hand(fake);
     std::jthread end([&] {
-        EXPECT_TRUE(soon([&] { return fake->openings > 0; }));
+        EXPECT_TRUE(comes_true([&] { return fake->openings > 0; }));
         hand.power_off();
     });
     const auto opened = hand.open();
@@ -355,21 +306,18 @@ TEST(PersistentDevice, ThatIsSlowToOpenIsNotWaitedForAtTheEnd) {
     EXPECT_EQ(opened.error().kind, ErrorKind::interrupted);
 }
 
-TEST(PersistentDevice, ThatIsLookedForIsNotWaitedForAtTheEnd) {
-    const auto fake = std::make_shared<FakeHand>();
-    PersistentDevice hand(fake);
+TEST_F(PersistentDeviceTest, DestructorCancelsSearch) {
     ASSERT_TRUE(hand.open());
     fake->has_failed = fake->is_slow = true;
-    glm::dvec3 place;
-    EXPECT_TRUE(hand.read_positions(std::span(&place, 1)));
+    EXPECT_TRUE(read());
     hand.look_again();
-    EXPECT_TRUE(soon([&] { return fake->openings > 1; }));
+    EXPECT_TRUE(comes_true([&] { return fake->openings > 1; }));
     EXPECT_TRUE(hand.is_looked_for());
 }  // whose destructor waits for the search
 
-/// The window itself, which nobody sees. The hand comes from before the globe, and presses into it after half
+/// The window itself, without a display. The hand comes from before the globe, and presses into it after half
 /// a second, and again.
-class HeldWindow : public ::testing::Test {
+class DeviceWindow : public ::testing::Test {
 protected:
     void SetUp() override {
         const SceneOptions globe{.width = 64, .height = 48, .properties = true};
@@ -380,7 +328,7 @@ protected:
         };
     }
     /// Until the motion had `ticks` of the seconds: where the machine stood still, ticks are skipped, and the
-    /// story of the hand does not come to its end. Then it is told again.
+    /// story of the hand does not come to its end. Then it is played again.
     Result<PlayFigures> play(const std::string& script, std::int64_t ticks) {
         for (int go = 0;; ++go) {
             fake_ = std::make_shared<FakeHand>();
@@ -390,14 +338,8 @@ protected:
         }
     }
     Result<PlayFigures> play_once(const std::string& script) {
-        PlayOptions options;
+        PlayOptions options = headless_by_cpu(clip_);
         options.hand = std::make_shared<PersistentDevice>(fake_);
-        options.session.builder.name = "cpu";
-        options.session.clip.file = clip_;
-        options.painter = "cpu";
-        options.headless = true;
-        options.screen.width = 320;
-        options.screen.height = 240;
         options.seconds = seconds_;
         options.record = record_;
         options.existing = Existing::replace;
@@ -406,10 +348,7 @@ protected:
             options.kiosk.emplace().use_log = log_;
             options.record.reset();
         }
-        std::ofstream(folder_ / "script") << script;
-        auto inputs = read_window_script(folder_ / "script");
-        EXPECT_TRUE(inputs);
-        options.script = std::move(*inputs);
+        options.script = inputs_of(script);
         return play_in_window(options);
     }
 
@@ -425,13 +364,13 @@ protected:
 constexpr const char* clocks_drift =
     "the clocks of the script and of the hand drift apart when everything takes ten times as long";
 
-TEST_F(HeldWindow, ExertsNothingThatNobodyAskedFor) {
+TEST_F(DeviceWindow, ExertsNothingUntilRequested) {
     ASSERT_TRUE(play("0.1 move 100 100\n0.2 press left\n0.3 key 3\n", 900));
     EXPECT_GT(fake_->reads, 900);
     EXPECT_EQ(fake_->most_newtons, 0);
 }
 
-TEST_F(HeldWindow, ExertsForcesByAKeyAndItsRecordingReplays) {
+TEST_F(DeviceWindow, KeyEnablesForcesAndReplays) {
     seconds_ = 2.6;  // another scale is ready once it is prepared
     const auto played = play("0.1 key f\n0.7 key j\n0.9 key c\n1.0 key-up c\n1.1 key r\n", 1000);
     ASSERT_TRUE(played) << played.error().message;
@@ -447,7 +386,7 @@ TEST_F(HeldWindow, ExertsForcesByAKeyAndItsRecordingReplays) {
     EXPECT_TRUE(again) << again.error().message;
 }
 
-TEST_F(HeldWindow, AnotherClipStopsForces) {
+TEST_F(DeviceWindow, NextClipStopsForces) {
     TOUCHABLE_SKIP_UNDER_THREAD_SANITIZER(clocks_drift);
     std::atomic<std::int64_t> last_felt{0};
     motion_ = [&](std::int64_t tick) {
@@ -461,7 +400,7 @@ TEST_F(HeldWindow, AnotherClipStopsForces) {
 }
 
 /// A clip of another camera maps it to another place.
-TEST_F(HeldWindow, InAKioskAHandThatRestsIsNobodyAndOneThatMovesIsSomebody) {
+TEST_F(DeviceWindow, MovingHandIsKioskVisitor) {
     const auto other = folder_ / "other.mkv";
     ASSERT_TRUE(write_generated_clip("bumps", other, {.width = 128, .height = 96}, 60));
     is_kiosk_ = true;
@@ -475,12 +414,12 @@ TEST_F(HeldWindow, InAKioskAHandThatRestsIsNobodyAndOneThatMovesIsSomebody) {
         ASSERT_TRUE(play("0.9 open " + other.string() + "\n", 2000));
         std::ifstream rows(log_);
         const std::string text((std::istreambuf_iterator<char>(rows)), {});
-        EXPECT_NE(text.find(",start,"), std::string::npos) << text;
+        EXPECT_TRUE(contains(text, ",start,"));
         EXPECT_EQ(text.find(",visit,") != std::string::npos, moves) << text;
     }
 }
 
-TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
+TEST_F(DeviceWindow, ContinuesWithoutLostDevice) {
     motion_ = [this](std::int64_t tick) {
         if (tick == 500) fake_->has_failed = fake_->is_unplugged = true;
         return glm::dvec3(0, 0, 0.12);
@@ -497,7 +436,7 @@ TEST_F(HeldWindow, GoesOnWithoutADeviceThatIsLostAndSaysWhy) {
     EXPECT_GT(recording->front().ticks.size(), 520U) << "it ended with the device, after 501";
 }
 
-TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
+TEST_F(DeviceWindow, SilentDeviceNeedsNewRequest) {
     TOUCHABLE_SKIP_UNDER_THREAD_SANITIZER(clocks_drift);
     constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
     std::atomic<std::int64_t> gone_from{0}, gone_to{0};  // once it was felt, and is out again
@@ -517,7 +456,7 @@ TEST_F(HeldWindow, OfWhichNothingIsHeardForASecondIsAskedAgain) {
     EXPECT_EQ(fake_->most_newtons, 0) << "a surprise";
 }
 
-TEST_F(HeldWindow, ForcesAskedForWhileItIsAwayAreOffWhenItComes) {
+TEST_F(DeviceWindow, ForgetsRequestWhileAway) {
     TOUCHABLE_SKIP_UNDER_THREAD_SANITIZER(clocks_drift);
     constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
     motion_ = [](std::int64_t tick) {
@@ -527,10 +466,10 @@ TEST_F(HeldWindow, ForcesAskedForWhileItIsAwayAreOffWhenItComes) {
     seconds_ = 3.4;
     ASSERT_TRUE(play("0.2 key f\n", 2900));
     EXPECT_GT(fake_->reads, 2900);
-    EXPECT_EQ(fake_->most_newtons, 0) << "nobody knew of them any more";
+    EXPECT_EQ(fake_->most_newtons, 0) << "they were asked for long ago";
 }
 
-TEST_F(HeldWindow, ThatEndsWhileItsDeviceIsLookedForHasNone) {
+TEST_F(DeviceWindow, EndsDuringSearch) {
     motion_ = [this](std::int64_t tick) {
         if (tick == 300) fake_->has_failed = fake_->is_slow = true;
         return glm::dvec3(0, 0, 0.12);
@@ -541,7 +480,7 @@ TEST_F(HeldWindow, ThatEndsWhileItsDeviceIsLookedForHasNone) {
     EXPECT_EQ(fake_->openings, 2);
 }
 
-TEST_F(HeldWindow, IsFoundAgainByAKeyWithoutForces) {
+TEST_F(DeviceWindow, KeyFindsDeviceWithoutForces) {
     motion_ = [this](std::int64_t tick) {
         if (tick == 700) fake_->has_failed = true;
         return glm::dvec3(0, 0, tick < 700 || tick % 200 < 100 ? 0.12 : -0.04);

@@ -102,30 +102,13 @@ int slope(int x, int) {
     return code_of(500 + 10 * x);
 }
 
-class LookingAtData : public ::testing::Test {
+class DataInspection : public ScriptedClipTest {
 protected:
-    Outcome run(const std::string& script, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words{clip_.string()};
-        words.insert(words.end(), more.begin(), more.end());
-        return run_scripted(words, script, folder_.path(), "960x640");
-    }
-    Image shot(const std::string& script, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words{"--screenshot", (folder_ / "shot.png").string(), "--at", "0.6",
-                                       "--overwrite"};
-        words.insert(words.end(), more.begin(), more.end());
-        const Outcome done = run(script, words);
-        EXPECT_EQ(done.code, 0) << done.err;
-        EXPECT_EQ(done.err, "");
-        auto image = read_image(folder_ / "shot.png");
-        EXPECT_TRUE(image);
-        return image ? *image : Image{960, 640, 1, 3, std::vector<std::uint8_t>(960 * 640 * 3)};
-    }
+    DataInspection() : ScriptedClipTest("960x640", "0.6") {}
     static glm::ivec3 colour(const Image& image, int x, int y) {
-        const auto at = static_cast<std::size_t>((y * image.width + x) * 3);
-        return {image.samples[at], image.samples[at + 1], image.samples[at + 2]};
+        const auto rgb = colour_at(image, x, y);
+        return {rgb[0], rgb[1], rgb[2]};
     }
-    const TemporaryFolder folder_;
-    const std::filesystem::path clip_ = folder_ / "clip.mkv";
 };
 
 /// "measured" as the program tells it.
@@ -149,56 +132,58 @@ std::vector<Measured> measured_in(const std::string& out) {
     return all;
 }
 
-TEST_F(LookingAtData, AScriptMeasuresInMillimetresOfTheScene) {
-    ASSERT_NO_FATAL_FAILURE(write_frames(clip_, {slope}));
-    const Outcome done = run("0 measure 20,32 70,10\n0.1 quit\n");
-    ASSERT_EQ(done.code, 0) << done.err;
+glm::dvec3 place_on_slope(int x, int y) {
+    return place_of(x, y, slope(x, y));
+}
+
+/// One line, on the slope from pixel 20, 32 to pixel 70, 10.
+Measured only_measure_of(const Outcome& done) {
+    EXPECT_EQ(done.code, 0) << done.err;
     const auto measured = measured_in(done.out);
-    ASSERT_EQ(measured.size(), 1U) << done.out;
-    const int from = slope(20, 32), to = slope(70, 10);
-    const glm::dvec3 a = place_of(20, 32, from), b = place_of(70, 10, to);
-    EXPECT_NEAR(measured[0].mm, glm::distance(a, b), 0.06);
-    EXPECT_EQ(measured[0].from_code, from);
-    EXPECT_EQ(measured[0].to_code, to);
-    EXPECT_NEAR(measured[0].from_z, -a.z / 1000, 6e-5);
-    EXPECT_NEAR(measured[0].to_z, -b.z / 1000, 6e-5);
+    EXPECT_EQ(measured.size(), 1U) << done.out;
+    if (measured.empty()) return {};
+    EXPECT_EQ(measured[0].from_x, 20);
+    EXPECT_EQ(measured[0].from_y, 32);
     EXPECT_EQ(measured[0].to_x, 70);
     EXPECT_EQ(measured[0].to_y, 10);
+    EXPECT_NEAR(measured[0].mm, glm::distance(place_on_slope(20, 32), place_on_slope(70, 10)), 0.06);
+    return measured[0];
+}
+
+TEST_F(DataInspection, MeasuresInSceneMillimetres) {
+    ASSERT_NO_FATAL_FAILURE(write_frames(clip_, {slope}));
+    const Measured measured = only_measure_of(run("0 measure 20,32 70,10\n0.1 quit\n"));
+    EXPECT_EQ(measured.from_code, slope(20, 32));
+    EXPECT_EQ(measured.to_code, slope(70, 10));
+    EXPECT_NEAR(measured.from_z, -place_on_slope(20, 32).z / 1000, 6e-5);
+    EXPECT_NEAR(measured.to_z, -place_on_slope(70, 10).z / 1000, 6e-5);
 }
 
 /// Ten pixels of the window to one of the clip.
-TEST_F(LookingAtData, TwoClicksOrOneStrokeMeasureWhatACommandDoes) {
+TEST_F(DataInspection, ClicksAndStrokesMeasure) {
     ASSERT_NO_FATAL_FAILURE(write_frames(clip_, {slope}));
-    const std::string click = "press left\n0 release left\n";
-    const Outcome clicks = run("0 key t\n0 move 205 325\n0 " + click + "0.1 move 705 105\n0.1 " +
-                               "press left\n0.1 release left\n0.3 quit\n");
+    const Outcome clicks =
+        run("0 key t\n0 move 205 325\n0 press left\n0 release left\n0.1 move 705 105\n0.1 press left\n"
+            "0.1 release left\n0.3 quit\n");
     const Outcome stroke =
         run("0 measure\n0 move 205 325\n0 press left\n0.1 move 500 200\n0.1 move 705 105\n0.1 release "
             "left\n0.3 quit\n");
     for (const Outcome* done : {&clicks, &stroke}) {
-        ASSERT_EQ(done->code, 0) << done->err;
         EXPECT_EQ(done->err, "");
-        const auto measured = measured_in(done->out);
-        ASSERT_EQ(measured.size(), 1U) << done->out;
-        EXPECT_EQ(measured[0].from_x, 20);
-        EXPECT_EQ(measured[0].from_y, 32);
-        EXPECT_EQ(measured[0].to_x, 70);
-        EXPECT_EQ(measured[0].to_y, 10);
-        EXPECT_NEAR(measured[0].mm,
-                    glm::distance(place_of(20, 32, slope(20, 32)), place_of(70, 10, slope(70, 10))), 0.06);
+        only_measure_of(*done);
     }
 }
 
-TEST_F(LookingAtData, ALineThatCannotBeIsRefusedWithTheReason) {
+TEST_F(DataInspection, RejectsInvalidLine) {
     ASSERT_NO_FATAL_FAILURE(write_frames(clip_, {[](int x, int y) { return x > 60 ? 0 : slope(x, y); }}));
     const Outcome done = run("0 measure 20,32 70,32\n0 measure 20,32 96,32\n0.1 quit\n");
     EXPECT_EQ(done.code, 0);
-    EXPECT_NE(done.err.find("pixel 70, 32 has no depth in frame 0"), std::string::npos) << done.err;
-    EXPECT_NE(done.err.find("no pixel 96, 32; the depth has 96x64"), std::string::npos) << done.err;
+    EXPECT_TRUE(contains(done.err, "pixel 70, 32 has no depth in frame 0"));
+    EXPECT_TRUE(contains(done.err, "no pixel 96, 32; the depth has 96x64"));
     EXPECT_TRUE(measured_in(done.out).empty()) << done.out;
 }
 
-TEST_F(LookingAtData, TheLineIsDrawnUntilItIsTakenAway) {
+TEST_F(DataInspection, LineStaysUntilRemoved) {
     ASSERT_NO_FATAL_FAILURE(write_frames(clip_, {slope}));
     const std::string line = "0 measure 20,45 70,45\n";
     const Image plain = shot(""), drawn = shot(line), off = shot(line + "0.2 measure off\n"),
@@ -213,7 +198,7 @@ TEST_F(LookingAtData, TheLineIsDrawnUntilItIsTakenAway) {
     EXPECT_EQ(differs(escaped), 0) << "and the window is still there";
 }
 
-TEST_F(LookingAtData, DepthHasContrastThoughSomeOfItIsFarAway) {
+TEST_F(DataInspection, DepthKeepsContrast) {
     ASSERT_NO_FATAL_FAILURE(
         write_frames(clip_, {[](int x, int y) { return y < 8 ? code_of(55'000) : slope(x, y); }}));
     const auto contrast = [&](const char* overlay) {
@@ -227,7 +212,7 @@ TEST_F(LookingAtData, DepthHasContrastThoughSomeOfItIsFarAway) {
 }
 
 /// In the lower right, above the bar: a ramp's dark and light ends, where there is one.
-TEST_F(LookingAtData, TheLegendOfWhatIsTheSameEverywhereHasNoRamp) {
+TEST_F(DataInspection, ConstantOverlayHasNoRamp) {
     const auto ends_in = [&](const Image& image) {
         int count = 0;
         for (int y = 480; y < 575; ++y)
@@ -272,10 +257,10 @@ struct TwoFrames {
                    .pointer = pointer});
     }
     ViewCamera camera() const { return own_view(scene, 960, 640, 5); }
-    std::string words(const MeasureTool& tool) const { return tool.facts(camera(), scene).words; }
+    MeasureFacts facts(const MeasureTool& tool) const { return tool.facts(camera(), scene); }
 };
 
-TEST(MeasureTool, EndsStayOnASurfaceThatMoves) {
+TEST(MeasureTool, EndsFollowMovingSurface) {
     const TwoFrames frames([](int, int) { return code_of(500); },
                            [](int x, int) { return code_of(x < 48 ? 500 : 800); });
     MeasureTool tool;
@@ -284,42 +269,41 @@ TEST(MeasureTool, EndsStayOnASurfaceThatMoves) {
         frames.show(tool, k);
         const double right =
             glm::distance(place_of(20, 32, code_of(500)), place_of(70, 32, code_of(k == 0 ? 500 : 800)));
-        EXPECT_NEAR(std::atof(frames.words(tool).c_str()), right, 0.06) << k;
-        const auto facts = tool.facts(frames.camera(), frames.scene);
+        EXPECT_NEAR(std::atof(frames.facts(tool).words.c_str()), right, 0.06) << k;
+        const auto facts = frames.facts(tool);
         ASSERT_EQ(facts.ends.size(), 2U);
         EXPECT_NEAR(facts.ends[1].x, 705, 0.1);
         EXPECT_FALSE(facts.is_frozen);
     }
-    EXPECT_EQ(tool.take_news().size(), 1U) << "a line is told once";
+    EXPECT_EQ(tool.take_news().size(), 1U) << "a line is reported once";
 }
 
-TEST(MeasureTool, AnEndWithoutDepthStaysWhereItWasAndIsSaidToBeFrozen) {
+TEST(MeasureTool, EndWithoutDepthFreezes) {
     const TwoFrames frames([](int, int) { return code_of(500); },
                            [](int x, int) { return x < 48 ? code_of(800) : 0; });
     MeasureTool tool;
     tool.set({20, 32}, {70, 32});
     frames.show(tool, 0);
     frames.show(tool, 1);
-    const auto facts = tool.facts(frames.camera(), frames.scene);
+    const auto facts = frames.facts(tool);
     EXPECT_TRUE(facts.is_frozen);
-    EXPECT_NE(facts.words.find("frozen"), std::string::npos) << facts.words;
+    EXPECT_TRUE(contains(facts.words, "frozen"));
     EXPECT_NEAR(std::atof(facts.words.c_str()),
                 glm::distance(place_of(20, 32, code_of(800)), place_of(70, 32, code_of(500))), 0.06);
     frames.show(tool, 0);
-    EXPECT_FALSE(tool.facts(frames.camera(), frames.scene).is_frozen) << "it has depth again";
+    EXPECT_FALSE(frames.facts(tool).is_frozen) << "it has depth again";
 }
 
 /// Ten pixels of the window to one of the clip: places that are none of a pixel's.
-TEST(MeasureTool, ShowsUnderThePointerWhatAClickTakes) {
+TEST(MeasureTool, PreviewsClickedPixel) {
     const TwoFrames frames(slope, slope);
-    const auto facts = [&](const MeasureTool& tool) { return tool.facts(frames.camera(), frames.scene); };
     MeasureTool tool;
     frames.show(tool, 0, glm::dvec2(208.7, 321.2));
-    EXPECT_FALSE(facts(tool).next) << "it is not held";
+    EXPECT_FALSE(frames.facts(tool).next) << "it is not held";
     tool.hold(true);
     const auto click = [&](const glm::dvec2& at) {
         frames.show(tool, 0, at);
-        const MeasureFacts before = facts(tool);
+        const MeasureFacts before = frames.facts(tool);
         tool.take({.kind = InputEvent::Kind::pressed, .word = "left"}, at);
         tool.take({.kind = InputEvent::Kind::released, .word = "left"}, at);
         frames.show(tool, 0, at);
@@ -330,25 +314,25 @@ TEST(MeasureTool, ShowsUnderThePointerWhatAClickTakes) {
     EXPECT_TRUE(first.ends.empty());
     EXPECT_NEAR(first.next->x, 205, 0.1) << "a pixel's middle";
     EXPECT_NEAR(first.next->y, 325, 0.1);
-    EXPECT_EQ(facts(tool).ends.at(0), *first.next);
-    const MeasureFacts second = click({703.2, 108.4}), after = facts(tool);
+    EXPECT_EQ(frames.facts(tool).ends.at(0), *first.next);
+    const MeasureFacts second = click({703.2, 108.4}), after = frames.facts(tool);
     ASSERT_EQ(second.ends.size(), 2U);
     EXPECT_EQ(second.ends, after.ends);
     EXPECT_EQ(second.words, after.words);
     EXPECT_EQ(second.next, after.ends.at(1));
     click({305, 325});
     frames.show(tool, 0);
-    EXPECT_EQ(facts(tool).ends.size(), 1U) << "it stays where the pointer went away";
-    EXPECT_FALSE(facts(tool).next);
+    EXPECT_EQ(frames.facts(tool).ends.size(), 1U) << "it stays where the pointer went away";
+    EXPECT_FALSE(frames.facts(tool).next);
 }
 
-TEST(PixelWords, SayHowDeepAFingerIsMeantToBeOrHowFarAbove) {
+TEST(PixelWords, TellDepthAndHeight) {
     EXPECT_EQ(pressed_in_words(4), "4.0 in");
     EXPECT_EQ(pressed_in_words(-4), "4.0 above");
     EXPECT_EQ(pressed_in_words(0), "0.0 in");
 }
 
-TEST(MeasureTool, TheThirdClickBeginsAnother) {
+TEST(MeasureTool, ThirdClickStartsNewLine) {
     const TwoFrames frames(slope, slope);
     MeasureTool tool;
     const auto click = [&](double x, double y) {
@@ -369,20 +353,19 @@ TEST(MeasureTool, TheThirdClickBeginsAnother) {
     click(305, 125);
     const auto news = tool.take_news();
     ASSERT_EQ(news.size(), 1U);
-    EXPECT_NE(news[0].words.find("from pixel 30, 32"), std::string::npos) << news[0].words;
+    EXPECT_TRUE(contains(news[0].words, "from pixel 30, 32"));
     tool.hold(false);
-    EXPECT_EQ(tool.facts(frames.camera(), frames.scene).ends.size(), 2U) << "the line stays";
+    EXPECT_EQ(frames.facts(tool).ends.size(), 2U) << "the line stays";
 }
 
-// Letters of a kiosk's texts that the usual typeface has not: others write them, or whoever set it up is
-// told.
+// Letters of a kiosk's texts that the usual typeface lacks: others draw them, or a warning names them.
 
 // Of DejaVu, which every Debian with this program has, Mono alone has the first; the second is no letter yet,
 // and letters of mathematics lie beyond 16 bits.
-const std::string of_mono = "\u2312", of_nobody = "\u2fe0", beyond = "\U0001d4d0";
+const std::string of_mono = "\u2312", of_none = "\u2fe0", beyond = "\U0001d4d0";
 const std::string hebrew = "\u05d0\u05d1";
 
-TEST(FontFallback, WhatTheUsualTypefaceHasNotAnotherWrites) {
+TEST(FontFallback, FindsTypefaceForMissingLetters) {
     const FontFallback latin = find_fonts("Touch the picture, Größe, Ελλάδα");
     ASSERT_TRUE(latin.usual);
     EXPECT_EQ(latin.unwritten, "");
@@ -394,8 +377,8 @@ TEST(FontFallback, WhatTheUsualTypefaceHasNotAnotherWrites) {
     EXPECT_EQ(both.unwritten, "");
 }
 
-TEST(FontFallback, AnotherTypefacesLettersAreDrawnInBothSizes) {
-    ImGuiLayer layer(1, "a" + of_mono + of_nobody);
+TEST(FontFallback, DrawsFallbackInBothSizes) {
+    ImGuiLayer layer(1, "a" + of_mono + of_none);
     for (const double scale : {1.0, 2.0}) {
         if (scale > 1) layer.set_scale(scale);
         const auto& fonts = ImGui::GetIO().Fonts->Fonts;
@@ -408,24 +391,24 @@ TEST(FontFallback, AnotherTypefacesLettersAreDrawnInBothSizes) {
             EXPECT_TRUE(font->FallbackGlyph->Visible) << "a letter that is not there is seen as a sign";
         }
     }
-    EXPECT_EQ(layer.unwritten(), of_nobody);
+    EXPECT_EQ(layer.unwritten(), of_none);
 }
 
-TEST(FontFallback, LettersThatNobodyWritesAreNamedOnce) {
-    const FontFallback none = find_fonts(of_nobody + "a" + beyond + of_nobody);
+TEST(FontFallback, NamesUnwrittenLettersOnce) {
+    const FontFallback none = find_fonts(of_none + "a" + beyond + of_none);
     EXPECT_TRUE(none.others.empty());
-    EXPECT_EQ(none.unwritten, of_nobody + beyond);
+    EXPECT_EQ(none.unwritten, of_none + beyond);
 }
 
-TEST(FontFallback, HebrewAndArabicAreWrittenFromRightToLeft) {
+TEST(FontFallback, DetectsRightToLeftLetters) {
     EXPECT_EQ(right_to_left_letters("a" + hebrew + " b\u0627" + hebrew), hebrew + "\u0627");
     EXPECT_EQ(right_to_left_letters("Größe, 日本, Ελλάδα"), "");
 }
 
-TEST(FontFallback, WhoeverSetsUpAKioskIsToldWhatVisitorsCannotRead) {
+TEST(FontFallback, WarnsKioskOfUnreadableText) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", texts = folder / "texts.json";
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"}).code, 0);
+    make_clip(clip, "globe", 2);
     const auto told = [&](const std::string& invitation) {
         std::ofstream(texts) << R"({"touchable_kiosk_texts": 1, "language": "he", "invitation": ")"
                              << invitation << "\"}";
@@ -435,17 +418,14 @@ TEST(FontFallback, WhoeverSetsUpAKioskIsToldWhatVisitorsCannotRead) {
         return kiosk.err;
     };
     EXPECT_EQ(told("Touch " + of_mono), "");
-    const std::string box = told("Touch " + of_nobody);
-    EXPECT_NE(box.find("no typeface of this machine has these letters of the kiosk's texts"),
-              std::string::npos)
-        << box;
+    const std::string box = told("Touch " + of_none);
+    EXPECT_TRUE(contains(box, "no typeface of this machine has these letters of the kiosk's texts"));
     const std::string reversed = told(hebrew);
-    EXPECT_NE(reversed.find("from left to right, and so these letters of the kiosk's texts too: " + hebrew),
-              std::string::npos)
-        << reversed;
+    EXPECT_TRUE(
+        contains(reversed, "from left to right, and so these letters of the kiosk's texts too: " + hebrew));
 }
 
-TEST(WordsScale, GrowsWithTheWindowInStepsOfAQuarter) {
+TEST(UiScale, GrowsWithWindowInQuarters) {
     EXPECT_EQ(words_scale({640, 400, 1}, false), 1);
     EXPECT_EQ(words_scale({1280, 720, 1}, false), 1);
     EXPECT_EQ(words_scale({1500, 800, 1}, false), 1);
@@ -455,13 +435,13 @@ TEST(WordsScale, GrowsWithTheWindowInStepsOfAQuarter) {
     EXPECT_EQ(words_scale({2560, 720, 1}, false), 1) << "there is no more room from top to bottom";
 }
 
-TEST(WordsScale, IsTheDisplaysWhereTheWindowIsNoLargerThanUsual) {
+TEST(UiScale, FollowsDisplayInUsualWindow) {
     EXPECT_EQ(words_scale({960, 600, 2}, false), 2);
     EXPECT_EQ(words_scale({2560, 1440, 2}, false), 2);
     EXPECT_EQ(words_scale({3840, 2160, 2}, false), 2.5);
 }
 
-TEST(WordsScale, ForVisitorsKeepsTheirShareOfTheScreen) {
+TEST(UiScale, KioskKeepsShareOfScreen) {
     EXPECT_EQ(words_scale({1280, 720, 1}, true), 1);
     EXPECT_EQ(words_scale({1920, 1080, 1}, true), 1.5);
     EXPECT_EQ(words_scale({2560, 1440, 1}, true), 2);
@@ -469,17 +449,7 @@ TEST(WordsScale, ForVisitorsKeepsTheirShareOfTheScreen) {
     EXPECT_EQ(words_scale({7680, 4320, 1}, true), 4);
 }
 
-/// Rows of the bar's dark ground in the picture's middle column.
-int bar_height(const Image& image) {
-    int rows = 0;
-    for (int y = image.height / 2; y < image.height; ++y) {
-        const auto k = static_cast<std::size_t>((y * image.width + image.width / 2) * 3);
-        rows += image.samples[k] < 90 && image.samples[k + 1] < 90;
-    }
-    return rows;
-}
-
-TEST(WordsScale, OfAWindowThatGrowsFollowsUnlessItIsStated) {
+TEST(UiScale, FollowsGrowingWindowUnlessStated) {
     const std::string clip = made_clip("bumps", 1).string(), grown = "0.2 size 1920x1080\n0.5 move 20 20\n";
     const auto height = [&](const std::vector<std::string>& words, const std::string& script) {
         return bar_height(played_by(words, script, "0.9").image);
@@ -535,17 +505,14 @@ double brightness_left(const Image& image, double x, double y) {
     return left > 1 ? (left + gloss) / (1 + gloss) : left;
 }
 
-/// Clay is never that blue: that is the ring.
-bool is_ring(const Image& image, double angle, double distance) {
-    return channel_at(image, distance * std::sin(angle), -distance * std::cos(angle), 2) > 215;
+/// Clockwise from straight up. Clay is never above 215: that is the ring.
+int blue_of(const Image& image, double angle, double distance) {
+    return channel_at(image, distance * std::sin(angle), -distance * std::cos(angle), 2);
 }
 
 /// Of the ring, 12 degrees to the right of straight up, pixels; 0: there is none.
 double ring_of(const Image& image) {
-    constexpr double angle = 0.21;
-    const auto blue_at = [&](double distance) {
-        return channel_at(image, distance * std::sin(angle), -distance * std::cos(angle), 2);
-    };
+    const auto blue_at = [&](double distance) { return blue_of(image, 0.21, distance); };
     int most = channel_at(image, 300, 0, 2) + 30;
     for (double distance = radius + 2; distance < 60; distance += 0.25)
         most = std::max(most, blue_at(distance));
@@ -564,11 +531,12 @@ double strong_share(const Image& image) {
     const double ring = ring_of(image);
     int strong = 0;
     constexpr int steps = 360;
-    for (int k = 0; k < steps; ++k) strong += is_ring(image, 2 * std::numbers::pi * (k + 0.5) / steps, ring);
+    for (int k = 0; k < steps; ++k)
+        strong += blue_of(image, 2 * std::numbers::pi * (k + 0.5) / steps, ring) > 215;
     return strong / static_cast<double>(steps);
 }
 
-TEST(FrontView, HalfAMillimetreAndFourAboveTheSurfaceDiffer) {
+TEST(FrontView, ShowsHeightAboveSurface) {
     const Image far = picture_of("0"), near = picture_of("3.5");
     EXPECT_NEAR(ring_of(far), 1.95 * radius, 1.5);
     EXPECT_NEAR(ring_of(near), 1.6 * radius, 1.5);
@@ -581,7 +549,7 @@ TEST(FrontView, HalfAMillimetreAndFourAboveTheSurfaceDiffer) {
     EXPECT_NEAR(light_left(near, -20, -20), 0.98, 0.03);
 }
 
-TEST(FrontView, OneNewtonAndThreeDiffer) {
+TEST(FrontView, ShowsForce) {
     // 1.667 and 5 mm into 0.6 N/mm.
     const Image one = picture_of("5.667"), three = picture_of("9");
     EXPECT_NEAR(ring_of(one), 1.46 * radius, 1.5);
@@ -598,7 +566,7 @@ TEST(FrontView, OneNewtonAndThreeDiffer) {
 }
 
 /// From aside the arrow crosses it. At its limit all of the ring is white.
-TEST(FrontView, TheRingIsWholeOverTheArrow) {
+TEST(FrontView, RingCoversArrow) {
     const Image turned = picture_of("9\n0.2 max-force 1\n0.3 turn -70");
     const auto least_at = [&](double x, double y) {
         int least = 255;
@@ -626,7 +594,7 @@ TEST(FrontView, TheRingIsWholeOverTheArrow) {
     }
 }
 
-TEST(FrontView, DentIsSwitchedOffByOptionAndByCommand) {
+TEST(FrontView, DentCanBeTurnedOff) {
     const Image off = picture_of("9", {"--dent", "off"}), told = picture_of("9\n0.2 dent off"),
                 again = picture_of("9\n0.2 dent off\n0.3 dent on");
     for (const Image* flat : {&off, &told}) {
@@ -637,7 +605,7 @@ TEST(FrontView, DentIsSwitchedOffByOptionAndByCommand) {
     EXPECT_NEAR(brightness_left(again, 0, -42), 0.532, 0.03);
 }
 
-TEST(FrontView, AnOverlayKeepsItsColoursUnderAFinger) {
+TEST(FrontView, OverlayKeepsColoursUnderFinger) {
     const Image depth = picture_of("9\n0.2 overlay stiffness");
     EXPECT_NEAR(brightness_left(depth, 0, -42), 1, 0.01);
     EXPECT_NEAR(brightness_left(depth, 0, 42), 1, 0.01);

@@ -27,7 +27,7 @@ protected:
     PointerInput input_;
 };
 
-TEST_F(Pointer, FingerHoversBeforeWhatIsSeenThere) {
+TEST_F(Pointer, FingerHoversBeforeSurface) {
     put(160, 120);
     const auto met = pick(field(), camera(), 160, 120);
     ASSERT_TRUE(met && met->drawn);
@@ -36,7 +36,7 @@ TEST_F(Pointer, FingerHoversBeforeWhatIsSeenThere) {
 }
 
 /// However far the clip's camera is; and from wherever it looks.
-TEST_F(Pointer, FingersThatComeAreThereWithinATenthOfASecond) {
+TEST_F(Pointer, FingersArriveWithinTenthSecond) {
     const auto led = [&](int ticks) {
         Places places{};
         for (int tick = 0; tick < ticks; ++tick) {
@@ -64,7 +64,7 @@ TEST_F(Pointer, FingersThatComeAreThereWithinATenthOfASecond) {
     EXPECT_LT(glm::length(soon[0] - there[0]), 0.003) << "from beside it";
 }
 
-TEST_F(Pointer, ButtonPressesAndLettingGoLiftsAgain) {
+TEST_F(Pointer, ButtonPressesAndLifts) {
     put(160, 120);
     press();
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::press_m);
@@ -81,7 +81,7 @@ TEST_F(Pointer, WheelDeepensWithinLimits) {
     EXPECT_EQ(fingers_->depth_m(), PointerFingers::highest_m);
 }
 
-TEST_F(Pointer, SeveralFingersStandRoundIt) {
+TEST_F(Pointer, SeveralFingersSurroundPointer) {
     put(160, 120);
     fingers_->set_count(3);
     after_a_second();  // from the first look on it is known how far away they are
@@ -96,7 +96,7 @@ TEST_F(Pointer, SeveralFingersStandRoundIt) {
     EXPECT_LT(glm::length(places[3]), 1e-6) << "a finger that is not there is at the clip's camera";
 }
 
-TEST_F(Pointer, HoversOverWhatIsInItsWay) {
+TEST_F(Pointer, HoversOverObstacles) {
     put(20, 20);  // the background, far behind the globe
     auto places = after_a_second();
     ASSERT_GT(-places[0].z, 100);
@@ -118,7 +118,7 @@ TEST_F(Pointer, HoversOverWhatIsInItsWay) {
 }
 
 /// Aside, or along its ray as in a turned view; but friction holds it back by more where it presses deeper.
-TEST_F(Pointer, IsLiftedWhereItStaysFarFromItsGoal) {
+TEST_F(Pointer, StuckFingerIsLifted) {
     put(160, 120);
     press();
     const glm::dvec3 pressed = after_a_second()[0], ground = pick(field(), camera(), 160, 120)->point,
@@ -145,7 +145,7 @@ TEST_F(Pointer, IsLiftedWhereItStaysFarFromItsGoal) {
 }
 
 /// It slips off a narrow rim again and again.
-TEST_F(Pointer, IsLiftedOnceToWhereItDoesNotStay) {
+TEST_F(Pointer, SlippingFingerIsLiftedOnce) {
     double limb = 160;
     while (-pick(field(), camera(), limb, 120)->point.z < 100) ++limb;
     put(limb - 3, 120);
@@ -168,7 +168,7 @@ TEST_F(Pointer, IsLiftedOnceToWhereItDoesNotStay) {
 }
 
 /// However far below what it goes over it is.
-TEST_F(Pointer, IsNotLiftedThroughTheClipsCamera) {
+TEST_F(Pointer, LiftStopsAtCamera) {
     put(160, 120);
     Contact met;
     met.touching = true;
@@ -182,7 +182,7 @@ TEST_F(Pointer, IsNotLiftedThroughTheClipsCamera) {
     EXPECT_LT(z, -1) << "it never came";
 }
 
-TEST_F(Pointer, WhatIsNotThereIsNotPressed) {
+TEST_F(Pointer, EmptyPlaceIsNotPressed) {
     put(160, 120);
     after_a_second();
     put(-200, 120);  // beside the picture of the clip
@@ -202,7 +202,7 @@ TEST_F(Pointer, LeavesWithTheWindow) {
 }
 
 /// By a drag of the same share of the picture as much, however large that is.
-TEST_F(Pointer, MiddleButtonTurnsTheViewAndLeavesTheFinger) {
+TEST_F(Pointer, MiddleButtonTurnsView) {
     put(160, 120);
     press("middle");
     put(190, 120);
@@ -220,7 +220,7 @@ TEST_F(Pointer, MiddleButtonTurnsTheViewAndLeavesTheFinger) {
 }
 
 /// A touchpad has no middle button.
-TEST_F(Pointer, ControlAndLeftButtonAreTheMiddleOne) {
+TEST_F(Pointer, ControlLeftActsAsMiddle) {
     const auto press_with_control = [this](bool shift) {
         take({.kind = InputEvent::Kind::pressed, .word = "left", .control = true, .shift = shift});
     };
@@ -241,7 +241,7 @@ TEST_F(Pointer, ControlAndLeftButtonAreTheMiddleOne) {
     EXPECT_FALSE(fingers_->was_pressed());
 }
 
-TEST_F(Pointer, WhereADeviceIsHeldItOnlyMovesTheView) {
+TEST_F(Pointer, DeviceLeavesOnlyTheView) {
     const auto lead = [this](const InputEvent& event) { take(event, PointerInput::Leads::view); };
     lead({.x = 160, .y = 120});
     lead({.kind = InputEvent::Kind::pressed, .word = "left"});
@@ -303,7 +303,7 @@ protected:
     TouchInput touches_;
 };
 
-TEST_F(Touches, EachFingerPressesWhereItIs) {
+TEST_F(Touches, EachFingerPressesInPlace) {
     const std::array<glm::dvec2, 3> at{{{320, 240}, {260, 200}, {380, 300}}};
     for (int k = 0; k < 3; ++k) begin(k + 1, at[k].x, at[k].y, k);
     EXPECT_EQ(fingers_->present(), 3);
@@ -320,7 +320,7 @@ TEST_F(Touches, EachFingerPressesWhereItIs) {
 }
 
 /// A mouse's finger comes from the clip's camera, here 5 cm of the hand's away.
-TEST_F(Touches, FingerIsFeltWithinATenthOfASecondAndSoIsTheMouses) {
+TEST_F(Touches, FingerArrivesWithinTenthSecond) {
     begin(1, 320, 240, 0);
     const double deep = depths(100)[0].value_or(-1);
     EXPECT_GT(deep, 0.0005) << "half a newton in 1 N/mm";
@@ -334,7 +334,7 @@ TEST_F(Touches, FingerIsFeltWithinATenthOfASecondAndSoIsTheMouses) {
     EXPECT_GT(depths(100)[0].value_or(-1), 0.0005);
 }
 
-TEST_F(Touches, FingerComesFromBeforeTheSurfaceAndNeverLeapsOnIt) {
+TEST_F(Touches, FingerApproachesWithoutLeap) {
     begin(1, 320, 240, 0);
     fingers_->intend(field(), camera());
     const auto met = pick(field(), camera(), 320, 240);
@@ -347,7 +347,7 @@ TEST_F(Touches, FingerComesFromBeforeTheSurfaceAndNeverLeapsOnIt) {
     }
 }
 
-TEST_F(Touches, LiftedFingerLeavesAtOnceAndTheOthersStay) {
+TEST_F(Touches, LiftedFingerLeavesAlone) {
     begin(1, 320, 240, 0);
     begin(2, 260, 200, 1);
     begin(3, 380, 300, 2);
@@ -362,7 +362,7 @@ TEST_F(Touches, LiftedFingerLeavesAtOnceAndTheOthersStay) {
     EXPECT_EQ(pressing(), 3);
 }
 
-TEST_F(Touches, NoMoreFingersTouchThanThereAre) {
+TEST_F(Touches, ExtraFingersAreIgnored) {
     for (int k = 0; k < 8; ++k) begin(k + 1, 250 + 20 * k, 240, k);
     EXPECT_EQ(fingers_->present(), PointerFingers::most);
     move(8, 10, 10, 9);
@@ -371,7 +371,7 @@ TEST_F(Touches, NoMoreFingersTouchThanThereAre) {
     EXPECT_FALSE(is_turned());
 }
 
-TEST_F(Touches, TwoThatArePutDownTogetherAndMoveAtOnceTurnTheView) {
+TEST_F(Touches, TwoMovingFingersTurnView) {
     begin(1, 300, 240, 10);
     begin(2, 340, 240, 10.1);
     for (int k = 1; k <= 30; ++k) {
@@ -387,7 +387,7 @@ TEST_F(Touches, TwoThatArePutDownTogetherAndMoveAtOnceTurnTheView) {
     EXPECT_EQ(fingers_->present(), 1) << "as many as the mouse has";
 }
 
-TEST_F(Touches, TwoThatGoApartBringTheViewNearerByAsMuch) {
+TEST_F(Touches, PinchZooms) {
     begin(1, 300, 240, 10);
     begin(2, 340, 240, 10.1);
     move(1, 280, 240, 10.2);  // from here on they do
@@ -407,7 +407,7 @@ TEST_F(Touches, TwoThatGoApartBringTheViewNearerByAsMuch) {
     EXPECT_EQ(pressing(), 0);
 }
 
-TEST_F(Touches, GestureGoesOnUntilBothAreLifted) {
+TEST_F(Touches, GestureLastsUntilBothLift) {
     begin(1, 300, 240, 10);
     begin(2, 340, 240, 10.1);
     move(1, 260, 240, 10.2);
@@ -424,7 +424,7 @@ TEST_F(Touches, GestureGoesOnUntilBothAreLifted) {
     EXPECT_EQ(pressing(), 1);
 }
 
-TEST_F(Touches, TwoThatRestOrComeOneAfterTheOtherTouch) {
+TEST_F(Touches, RestingOrSuccessiveFingersTouch) {
     begin(1, 300, 240, 10);
     begin(2, 340, 240, 10.1);
     move(1, 300, 246, 10.3);  // a finger trembles
@@ -451,14 +451,14 @@ TEST_F(Touches, TwoThatRestOrComeOneAfterTheOtherTouch) {
     EXPECT_FALSE(is_turned()) << "the first one strokes already";
 }
 
-TEST_F(Touches, ThreeAndMoreTouch) {
+TEST_F(Touches, ThreeOrMoreTouch) {
     for (int k = 0; k < 5; ++k) begin(k + 1, 260 + 30 * k, 240, 10 + 0.02 * k);
     for (int k = 0; k < 5; ++k) move(k + 1, 260 + 30 * k, 290, 10.2);
     EXPECT_FALSE(is_turned());
     EXPECT_EQ(pressing(), 5);
 }
 
-TEST_F(Touches, OneWhereNothingIsTurnsTheViewWhileAnotherTouches) {
+TEST_F(Touches, FingerOnBackgroundTurnsView) {
     begin(1, 20, 20, 10, Ground::nothing);
     begin(2, 320, 240, 12);
     move(1, 60, 20, 13);
@@ -468,7 +468,7 @@ TEST_F(Touches, OneWhereNothingIsTurnsTheViewWhileAnotherTouches) {
     EXPECT_NEAR(view_.orbit().azimuth, -18, 1e-9);
 }
 
-TEST_F(Touches, OneOnAPanelIsThePointerAndTouchesNothing) {
+TEST_F(Touches, FingerOnPanelIsPointer) {
     const auto pressed = begin(1, 30, 40, 10, Ground::pointers);
     ASSERT_EQ(pressed.size(), 2U);
     EXPECT_EQ(pressed[0].kind, Kind::moved);
@@ -491,7 +491,7 @@ TEST_F(Touches, OneOnAPanelIsThePointerAndTouchesNothing) {
 }
 
 /// Of a panel it clicks nothing.
-TEST_F(Touches, CancelledFingersAreLiftedAndWhatComesOfThemIsNobodys) {
+TEST_F(Touches, CancelledFingersAreIgnored) {
     begin(1, 320, 240, 10);
     begin(2, 260, 200, 11);
     begin(3, 30, 40, 11, Ground::pointers);
@@ -510,7 +510,7 @@ TEST_F(Touches, CancelledFingersAreLiftedAndWhatComesOfThemIsNobodys) {
     EXPECT_EQ(pressing(), 1);
 }
 
-TEST_F(Touches, PointerLeadsNoFingerMeanwhile) {
+TEST_F(Touches, PointerYieldsToFingers) {
     fingers_->set_pointer(glm::dvec2(320, 240));
     fingers_->set_count(3);
     fingers_->press(true);
@@ -529,7 +529,7 @@ TEST_F(Touches, PointerLeadsNoFingerMeanwhile) {
     EXPECT_EQ(pressing(), 0);
 }
 
-TEST_F(Touches, WhatIsNoPlaceOrNobodysIsIgnored) {
+TEST_F(Touches, InvalidEventsAreIgnored) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     begin(1, nan, 240, 0);
     move(2, 300, 240, 0);
@@ -543,7 +543,7 @@ TEST_F(Touches, WhatIsNoPlaceOrNobodysIsIgnored) {
     EXPECT_EQ(pressing(), 1);
 }
 
-TEST_F(Touches, FingerOverAHoleIsNotPressed) {
+TEST_F(Touches, FingerOverHoleIsLifted) {
     begin(1, 320, 240, 0);
     ASSERT_EQ(pressing(), 1);
     move(1, -300, 240, 1);

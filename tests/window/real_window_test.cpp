@@ -6,69 +6,63 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
-#include <optional>
 #include <string>
-#include <thread>
 
 #include "engine/picture/image.hpp"
 #include "player/window/screen.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 #include "tests/window/two_surfaces.hpp"
 
 namespace touchable::test {
 namespace {
 
-/// Runs `actions` (of bash, with xdotool) while `program` with `words` has a window on a display of its own,
-/// and gives the program's exit code. `before`: actions before that.
-int with_display(const TemporaryFolder& folder, const std::string& words, const std::string& actions,
-                 const std::string& before = "") {
-    std::ofstream(folder / "run.sh") << R"(
-cd "$1"
-export XDG_CONFIG_HOME="$1/config"
+bool has_programs(const std::string& names) {
+    return std::system(("command -v " + names + " >/dev/null").c_str()) == 0;
+}
+bool has_library(const std::string& name) {
+    return std::system(("ldconfig -p | grep -q " + name).c_str()) == 0;
+}
+
+/// In a folder of its own: a globe of 30 frames, and what the program says, in `out` and `err`.
+class RealWindow : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (has_programs("Xvfb xdotool")) return make_clip(folder / "globe.mkv", "globe", 30, "160x120");
+        ASSERT_EQ(std::getenv("TOUCHABLE_REQUIRE_DATA"), nullptr) << "Xvfb and xdotool are not installed";
+        GTEST_SKIP() << "Xvfb and xdotool are not installed";
+    }
+    /// Runs `actions` while the program with `words` has a window on a display of its own, and gives the
+    /// program's exit code. `before`: actions before that.
+    int run(const std::string& words, const std::string& actions, const std::string& before = "") {
+        return run_on_display(folder.path(), R"(
 rm -f display  # of a run before
 Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp -noreset 3>display 2>xvfb.log & server=$!
 trap 'kill $server 2>/dev/null' EXIT
 for k in $(seq 600); do [[ -s display ]] && break; sleep 0.1; done
 [[ -s display ]] || exit 99
 export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state
-)" << before << "\n\"" << TOUCHABLE_PROGRAM
-                                     << "\" " << words << R"( >out 2>err & program=$!
-timeout 60 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
-xdotool windowmove $(head -1 window) 0 0
-for k in $(seq 600); do  # until the clip is open
-    title=$(xdotool getwindowname $(head -1 window))
-    [[ $title == *' - touchable' && $title != *...* ]] && break
-    sleep 0.1
-done
-)" << actions << R"(
-wait $program
-)";
-    const int status =
-        std::system(("bash '" + (folder / "run.sh").string() + "' '" + folder.path().string() + "'").c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-bool has_display_programs() {
-    return std::system("command -v Xvfb xdotool >/dev/null") == 0;
-}
-
-TEST(RealWindow, IsTouchedByMouseAndKeysAndClosedByThem) {
-    if (!has_display_programs()) {
-        ASSERT_EQ(std::getenv("TOUCHABLE_REQUIRE_DATA"), nullptr) << "Xvfb and xdotool are not installed";
-        GTEST_SKIP() << "Xvfb and xdotool are not installed";
+)" + before,
+                              words, actions);
     }
+    std::string text(const std::string& file) const { return file_contents(folder / file); }
+    std::string kept() const { return text("config/touchable/play.json"); }
+
     const TemporaryFolder folder;
-    ASSERT_EQ(run_touchable(
-                  {"make", "globe", (folder / "globe.mkv").string(), "--size", "160x120", "--frames", "30"})
-                  .code,
-              0);
-    const int code = with_display(folder, "play globe.mkv --size 640x400 --record hand.touch", R"(
+};
+
+void expect_one_line(const std::string& text, const std::string& part) {
+    EXPECT_TRUE(contains(text, part));
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+}
+
+TEST_F(RealWindow, WorksByMouseAndKeys) {
+    const int code = run("play globe.mkv --size 640x400 --record hand.touch", R"(
 xdotool mousemove 320 180 sleep 0.3 mousedown 1 sleep 0.3 mousemove 340 190 sleep 0.3 key space sleep 0.2 key o sleep 0.2
 xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 360 sleep 0.4 key Tab sleep 0.3 key F12 sleep 0.3 key Escape
 )");
-    EXPECT_EQ(code, 0) << file_contents(folder / "err");
-    EXPECT_EQ(file_contents(folder / "err"), "");
-    EXPECT_NE(file_contents(folder / "out").find("input to picture"), std::string::npos);
+    EXPECT_EQ(code, 0) << text("err");
+    EXPECT_EQ(text("err"), "");
+    EXPECT_TRUE(contains(text("out"), "input to picture"));
     const auto first = read_image(folder / "touchable-1.png"),
                second = read_image(folder / "touchable-2.png");
     ASSERT_TRUE(first) << first.error().message;
@@ -77,11 +71,8 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     EXPECT_EQ(first->height, 400);
     EXPECT_EQ(second->width, 500);
     EXPECT_EQ(second->height, 360);
-    const std::string kept = file_contents(folder / "config/touchable/play.json");
-    EXPECT_NE(kept.find("\"panel\": true"), std::string::npos) << kept;
-    const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+    EXPECT_TRUE(contains(kept(), "\"panel\": true"));
+    replayed(folder.path(), "hand.touch");
 }
 
 /// Of bash: until the window is called so, or another size has it.
@@ -93,15 +84,9 @@ until_sized() { for k in $(seq 600); do xdotool getwindowgeometry $(head -1 wind
 constexpr const char* all_layouts[] = {"us", "de", "fr", "es", "se", "ru"};
 
 /// Keys by their places: 18 is that of the 9. A Russian keyboard has no < and >.
-TEST(RealWindow, GoesThroughItsClipsFillsTheScreenAndIsLoudByKeysOfEveryKeyboard) {
-    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
-        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
-    const TemporaryFolder folder;
-    for (const char* name : {"a.mkv", "b.mkv"})
-        ASSERT_EQ(
-            run_touchable({"make", "globe", (folder / name).string(), "--size", "64x48", "--frames", "1"})
-                .code,
-            0);
+TEST_F(RealWindow, PlayerKeysFitEveryKeyboard) {
+    if (!has_programs("setxkbmap xkbcomp")) GTEST_SKIP() << "setxkbmap and xkbcomp are not installed";
+    for (const char* name : {"a.mkv", "b.mkv"}) make_clip(folder / name, "globe", 1);
     std::string actions = waits;
     for (const char* layout : all_layouts)
         actions += std::string("layout=") + layout + R"(
@@ -116,30 +101,23 @@ xdotool key F11; until_sized 1024x768
 xdotool key Escape; until_sized 400x300
 kill -0 $program || exit 96
 )";
-    const int code = with_display(folder, "play a.mkv b.mkv --size 400x300 --painter cpu",
-                                  actions + "setxkbmap us; sleep 0.3; xdotool key q\n");
-    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
-    const std::string kept = file_contents(folder / "config/touchable/play.json");
-    EXPECT_NE(kept.find("\"volume\": 70"), std::string::npos) << "six times 5 less: " << kept;
+    const int code = run("play a.mkv b.mkv --size 400x300 --painter cpu",
+                         actions + "setxkbmap us; sleep 0.3; xdotool key q\n");
+    EXPECT_EQ(code, 0) << text("out") << text("err");
+    EXPECT_TRUE(contains(kept(), "\"volume\": 70")) << "six times 5 less";
 }
 
 /// Where Q is printed; on a Russian keyboard, where an American one has it.
-TEST(RealWindow, IsClosedByQOnEveryKeyboard) {
-    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
-        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "1"})
-            .code,
-        0);
+TEST_F(RealWindow, QClosesOnEveryKeyboard) {
+    if (!has_programs("setxkbmap xkbcomp")) GTEST_SKIP() << "setxkbmap and xkbcomp are not installed";
     for (const std::string layout : all_layouts) {
-        const int code = with_display(
-            folder, "play globe.mkv --size 400x300 --painter cpu --seconds 60",
-            "setxkbmap " + layout + "; sleep 0.3; xdotool key " + (layout == "ru" ? "24" : "q") + R"(
+        const int code =
+            run("play globe.mkv --size 400x300 --painter cpu --seconds 60",
+                "setxkbmap " + layout + "; sleep 0.3; xdotool key " + (layout == "ru" ? "24" : "q") + R"(
 for k in $(seq 600); do kill -0 $program 2>/dev/null || break; sleep 0.1; done
 kill -0 $program 2>/dev/null && { kill $program; exit 96; }
 )");
-        EXPECT_EQ(code, 0) << layout << file_contents(folder / "err");
+        EXPECT_EQ(code, 0) << layout << text("err");
     }
 }
 
@@ -156,24 +134,18 @@ int rows_of_bar(const Image& image) {
 
 /// A display whose resources say 192 pixels an inch has twice as many for the same words; --scale says
 /// otherwise.
-TEST(RealWindow, HasWordsAsLargeAsTheDisplayNeedsOrAsIsSaid) {
-    if (!has_display_programs() || std::system("command -v xprop >/dev/null") != 0)
-        GTEST_SKIP() << "Xvfb, xdotool and xprop are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "bumps", (folder / "b.mkv").string(), "--size", "64x48", "--frames", "1"})
-            .code,
-        0);
+TEST_F(RealWindow, TextFollowsDisplayScale) {
+    if (!has_programs("xprop")) GTEST_SKIP() << "xprop is not installed";
+    make_clip(folder / "b.mkv", "bumps", 1);
     const auto bar_with = [&](const std::string& words, const std::string& dots, int width) {
         std::filesystem::remove(folder / "touchable-1.png");
-        EXPECT_EQ(
-            with_display(folder, "play b.mkv --size 480x300" + words,
-                         "xdotool mousemove 20 150 sleep 0.5 key F12\n"
-                         "for k in $(seq 600); do [[ -s touchable-1.png ]] && break; sleep 0.1; done\n"
-                         "xdotool key q\n",
-                         "xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER 'Xft.dpi: " + dots + "'"),
-            0)
-            << file_contents(folder / "err");
+        EXPECT_EQ(run("play b.mkv --size 480x300" + words,
+                      "xdotool mousemove 20 150 sleep 0.5 key F12\n"
+                      "for k in $(seq 600); do [[ -s touchable-1.png ]] && break; sleep 0.1; done\n"
+                      "xdotool key q\n",
+                      "xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER 'Xft.dpi: " + dots + "'"),
+                  0)
+            << text("err");
         const auto image = read_image(folder / "touchable-1.png");
         EXPECT_TRUE(image);
         if (!image) return 0;
@@ -186,33 +158,20 @@ TEST(RealWindow, HasWordsAsLargeAsTheDisplayNeedsOrAsIsSaid) {
     EXPECT_LT(bar_with(" --scale 1", "192", 960), 1.2 * usual);
 }
 
-TEST(RealWindow, FillsTheScreenByADoubleClick) {
-    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "1"})
-            .code,
-        0);
-    const int code =
-        with_display(folder, "play globe.mkv --size 400x300 --painter cpu", waits + std::string(R"(
+TEST_F(RealWindow, DoubleClickFillsScreen) {
+    const int code = run("play globe.mkv --size 400x300 --painter cpu", waits + std::string(R"(
 xdotool mousemove 200 120 sleep 0.3 click 1 sleep 0.08 click 1; until_sized 1024x768
 xdotool sleep 0.5 click 1 sleep 0.08 click 1; until_sized 400x300
 xdotool key q
 )"));
-    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
+    EXPECT_EQ(code, 0) << text("out") << text("err");
 }
 
 /// `?` is Shift and another key on each; a Russian F is where an American one is.
-TEST(RealWindow, HasItsKeysOnEveryKeyboard) {
-    if (!has_display_programs() || std::system("command -v setxkbmap xkbcomp >/dev/null") != 0)
-        GTEST_SKIP() << "Xvfb, xdotool and setxkbmap are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
-            .code,
-        0);
+TEST_F(RealWindow, HelpKeyFitsEveryKeyboard) {
+    if (!has_programs("setxkbmap xkbcomp")) GTEST_SKIP() << "setxkbmap and xkbcomp are not installed";
     // Escape closes the help; the window, where there is none.
-    const int code = with_display(folder, "play globe.mkv --size 400x300 --painter cpu", R"(
+    const int code = run("play globe.mkv --size 400x300 --painter cpu", R"(
 for layout in us de fr es se ru gr; do
     setxkbmap $layout || exit 97; sleep 0.3
     xdotool key question; sleep 0.3
@@ -224,21 +183,13 @@ xdotool key 56; sleep 0.3  # the place of B
 setxkbmap us; sleep 0.3
 xdotool key Escape
 )");
-    EXPECT_EQ(code, 0) << file_contents(folder / "out") << file_contents(folder / "err");
-    const std::string kept = file_contents(folder / "config/touchable/play.json");
-    EXPECT_NE(kept.find("\"filters\": \"off\""), std::string::npos) << "B is there: " << kept;
+    EXPECT_EQ(code, 0) << text("out") << text("err");
+    EXPECT_TRUE(contains(kept(), "\"filters\": \"off\"")) << "B is there";
 }
 
-TEST(RealWindow, ShowsThePointerWhereNoFingerIs) {
-    if (!has_display_programs() ||
-        std::system("command -v python3 >/dev/null && ldconfig -p | grep -q libXfixes.so.3 && "
-                    "ldconfig -p | grep -q libXcursor.so.1") != 0)
-        GTEST_SKIP() << "Xvfb, xdotool, python3, libXfixes and libXcursor are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
-            .code,
-        0);
+TEST_F(RealWindow, ShowsPointerWithoutFinger) {
+    if (!has_programs("python3") || !has_library("libXfixes.so.3") || !has_library("libXcursor.so.1"))
+        GTEST_SKIP() << "python3, libXfixes and libXcursor are not installed";
     std::ofstream(folder / "pointer.py") << R"(
 from ctypes import *
 class Image(Structure):
@@ -252,7 +203,7 @@ fixes.XFixesQueryExtension(display, byref(first), byref(error))
 image = fixes.XFixesGetCursorImage(display).contents
 print("seen" if any(image.pixels[k] >> 24 for k in range(image.width * image.height)) else "hidden")
 )";
-    const int code = with_display(folder, "play globe.mkv --size 400x300 --painter cpu", R"(
+    const int code = run("play globe.mkv --size 400x300 --painter cpu", R"(
 is() {
     for k in $(seq 30); do [[ $(python3 pointer.py) == "$1" ]] && break; sleep 0.3; done
     python3 pointer.py >>pointers
@@ -262,48 +213,40 @@ xdotool key f; is seen
 xdotool key f; is hidden
 xdotool key Escape
 )");
-    EXPECT_EQ(code, 0) << file_contents(folder / "err");
-    EXPECT_EQ(file_contents(folder / "pointers"), "hidden\nseen\nhidden\n");
+    EXPECT_EQ(code, 0) << text("err");
+    EXPECT_EQ(text("pointers"), "hidden\nseen\nhidden\n");
 }
 
 /// The CPU's picture in it, too.
 /// By mouse and keys; the second window has what the first one did. Escape puts the brush away first.
-TEST(RealWindow, IsPaintedByMouseAndKeys) {
-    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
-    const TemporaryFolder folder;
+TEST_F(RealWindow, PaintsByMouseAndKeys) {
     ASSERT_NO_FATAL_FAILURE(write_two_surfaces(folder / "wall.mkv", 4));
     const auto saved_by = [&](const std::string& keys) {
-        const int code = with_display(folder, "play wall.mkv --size 960x640", R"(
+        const int code = run("play wall.mkv --size 960x640", R"(
 xdotool key p sleep 0.3 mousemove 240 320 sleep 0.3 )" + keys + R"( sleep 0.3 key ctrl+s
 for k in $(seq 600); do [[ -s wall.mkv.materials.json ]] && break; sleep 0.1; done
 xdotool key Escape sleep 0.3
 kill -0 $program || exit 96
 xdotool key Escape
 )");
-        EXPECT_EQ(code, 0) << file_contents(folder / "err");
-        EXPECT_EQ(file_contents(folder / "err"), "");
+        EXPECT_EQ(code, 0) << text("err");
+        EXPECT_EQ(text("err"), "");
         const std::string text = file_contents(folder / "wall.mkv.materials.json");
         std::filesystem::remove(folder / "wall.mkv.materials.json");
         return text;
     };
-    EXPECT_NE(saved_by("click 1").find("wood"), std::string::npos);
+    EXPECT_TRUE(contains(saved_by("click 1"), "wood"));
     EXPECT_EQ(names_in(folder / "state/touchable").size(), 1U);
     const std::string undone = saved_by("key ctrl+z");
-    EXPECT_EQ(undone.find("wood"), std::string::npos) << undone;
-    EXPECT_NE(undone.find("touchable_segments"), std::string::npos) << undone;
-    EXPECT_NE(saved_by("key ctrl+y").find("wood"), std::string::npos) << "done again in the next one";
+    EXPECT_FALSE(contains(undone, "wood"));
+    EXPECT_TRUE(contains(undone, "touchable_segments"));
+    EXPECT_TRUE(contains(saved_by("key ctrl+y"), "wood")) << "done again in the next one";
 }
 
-/// Somebody sets it to a second after the window has opened; only a window that asks keeps it away.
-TEST(RealWindow, OfAKioskKeepsTheScreenSaverAway) {
-    if (!has_display_programs() ||
-        std::system("command -v python3 >/dev/null && ldconfig -p | grep -q libXss.so.1") != 0)
-        GTEST_SKIP() << "Xvfb, xdotool, python3 and libXss are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
-            .code,
-        0);
+/// It is set to a second after the window has opened; only a window that asks keeps it away.
+TEST_F(RealWindow, KioskBlocksScreenSaver) {
+    if (!has_programs("python3") || !has_library("libXss.so.1"))
+        GTEST_SKIP() << "python3 and libXss are not installed";
     std::ofstream(folder / "saver.py") << R"(
 from ctypes import *
 import time
@@ -322,11 +265,11 @@ for k in range(35):
 print("blank" if info.state == 1 else "awake")
 )";
     const auto seen = [&](const std::string& words) {
-        with_display(folder, "play globe.mkv --size 400x300 --painter cpu" + words, R"(
+        run("play globe.mkv --size 400x300 --painter cpu" + words, R"(
 python3 saver.py >seen
 kill $program
 )");
-        return file_contents(folder / "seen");
+        return text("seen");
     };
     EXPECT_EQ(seen(""), "blank\n");
 #ifdef TOUCHABLE_HAS_XSS
@@ -334,52 +277,31 @@ kill $program
 #endif
 }
 
-TEST(RealWindow, EndsWithItsDisplayAndKeepsWhatWasRecorded) {
-    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
-            .code,
-        0);
-    const int code =
-        with_display(folder, "play globe.mkv --size 400x300 --painter cpu --record hand.touch", R"(
+TEST_F(RealWindow, LostDisplayKeepsRecording) {
+    const int code = run("play globe.mkv --size 400x300 --painter cpu --record hand.touch", R"(
 xdotool mousemove 200 140 sleep 0.3 mousedown 1 sleep 0.3 key F12
 for second in $(seq 60); do test -e touchable-1.png && break; sleep 1; done
 kill -9 $server
 )");
     EXPECT_EQ(code, 4);
-    const std::string err = file_contents(folder / "err");
-    EXPECT_NE(err.find("display"), std::string::npos) << err;
-    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    expect_one_line(text("err"), "display");
     EXPECT_TRUE(read_image(folder / "touchable-1.png"));
-    const auto again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+    replayed(folder.path(), "hand.touch");
 }
 
-TEST(RealWindow, EndsWithAWindowThatAnotherProgramDestroysAndKeepsWhatWasRecorded) {
-    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
-    const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "globe", (folder / "globe.mkv").string(), "--size", "64x48", "--frames", "30"})
-            .code,
-        0);
-    const int code = with_display(
-        folder, "play globe.mkv --size 400x300 --painter cpu --record hand.touch --video film.mkv", R"(
+TEST_F(RealWindow, DestroyedWindowKeepsRecording) {
+    const int code =
+        run("play globe.mkv --size 400x300 --painter cpu --record hand.touch --video film.mkv", R"(
 xdotool mousemove 200 140 sleep 0.6 windowclose $(head -1 window)
 )");
     EXPECT_EQ(code, 4);
-    const std::string err = file_contents(folder / "err");
-    EXPECT_NE(err.find("destroyed"), std::string::npos) << err;
-    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    expect_one_line(text("err"), "destroyed");
     EXPECT_TRUE(std::filesystem::exists(folder / "hand.touch"));
     EXPECT_TRUE(std::filesystem::exists(folder / "film.mkv"));
 }
 
 /// The thread that opened the screen never asks for input here, as while it draws or waits for a GPU.
-TEST(RealWindow, HearsKeysWhileMainThreadStands) {
-    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
-    const TemporaryFolder folder;
+TEST_F(RealWindow, HearsKeysDuringStandstill) {
     const std::string at = "cd '" + folder.path().string() + "'; ";
     ASSERT_EQ(std::system((at + R"(
 Xvfb -displayfd 3 -screen 0 1024x768x24 -nolisten tcp -noreset 3>display >xvfb.log 2>&1 & echo $! >server
@@ -387,9 +309,8 @@ for k in $(seq 600); do [ -s display ] && exit 0; sleep 0.1; done; exit 1)")
                               .c_str()),
               0);
     const char* const outer = std::getenv("DISPLAY");
-    const std::optional<std::string> display_before =
-        outer ? std::optional<std::string>(outer) : std::nullopt;
-    const std::string display = file_contents(folder / "display");
+    const std::string display_before = outer ? outer : "";
+    const std::string display = text("display");
     setenv("DISPLAY", (":" + display.substr(0, display.find('\n'))).c_str(), 1);
     std::atomic<int> heard{0};
     ScreenOptions options{.width = 320, .height = 200};
@@ -408,63 +329,45 @@ for k in $(seq 600); do [ -s display ] && exit 0; sleep 0.1; done; exit 1)")
         EXPECT_EQ(std::system("timeout 60 xdotool search --sync --onlyvisible --name touchable >/dev/null && "
                               "xdotool mousemove 100 100 sleep 0.3 key f"),
                   0);
-        for (int k = 0; k < 20'000 && heard == 0; ++k)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        EXPECT_EQ(heard, 1);
-        bool is_polled = false;
-        for (int k = 0; k < 20'000 && !is_polled; ++k)
-            for (const InputEvent& event : (*screen)->poll(std::chrono::milliseconds(1)))
-                is_polled = is_polled ||
-                            (event.kind == InputEvent::Kind::key && event.word == "f" && event.stopped_force);
-        EXPECT_TRUE(is_polled);
+        EXPECT_TRUE(comes_true([&] { return heard == 1; }));
+        EXPECT_TRUE(comes_true([&] {
+            return std::ranges::any_of((*screen)->poll(std::chrono::milliseconds(1)), [](const auto& event) {
+                return event.kind == InputEvent::Kind::key && event.word == "f" && event.stopped_force;
+            });
+        }));
         (*screen)->set_size(400, 300);
         EXPECT_EQ((*screen)->size().width, 400);
         EXPECT_TRUE((*screen)->health());
     }
-    if (display_before)
-        setenv("DISPLAY", display_before->c_str(), 1);
-    else
-        unsetenv("DISPLAY");
+    outer ? setenv("DISPLAY", display_before.c_str(), 1) : unsetenv("DISPLAY");
     EXPECT_EQ(std::system((at + "kill $(cat server)").c_str()), 0);
 }
 
 /// As a desktop starts it: its lines are read by no terminal and by no pipe.
-TEST(RealWindow, OpenedOnDesktopSaysWhyItIsEmpty) {
-    if (!has_display_programs()) GTEST_SKIP() << "Xvfb and xdotool are not installed";
-    const TemporaryFolder folder;
+TEST_F(RealWindow, DesktopWindowShowsFault) {
     std::ofstream(folder / "film.mkv") << "no clip";
-    const int code = with_display(
-        folder, "play film.mkv --size 400x300 --painter cpu", R"(
+    const int code = run(
+        "play film.mkv --size 400x300 --painter cpu", R"(
 until_there() { for k in $(seq 600); do [[ -e $1 ]] && return; xdotool key F12; sleep 0.1; done; }
 until_there touchable-1.png
 kill -0 $program || exit 96
 xdotool key Escape sleep 0.3 key q
 )",
-        std::string("\"") + TOUCHABLE_PROGRAM +
-            "\" play film.mkv 2>&1 </dev/null | cat >piped; [[ ${PIPESTATUS[0]} == 3 ]] || exit 97\n");
-    EXPECT_EQ(code, 3) << file_contents(folder / "err");
-    for (const char* said : {"err", "piped"}) {
-        const std::string line = file_contents(folder / said);
-        EXPECT_NE(line.find("film.mkv"), std::string::npos) << line;
-        EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
-    }
+        "\"$PROGRAM\" play film.mkv 2>&1 </dev/null | cat >piped; [[ ${PIPESTATUS[0]} == 3 ]] || exit 97\n");
+    EXPECT_EQ(code, 3) << text("err");
+    for (const char* said : {"err", "piped"}) expect_one_line(text(said), "film.mkv");
     EXPECT_TRUE(read_image(folder / "touchable-1.png"));
 }
 
-TEST(RealWindow, WithoutADisplayIsOneLineThatSaysWhatToDo) {
+TEST(MissingDisplay, IsOneLine) {
     const TemporaryFolder folder;
-    ASSERT_EQ(
-        run_touchable({"make", "bumps", (folder / "b.mkv").string(), "--size", "64x48", "--frames", "2"})
-            .code,
-        0);
+    make_clip(folder / "b.mkv", "bumps", 2);
     std::ofstream(folder / "run.sh") << "env -u DISPLAY -u WAYLAND_DISPLAY \"" << TOUCHABLE_PROGRAM
                                      << "\" play '" << (folder / "b.mkv").string() << "' 2>'"
                                      << (folder / "err").string() << "'\n";
     const int status = std::system(("bash '" + (folder / "run.sh").string() + "'").c_str());
     EXPECT_EQ(WEXITSTATUS(status), 4);
-    const std::string err = file_contents(folder / "err");
-    EXPECT_NE(err.find("--headless"), std::string::npos) << err;
-    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+    expect_one_line(file_contents(folder / "err"), "--headless");
 }
 
 }  // namespace

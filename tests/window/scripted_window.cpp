@@ -1,11 +1,8 @@
 #include "tests/window/scripted_window.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <utility>
 
@@ -16,10 +13,33 @@ Outcome run_scripted(const std::vector<std::string>& words, const std::string& s
     std::ofstream(folder / "script") << script;
     std::vector<std::string> all{"play"};
     all.insert(all.end(), words.begin(), words.end());
-    for (const std::string& word : {std::string("--headless"), std::string("--size"), size,
-                                    std::string("--script"), std::string("script")})
-        all.push_back(word);
+    all.insert(all.end(), {"--headless", "--size", size, "--script", "script"});
     return run_in_folder(all, folder);
+}
+
+int run_on_display(const std::filesystem::path& folder, const std::string& display, const std::string& words,
+                   const std::string& actions) {
+    std::ofstream(folder / "run.sh") << "cd '" << folder.string() << "'\n"
+                                     << display << R"(
+"$PROGRAM" )" << words << R"( >out 2>err & program=$!
+timeout 60 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
+xdotool windowmove $(head -1 window) 0 0
+for k in $(seq 600); do  # until the clip is open
+    title=$(xdotool getwindowname $(head -1 window))
+    [[ $title == *' - touchable' && $title != *...* ]] && break
+    sleep 0.1
+done
+)" << actions << "\nwait $program\n";
+    const std::string run = "PROGRAM='" TOUCHABLE_PROGRAM "' bash '" + (folder / "run.sh").string() + "'";
+    const int status = std::system(run.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void expect_refused(const std::vector<std::string>& words, int code, const std::string& part) {
+    const Outcome refused = run_touchable(words);
+    EXPECT_EQ(refused.code, code) << refused.err;
+    EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
+    EXPECT_TRUE(contains(refused.err, part));
 }
 
 namespace {
@@ -54,7 +74,7 @@ Played shot_of(const std::filesystem::path& clip, const std::string& script, con
     return played_by(more, script, seconds);
 }
 
-int differences(const Image& a, const Image& b, const PicturePart& part) {
+int differences(const Image& a, const Image& b, const PicturePart& part, int most) {
     if (a.width != b.width || a.height != b.height) return -1;
     int count = 0;
     for (int y = part.y0; y < part.y1; ++y)
@@ -62,10 +82,31 @@ int differences(const Image& a, const Image& b, const PicturePart& part) {
             const auto at = static_cast<std::size_t>((y * a.width + x) * 3);
             bool is_other = false;
             for (std::size_t c = 0; c < 3; ++c)
-                is_other = is_other || std::abs(a.samples[at + c] - b.samples[at + c]) > 24;
+                is_other = is_other || std::abs(a.samples[at + c] - b.samples[at + c]) > most;
             count += is_other;
         }
     return count;
+}
+
+std::vector<int> colour_at(const Image& image, int x, int y) {
+    const auto at = static_cast<std::size_t>((y * image.width + x) * 3);
+    return {image.samples[at], image.samples[at + 1], image.samples[at + 2]};
+}
+
+int bar_height(const Image& image) {
+    int rows = 0;
+    for (int y = image.height / 2; y < image.height; ++y) {
+        const auto colour = colour_at(image, image.width / 2, y);
+        rows += colour[0] < 90 && colour[1] < 90;
+    }
+    return rows;
+}
+
+void make_clip(const std::filesystem::path& file, const std::string& scene, int frames,
+               const std::string& size) {
+    const auto made =
+        run_touchable({"make", scene, file.string(), "--size", size, "--frames", std::to_string(frames)});
+    EXPECT_EQ(made.code, 0) << made.err;
 }
 
 const std::filesystem::path& made_clip(const std::string& scene, int frames) {
@@ -74,10 +115,34 @@ const std::filesystem::path& made_clip(const std::string& scene, int frames) {
     auto& clip = clips[{scene, frames}];
     if (!clip.empty()) return clip;
     clip = folder / (scene + std::to_string(frames) + ".mkv");
-    const auto made = run_touchable(
-        {"make", scene, clip.string(), "--size", "160x120", "--frames", std::to_string(frames)});
-    EXPECT_EQ(made.code, 0) << made.err;
+    make_clip(clip, scene, frames, "160x120");
     return clip;
+}
+
+std::string replayed(const std::filesystem::path& folder, const std::string& recording) {
+    const auto again = run_in_folder({"touch", "--replay", recording, "--json", "-"}, folder);
+    EXPECT_EQ(again.code, 0) << again.err;
+    EXPECT_TRUE(contains(again.err, "as recorded, to the bit"));
+    const std::string of_all_parts = again.out.substr(0, again.out.find("\"parts\""));
+    EXPECT_FALSE(contains(of_all_parts, "\"contact_ticks\": 0,")) << "nothing was touched";
+    return again.out;
+}
+
+Outcome ScriptedClipTest::run(const std::string& script, const std::vector<std::string>& more) {
+    std::vector<std::string> words{clip_.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_scripted(words, script, folder_.path(), size_);
+}
+
+Image ScriptedClipTest::shot(const std::string& script, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--screenshot", "shot.png", "--at", shot_s_, "--overwrite"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome done = run(script, words);
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_EQ(done.err, "");
+    const auto image = read_image(folder_ / "shot.png");
+    EXPECT_TRUE(image);
+    return image ? *image : black_picture(size_);
 }
 
 }  // namespace touchable::test

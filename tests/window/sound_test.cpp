@@ -80,16 +80,16 @@ double largest_step(const Sound& sound) {
     return most;
 }
 
-TEST(ContactSound, IsSilentInTheAirAndAtRest) {
+TEST(ContactSound, IsSilentWithoutSliding) {
     EXPECT_EQ(largest(sound_of(HeardFinger{})), 0);
     EXPECT_EQ(largest(sound_of(sliding(5, 0))), 0);
-    // What is not on the surface is not heard, whatever it does.
+    // A finger off the surface is silent.
     HeardFinger free = sliding(5, 0.2F, 0.1F);
     free.touching = false;
     EXPECT_EQ(largest(sound_of(free)), 0);
 }
 
-TEST(ContactSound, ContactIsATapThatFades) {
+TEST(ContactSound, ContactTapsAndFades) {
     const Sound tap = sound_of(tick_of(meeting(0.05F)), tick_of(sliding(1, 0)), 600);
     const auto at_ms = [](int ms) { return ms * ContactSound::samples_per_tick; };
     EXPECT_GT(largest({tap.begin(), tap.begin() + at_ms(10)}), 0.05);
@@ -105,7 +105,7 @@ TEST(ContactSound, StifferStuffRingsHigher) {
     EXPECT_NEAR(hard / soft, 2, 0.2);
 }
 
-TEST(ContactSound, SlidingIsLouderWithForceAndSpeedAndRoughness) {
+TEST(ContactSound, LoudnessFollowsForceSpeedRoughness) {
     const double soft = loudness(sound_of(sliding(0.5F, 0.02F)));
     const double pressed = loudness(sound_of(sliding(2, 0.02F)));
     const double fast = loudness(sound_of(sliding(2, 0.1F)));
@@ -128,7 +128,7 @@ TEST(ContactSound, LettingGoIsAKnock) {
     EXPECT_EQ(largest({knock.end() - 480, knock.end()}), 0);
 }
 
-TEST(ContactSound, ComesFromWhereTheFingerIs) {
+TEST(ContactSound, PansWithFinger) {
     HeardFinger right = sliding(2, 0.1F);
     right.side = 1;
     double left_sum = 0, right_sum = 0;
@@ -140,7 +140,7 @@ TEST(ContactSound, ComesFromWhereTheFingerIs) {
     EXPECT_GT(left_sum, 0);
 }
 
-TEST(ContactSound, NothingBeginsOrEndsWithAClick) {
+TEST(ContactSound, StartsAndEndsWithoutClicks) {
     // Where a slide ends at once, or is muted, the sound ends with steps that are no larger than before.
     for (const bool muted : {false, true}) {
         ContactSound sound;
@@ -156,7 +156,7 @@ TEST(ContactSound, NothingBeginsOrEndsWithAClick) {
     }
 }
 
-TEST(ContactSound, IsFiniteAndWithinItsLimitForWhateverComes) {
+TEST(ContactSound, StaysFiniteAndLimited) {
     std::mt19937 random(15);
     ContactSound sound;
     ContactSound::Samples samples{};
@@ -215,7 +215,7 @@ Sound filled(HeardTicks& ticks, int blocks) {
     return sound;
 }
 
-TEST(HeardTicks, AreHeardOneByOneWhereNobodyLags) {
+TEST(HeardTicks, AreHeardOneByOne) {
     HeardTicks ticks(std::make_shared<ClipSound>());
     filled(ticks, 1);
     Sound heard;
@@ -233,14 +233,14 @@ TEST(HeardTicks, AreHeardOneByOneWhereNobodyLags) {
     for (std::size_t k = 0; k < heard.size(); ++k) ASSERT_EQ(heard[k].left, wanted[k].left) << k;
 }
 
-TEST(HeardTicks, AreMergedWhereTheDeviceLags) {
+TEST(HeardTicks, MergeWhenDeviceLags) {
     HeardTicks ticks(std::make_shared<ClipSound>());
     filled(ticks, 1);
     for (int k = 0; k < 200; ++k) ticks.push(k == 20 ? tick_of(meeting(0.2F)) : HeardTick());
     EXPECT_GT(largest(filled(ticks, 1)), 0.05) << "the tap is lost, or comes too late";
 }
 
-TEST(HeardTicks, FadeWhereTheyRunDry) {
+TEST(HeardTicks, FadeWhenTheyRunDry) {
     HeardTicks ticks(std::make_shared<ClipSound>());
     filled(ticks, 1);
     for (int k = 0; k < 10; ++k) ticks.push(tick_of(sliding(2, 0.1F)));
@@ -253,7 +253,7 @@ TEST(HeardTicks, FadeWhereTheyRunDry) {
     EXPECT_LT(largest_step(heard), 0.2);
 }
 
-TEST(HeardTicks, FromBeforeTheDeviceWasThereAreNotHeard) {
+TEST(HeardTicks, EarlyTicksAreDropped) {
     HeardTicks ticks(std::make_shared<ClipSound>());
     for (int k = 0; k < 500; ++k) ticks.push(tick_of(meeting(0.2F)));
     EXPECT_EQ(largest(filled(ticks, 3)), 0);
@@ -284,7 +284,7 @@ HeardTick tap() {
     return tick;
 }
 
-TEST(FilmedSound, LiesWhereTheFilmIsWhenASessionBegins) {
+TEST(FilmedSound, AlignsWithFilmAfterGap) {
     Filmed filmed;
     filmed.take({}, 5);
     EXPECT_EQ(filmed.loudest.size(), 6U);
@@ -298,7 +298,7 @@ TEST(FilmedSound, LiesWhereTheFilmIsWhenASessionBegins) {
     EXPECT_GT(filmed.loudest[412], 0.01F);
 }
 
-TEST(FilmedSound, FillsTicksThatWereSkippedAndNeverRunsAhead) {
+TEST(FilmedSound, FillsSkippedTicks) {
     Filmed filmed;
     filmed.take({}, 100);  // 50 ms late, as it turns out
     for (int k = 51; k < 100; ++k) filmed.take(k == 60 ? tap() : HeardTick{}, k);

@@ -23,7 +23,7 @@ public:
         const auto again = run_in_folder({"touch", "--replay", recording.string(), "--forces", csv},
                                          recording.parent_path());
         EXPECT_EQ(again.code, 0) << again.err;
-        EXPECT_NE(again.out.find("as recorded, to the bit"), std::string::npos) << again.out;
+        EXPECT_TRUE(contains(again.out, "as recorded, to the bit"));
         read(csv);
     }
     std::size_t ticks() const { return x_.size() / fingers; }
@@ -87,7 +87,7 @@ int surface_differences(const Image& a, const Image& b) {
     return differences(a, b, {140, 120, 600, 400});
 }
 
-TEST(TouchScript, FingersTouchEachForItselfAndAreGoneWhenTheyAreLifted) {
+TEST(TouchScript, FingersTouchSeparately) {
     const Touched played = play(
         "0.1 touch 1 290 220\n0.5 touch 2 350 230\n0.6 touch-move 1 300 240\n0.9 touch 3 320 300\n"
         "1.2 touch-end 2\n1.4 touch-end 1\n1.4 touch-end 3\n",
@@ -98,7 +98,7 @@ TEST(TouchScript, FingersTouchEachForItselfAndAreGoneWhenTheyAreLifted) {
     EXPECT_EQ(played.felt.pushing_in_the_end(), 0);
 }
 
-TEST(TouchScript, TwoFingersTurnAndZoomTheView) {
+TEST(TouchScript, TwoFingersTurnAndZoom) {
     const Touched without = play("", "0.5");
     const Touched zoomed = play(
         "0.1 touch 1 290 220\n0.15 touch 2 350 230\n0.2 touch-move 1 250 220\n0.2 touch-move 2 390 230\n"
@@ -114,8 +114,8 @@ TEST(TouchScript, TwoFingersTurnAndZoomTheView) {
     EXPECT_EQ(zoomed.felt.pushing_in_the_end(), 0);
 }
 
-/// Somebody looks elsewhere, and the fingers are still on the glass.
-TEST(TouchScript, FingersOfAWindowThatIsNotLookedAtAreLifted) {
+/// Another window has the focus while fingers are still on the glass.
+TEST(TouchScript, LeavingWindowLiftsFingers) {
     const Touched left =
         play("0.1 touch 1 290 220\n0.5 touch 2 350 230\n0.9 leave\n1 touch-move 1 300 240\n", "1.5");
     EXPECT_EQ(left.felt.most_pushing(), 2);
@@ -124,10 +124,10 @@ TEST(TouchScript, FingersOfAWindowThatIsNotLookedAtAreLifted) {
     EXPECT_EQ(stayed.felt.pushing_in_the_end(), 2);
 }
 
-TEST(TouchScript, FingerPressesButtonsAsAMouseDoes) {
+TEST(TouchScript, FingerPressesButtons) {
     // The question mark, right in the bar below.
     const std::string place = "605 446";
-    // Somebody has touched before: the help names touch screens only where there is one.
+    // A touch comes first: the help names touch screens only where there is one.
     const Touched by_mouse = play("0.05 touch 1 20 470\n0.1 touch-end 1\n0.2 move " + place +
                                       "\n0.3 press left\n0.4 release left\n0.5 move 2 2\n",
                                   "1");
@@ -138,7 +138,7 @@ TEST(TouchScript, FingerPressesButtonsAsAMouseDoes) {
     EXPECT_EQ(by_finger.felt.most_pushing(), 0);
 }
 
-TEST(TouchScript, TheHouseInTheBarTurnsTheViewBackAndSettingsAreThePanel) {
+TEST(TouchScript, HomeAndSettingsButtonsWork) {
     const Touched own = play("", "1"), turned = play("0.1 turn 30\n", "1"),
                   home = play("0.1 turn 30\n0.3 touch 1 406 444\n0.4 touch-end 1\n", "1"),
                   panel = play("0.3 touch 1 543 444\n0.4 touch-end 1\n", "1"),
@@ -149,7 +149,7 @@ TEST(TouchScript, TheHouseInTheBarTurnsTheViewBackAndSettingsAreThePanel) {
     EXPECT_LT(surface_differences(by_key.image, panel.image), 300);
 }
 
-TEST(TouchScript, WhoHasNotTouchedYetReadsOfFingersAndOfTheHouse) {
+TEST(TouchScript, HintFollowsMouseOrFinger) {
     const PicturePart top{140, 0, 500, 60};
     const std::string on_bar = "0.3 touch 1 100 428\n0.4 touch-end 1\n";  // the bar, where it has no button
     const Touched mouse = play("", "1"), finger = play(on_bar, "1"),
@@ -166,7 +166,7 @@ Image kiosk_in(const std::string& language, const std::string& script) {
         .image;
 }
 
-TEST(TouchScript, AKioskHasItsOwnWordsForLimitAndColoursAndAWayBack) {
+TEST(TouchScript, KioskTranslatesTextsAndResets) {
     const std::string touch = "0.1 touch 1 320 200\n0.2 touch-end 1\n", depth = touch + "0.3 key o\n";
     const PicturePart limit{12, 150, 140, 220}, legend{360, 400, 640, 480}, back{440, 0, 640, 60};
     const Image en = kiosk_in("en", depth), de = kiosk_in("de", depth), plain = kiosk_in("en", touch);
@@ -266,35 +266,21 @@ for word in sys.argv[1:]:
     else: fingers.send({"down": begin, "move": update, "up": end}[kind], *map(int, rest.split(",")))
 )";
 
-/// As with_display of the tests with a real window, on such an Xorg: exit code 99 where it does not start.
+/// On such an Xorg, as `run_on_display`: exit code 99 where it does not start.
 int with_touch_screen(const TemporaryFolder& folder, const std::string& words, const std::string& actions) {
     std::string conf = xorg_conf;
     for (std::size_t at; (at = conf.find("FOLDER")) != std::string::npos;)
         conf.replace(at, 6, folder.path().string());
     std::ofstream(folder / "xorg.conf") << conf;
     std::ofstream(folder / "fingers.py") << fingers_py;
-    std::ofstream(folder / "run.sh") << R"(
-cd "$1"
+    return run_on_display(folder.path(), R"(
 Xorg -displayfd 3 -config "$PWD/xorg.conf" -logfile "$PWD/xorg.log" -noreset -nolisten tcp 3>display >xorg.out 2>&1 & server=$!
 trap 'kill $server 2>/dev/null; wait $server' EXIT
 for k in $(seq 100); do [[ -s display && -S fingers ]] && break; kill -0 $server 2>/dev/null || exit 99; sleep 0.1; done
 [[ -s display && -S fingers ]] || exit 99
 export DISPLAY=:$(cat display) XDG_CONFIG_HOME=$PWD/config XDG_STATE_HOME=$PWD/state
-")" << TOUCHABLE_PROGRAM << "\" " << words
-                                     << R"( >out 2>err & program=$!
-timeout 60 xdotool search --sync --onlyvisible --name touchable >window || { kill $program; exit 98; }
-xdotool windowmove $(head -1 window) 0 0
-for k in $(seq 600); do  # until the clip is open
-    title=$(xdotool getwindowname $(head -1 window))
-    [[ $title == *' - touchable' && $title != *...* ]] && break
-    sleep 0.1
-done
-)" << actions << R"(
-wait $program
-)";
-    const int status =
-        std::system(("bash '" + (folder / "run.sh").string() + "' '" + folder.path().string() + "'").c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+)",
+                          words, actions);
 }
 
 #define SKIP_WITHOUT_XORG(code)                                                    \
@@ -302,7 +288,7 @@ wait $program
     GTEST_SKIP() << "no Xorg with a touch screen starts here (xserver-xorg-core, " \
                     "xserver-xorg-video-dummy; as root)"
 
-class TouchScreenOfX : public ::testing::Test {
+class XorgTouchScreen : public ::testing::Test {
 protected:
     void SetUp() override {
         if (std::system("command -v Xorg xdotool python3 >/dev/null") != 0)
@@ -318,7 +304,7 @@ protected:
 #endif
 };
 
-TEST_F(TouchScreenOfX, EveryFingerTouchesAndThePointerThatXMakesOfTheFirstNothing) {
+TEST_F(XorgTouchScreen, IgnoresPointerEmulation) {
     const int code =
         with_touch_screen(folder_, "play globe.mkv --size 640x480 --painter cpu --record hand.touch", R"(
 python3 fingers.py down,0,290,220 sleep,0.6 down,1,350,230 sleep,0.4 move,0,300,240 sleep,0.3 down,2,320,300 \
@@ -335,7 +321,7 @@ xdotool key Escape
         EXPECT_TRUE(felt.is_away_in_the_end(finger)) << finger << " stays where the pointer is";
 }
 
-TEST_F(TouchScreenOfX, TwoFingersTurnTheViewAndOneClicksTheHelp) {
+TEST_F(XorgTouchScreen, GesturesTurnAndClick) {
     const int code = with_touch_screen(folder_, "play globe.mkv --size 640x480 --painter cpu", R"(
 echo 'xdotool key F12; for k in $(seq 100); do test -e touchable-$1.png && break; sleep 0.1; done' >shot.sh
 sleep 0.5
@@ -353,7 +339,7 @@ xdotool key Escape sleep 0.3 key Escape
     EXPECT_GT(surface_differences(*zoomed, *help), 5000);
 }
 
-TEST_F(TouchScreenOfX, NoForceStaysOnWhereTheScreenGoesAway) {
+TEST_F(XorgTouchScreen, LostScreenEndsForces) {
     const int code =
         with_touch_screen(folder_, "play globe.mkv --size 640x480 --painter cpu --record hand.touch", R"(
 python3 fingers.py down,0,290,220 sleep,0.6 down,1,350,230 sleep,0.6
@@ -361,8 +347,7 @@ kill -9 $server
 )");
     SKIP_WITHOUT_XORG(code);
     EXPECT_EQ(code, 4);
-    EXPECT_NE(file_contents(folder_ / "err").find("display"), std::string::npos)
-        << file_contents(folder_ / "err");
+    EXPECT_TRUE(contains(file_contents(folder_ / "err"), "display"));
     EXPECT_EQ(Felt(folder_ / "hand.touch").most_pushing(), 2);
 }
 

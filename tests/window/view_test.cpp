@@ -14,9 +14,13 @@
 namespace touchable::test {
 namespace {
 
-Scene globe_scene() {
-    return (*make_scene("globe", {}))->scene();
-}
+class WindowViewTest : public ::testing::Test {
+protected:
+    ViewCamera camera() const { return view.camera(720, 480); }
+
+    Scene scene = (*make_scene("globe", {}))->scene();
+    WindowView view{scene, {0, 0, -600}};
+};
 
 double largest_difference(const glm::dmat4& a, const glm::dmat4& b) {
     double largest = 0;
@@ -25,92 +29,82 @@ double largest_difference(const glm::dmat4& a, const glm::dmat4& b) {
     return largest;
 }
 
-TEST(WindowView, IsTheClipsOwnUntilTurnedAndAgainAtHome) {
-    const Scene scene = globe_scene();
-    WindowView view(scene, {0, 0, -600});
-    const ViewCamera own = view.camera(720, 480);
+TEST_F(WindowViewTest, ReturnsToOwnView) {
+    const ViewCamera own = camera();
     EXPECT_EQ(largest_difference(own.clip_from_world, own_view(scene, 720, 480, 0.6).clip_from_world), 0);
     view.turn(30, 10);
     EXPECT_FALSE(view.own());
     view.near_by(2);
     view.pan(10, 10, 720, 480);
     view.go_home();
-    EXPECT_EQ(largest_difference(own.clip_from_world, view.camera(720, 480).clip_from_world), 0);
+    EXPECT_EQ(largest_difference(own.clip_from_world, camera().clip_from_world), 0);
 }
 
-TEST(WindowView, FirstTouchOfTheOrbitDoesNotJump) {
-    Scene scene = globe_scene();
+TEST_F(WindowViewTest, FirstTurnDoesNotJump) {
     scene.camera.cx -= 8;  // as of recordings, whose axis is not in the picture's middle
     scene.camera.cy += 6;
-    WindowView view(scene, {3, -5, -600});
-    const auto own = view.camera(720, 480).project({10, 20, -580});
-    view.turn(0, 0);
-    const auto orbit = view.camera(720, 480).project({10, 20, -580});
+    WindowView beside(scene, {3, -5, -600});
+    const auto own = beside.camera(720, 480).project({10, 20, -580});
+    beside.turn(0, 0);
+    const auto orbit = beside.camera(720, 480).project({10, 20, -580});
     ASSERT_TRUE(own && orbit);
     EXPECT_NEAR(own->x, orbit->x, 1e-6);
     EXPECT_NEAR(own->y, orbit->y, 1e-6);
 }
 
-TEST(WindowView, PanGoesWithThePointer) {
-    const Scene scene = globe_scene();
-    WindowView view(scene, {0, 0, -600});
+TEST_F(WindowViewTest, PanFollowsPointer) {
     view.turn(20, 5);
-    const auto before = view.camera(720, 480).project({0, 0, -600});
+    const auto before = camera().project({0, 0, -600});
     view.pan(30, -12, 720, 480);
-    const auto after = view.camera(720, 480).project({0, 0, -600});
+    const auto after = camera().project({0, 0, -600});
     EXPECT_NEAR(after->x - before->x, 30, 0.5);
     EXPECT_NEAR(after->y - before->y, -12, 0.5);
 }
 
-TEST(WindowView, LookingAtAPlacePutsItInTheMiddleAndKeepsTheDistance) {
-    const Scene scene = globe_scene();
-    WindowView view(scene, {0, 0, -600});
+TEST_F(WindowViewTest, LookAtKeepsDistance) {
     view.turn(15, 0);
-    const double before = glm::length(view.camera(720, 480).eye - glm::dvec3(0, 0, -600));
+    const double before = glm::length(camera().eye - glm::dvec3(0, 0, -600));
     const glm::dvec3 place(40, 30, -550);
     view.look_at(place);
-    const ViewCamera camera = view.camera(720, 480);
-    const auto seen = camera.project(place);
+    const ViewCamera turned = camera();
+    const auto seen = turned.project(place);
     ASSERT_TRUE(seen);
     EXPECT_NEAR(seen->x, scene.camera.cx + 0.5, 1e-6);
     EXPECT_NEAR(seen->y, scene.camera.cy + 0.5, 1e-6);
-    EXPECT_NEAR(glm::length(camera.eye - place), before, 1e-6);
+    EXPECT_NEAR(glm::length(turned.eye - place), before, 1e-6);
 }
 
 /// What is seen and what is picked are those of a picture that has no more than the upper part.
-TEST(WindowView, WhatIsLeftBelowIsBelowAllThatIsSeen) {
-    const Scene scene = globe_scene();
-    WindowView view(scene, {0, 0, -600}), upper(scene, {0, 0, -600});
+TEST_F(WindowViewTest, BottomMarginShrinksPicture) {
+    WindowView upper(scene, {0, 0, -600});
     view.leave_below(0.125);
     const glm::dvec3 place(40, -130, -550);
     for (const bool is_turned : {false, true}) {
         if (is_turned) view.turn(20, 5);
         if (is_turned) upper.turn(20, 5);
-        const ViewCamera camera = view.camera(720, 480), small = upper.camera(720, 420);
-        EXPECT_EQ(camera.height, 480);
-        const auto seen = camera.project(place), wanted = small.project(place);
+        const ViewCamera whole = camera(), small = upper.camera(720, 420);
+        EXPECT_EQ(whole.height, 480);
+        const auto seen = whole.project(place), wanted = small.project(place);
         ASSERT_TRUE(seen && wanted);
         EXPECT_NEAR(glm::distance(*seen, *wanted), 0, 1e-9);
-        EXPECT_LT(glm::distance(camera.unproject(seen->x, seen->y, seen->z), place), 1e-6);
+        EXPECT_LT(glm::distance(whole.unproject(seen->x, seen->y, seen->z), place), 1e-6);
     }
     view.go_home();
-    const ViewCamera own = view.camera(720, 480);
+    const ViewCamera own = camera();
     const glm::dvec4 corner = own.clip_from_lattice * glm::dvec4(0, scene.height - 0.5, 1, 1 / 600.0);
     EXPECT_NEAR((corner.y / corner.w + 1) * 240, 420, 1e-9) << "the clip's lowest row";
     view.leave_below(0);
-    EXPECT_EQ(largest_difference(view.camera(720, 480).clip_from_world,
-                                 own_view(scene, 720, 480, 0.6).clip_from_world),
+    EXPECT_EQ(largest_difference(camera().clip_from_world, own_view(scene, 720, 480, 0.6).clip_from_world),
               0);
 }
 
-TEST(WindowView, LooksAsAnotherClipIsLookedAt) {
-    const Scene scene = globe_scene();
-    WindowView before(scene, {0, 0, -600}), next(scene, {0, 0, -300});
-    next.look_as(before);
+TEST_F(WindowViewTest, CopiesOtherView) {
+    WindowView next(scene, {0, 0, -300});
+    next.look_as(view);
     EXPECT_TRUE(next.own());
-    before.turn(30, 10);
-    before.near_by(2);
-    next.look_as(before);
+    view.turn(30, 10);
+    view.near_by(2);
+    next.look_as(view);
     EXPECT_FALSE(next.own());
     EXPECT_EQ(next.orbit().azimuth, 30);
     EXPECT_EQ(next.orbit().zoom, 2);
@@ -144,107 +138,100 @@ private:
     std::vector<std::uint16_t> samples_ = std::vector<std::uint16_t>(std::size_t{width} * height);
 };
 
-TEST(SceneCuts, AreWhereMostOfThePictureHasAnotherDepthAtOnce) {
+TEST(SceneCuts, AreSuddenChangesOfDepth) {
     SceneCuts cuts;
     SlopeWithAPlateau shown;
     shown.look(cuts, 0, 0, 0);
-    shown.look(cuts, 1, 600, 0.3);  // somebody comes
+    shown.look(cuts, 1, 600, 0.3);  // a person comes
     shown.look(cuts, 2, 640, 0.5);  // nearer, and moves
     shown.look(cuts, 3, 640, 0.5);
     EXPECT_TRUE(cuts.found().empty());
     shown.look(cuts, 4, 1100, 1);
     shown.look(cuts, 5, 1100, 1);
-    shown.look(cuts, 6, 100, 1, 1);  // another epoch: somebody has gone elsewhere
+    shown.look(cuts, 6, 100, 1, 1);  // another epoch: a seek
     shown.look(cuts, 40, 1100, 1, 1);
     EXPECT_EQ(cuts.found(), std::set<std::int64_t>{4});
     shown.look(cuts, 41, 0, 0, 1);
     EXPECT_EQ(cuts.found(), (std::set<std::int64_t>{4, 41}));
 }
 
-/// Plays so long, with pictures that take `full` of a frame's time at full size and `rest` of it at any; with
-/// all vertices `vertices` more, if a coarse picture saves any. Gives when the share was first another than
-/// at the start.
-double play(PictureGovernor& governor, double& now_s, double seconds, double full, double rest,
-            double vertices = 0) {
-    const double end = now_s + seconds, share = governor.share();
-    double changed = 0;
-    for (; now_s < end; now_s += 1.0 / 30) {
-        const double drawing =
-            rest + full * governor.share() * governor.share() + (governor.coarse() ? 0 : vertices);
-        governor.add(now_s, 1, drawing <= 1 ? 1 : 0, drawing, vertices > 0);
-        if (changed == 0 && governor.share() != share) changed = now_s;
+class PictureGovernorTest : public ::testing::Test {
+protected:
+    /// Plays so long, with pictures that take `full` of a frame's time at full size and `rest` of it at any;
+    /// with all vertices `vertices` more, if a coarse picture saves any. Gives when the share was first
+    /// another than at the start.
+    double play(double seconds, double full, double rest, double vertices = 0) {
+        const double end = now + seconds, share = governor.share();
+        double changed = 0;
+        for (; now < end; now += 1.0 / 30) {
+            const double size = governor.share() * governor.share();
+            add(now, rest + full * size + (governor.coarse() ? 0 : vertices), vertices > 0);
+            if (changed == 0 && governor.share() != share) changed = now;
+        }
+        return changed;
     }
-    return changed;
-}
+    /// One picture, which is in time if it took less than a frame.
+    void add(double at_s, double drawing, bool has_vertices = true) {
+        governor.add(at_s, 1, drawing <= 1 ? 1 : 0, drawing, has_vertices);
+    }
 
-TEST(PictureGovernor, StaysAtFullSizeWhereThereIsTime) {
     PictureGovernor governor;
     double now = 0;
-    play(governor, now, 10, 0.7, 0.2);
+};
+
+TEST_F(PictureGovernorTest, KeepsFullSizeWithTime) {
+    play(10, 0.7, 0.2);
     EXPECT_EQ(governor.share(), 1);
 }
 
-TEST(PictureGovernor, StaysAtFullSizeWhereOtherThingsAreLate) {
-    PictureGovernor governor;
+TEST_F(PictureGovernorTest, IgnoresOtherDelays) {
     for (int k = 0; k < 300; ++k) governor.add(k / 30.0, 2, 0, 0.1, false);
     EXPECT_EQ(governor.share(), 1);
 }
 
-TEST(PictureGovernor, DrawsSmallerWhereThatIsInTimeAndLargerAgainLater) {
-    PictureGovernor governor;
-    double now = 0;
-    EXPECT_LT(play(governor, now, 2, 1.2, 0.1), 1);
+TEST_F(PictureGovernorTest, ShrinksAndGrowsWithLoad) {
+    EXPECT_LT(play(2, 1.2, 0.1), 1);
     EXPECT_EQ(governor.share(), 0.75);
-    play(governor, now, 20, 1.2, 0.1);
+    play(20, 1.2, 0.1);
     EXPECT_EQ(governor.share(), 0.75) << "a larger picture has no room";
-    EXPECT_GT(play(governor, now, 20, 0.5, 0.1), 0);
+    EXPECT_GT(play(20, 0.5, 0.1), 0);
     EXPECT_EQ(governor.share(), 1);
 }
 
-TEST(PictureGovernor, GivesUpWhereASmallerPictureSavesLittle) {
-    PictureGovernor governor;
-    double now = 0;
-    play(governor, now, 5, 0.1, 1.5);
+TEST_F(PictureGovernorTest, GivesUpUselessShrinking) {
+    play(5, 0.1, 1.5);
     EXPECT_EQ(governor.share(), 1);
     const double begin = now;
-    const double tried = play(governor, now, 80, 0.1, 1.5);
+    const double tried = play(80, 0.1, 1.5);
     EXPECT_GT(tried, begin + 30) << "not at once again";
 }
 
-TEST(PictureGovernor, BeginsCoarseAndShowsAllVerticesWhereThereIsTime) {
-    PictureGovernor governor;
-    double now = 0;
+TEST_F(PictureGovernorTest, StartsCoarseAndRefines) {
     EXPECT_TRUE(governor.coarse());
-    play(governor, now, 2, 0.1, 0.1, 0.3);
+    play(2, 0.1, 0.1, 0.3);
     EXPECT_TRUE(governor.coarse()) << "not at once: that would be seen";
-    play(governor, now, 10, 0.1, 0.1, 0.3);
+    play(10, 0.1, 0.1, 0.3);
     EXPECT_FALSE(governor.coarse());
-    play(governor, now, 2, 0.1, 0.1, 1.2);
+    play(2, 0.1, 0.1, 1.2);
     EXPECT_TRUE(governor.coarse());
     EXPECT_EQ(governor.share(), 1) << "which is enough";
-    PictureGovernor slow;
-    play(slow, now, 30, 0.2, 0.1, 2);
-    EXPECT_TRUE(slow.coarse()) << "three times as much has no room";
+    governor = PictureGovernor();
+    play(30, 0.2, 0.1, 2);
+    EXPECT_TRUE(governor.coarse()) << "three times as much has no room";
 }
 
-TEST(PictureGovernor, GoesAllTheWayDownWhereAStepOfItSavesLittle) {
-    PictureGovernor governor;
-    double now = 0;
+TEST_F(PictureGovernorTest, SkipsUselessStep) {
     // Decoding takes what the first step leaves.
     const auto drawing = [&] { return governor.share() == 1 ? 1.5 : governor.share() == 0.75 ? 1.45 : 0.9; };
-    for (const double end = now + 3; now < end; now += 1.0 / 30)
-        governor.add(now, 1, drawing() <= 1 ? 1 : 0, drawing(), true);
+    for (const double end = now + 3; now < end; now += 1.0 / 30) add(now, drawing());
     EXPECT_EQ(governor.share(), 0.5);
 }
 
-TEST(PictureGovernor, LeavesOutVerticesAndNoPixelsWhereTheseCostLittle) {
-    PictureGovernor governor(LessOf::vertices);
-    double now = 0;
+TEST_F(PictureGovernorTest, DropsVerticesBeforePixels) {
+    governor = PictureGovernor(LessOf::vertices);
     const auto play_for = [&](double seconds, double coarse, double coarser) {
-        for (const double end = now + seconds; now < end; now += 1.0 / 30) {
-            const double drawing = governor.step() == 1 ? coarse : coarser;
-            governor.add(now, 1, drawing <= 1 ? 1 : 0, drawing, true);
-        }
+        for (const double end = now + seconds; now < end; now += 1.0 / 30)
+            add(now, governor.step() == 1 ? coarse : coarser);
     };
     EXPECT_EQ(governor.detail(), 1);
     play_for(2, 1.2, 0.7);
@@ -258,9 +245,8 @@ TEST(PictureGovernor, LeavesOutVerticesAndNoPixelsWhereTheseCostLittle) {
     EXPECT_TRUE(governor.coarse());
 }
 
-TEST(PictureGovernor, HeedsEveryTenthPictureThatIsLate) {
-    PictureGovernor governor;
-    const auto play_with_late = [&governor](double from_s, int each) {
+TEST_F(PictureGovernorTest, HeedsEveryTenthLatePicture) {
+    const auto play_with_late = [&](double from_s, int each) {
         for (int k = 0; k < 60; ++k)
             governor.add(from_s + k / 30.0, 1, k % each == 0 ? 0 : 1, 0.9 * governor.share(), false);
     };
@@ -270,9 +256,9 @@ TEST(PictureGovernor, HeedsEveryTenthPictureThatIsLate) {
     EXPECT_LT(governor.share(), 1);
 }
 
-TEST(PictureGovernor, IsAtItsLowestWithinAFewPicturesWhereAllAreLate) {
-    PictureGovernor governor(LessOf::vertices);
-    for (int k = 0; k < 2; ++k) governor.add(k / 30.0, 1, 0, 1.5, true);
+TEST_F(PictureGovernorTest, DropsFastForLatePictures) {
+    governor = PictureGovernor(LessOf::vertices);
+    for (int k = 0; k < 2; ++k) add(k / 30.0, 1.5);
     EXPECT_EQ(governor.step(), 2);
     PictureGovernor smaller;
     for (int k = 0; k < 4; ++k) smaller.add(k / 30.0, 1, 0, 1.5, true);
@@ -281,19 +267,18 @@ TEST(PictureGovernor, IsAtItsLowestWithinAFewPicturesWhereAllAreLate) {
     EXPECT_EQ(smaller.share(), 0.5) << "not judged by its first pictures";
 }
 
-TEST(PictureGovernor, StaysWhereLessSavesOnceTheFirstPicturesAreOver) {
-    PictureGovernor governor(LessOf::vertices);
+TEST_F(PictureGovernorTest, IgnoresWarmUpPictures) {
+    governor = PictureGovernor(LessOf::vertices);
     // A clip that has just opened fills its memory beside them.
     for (int k = 0; k < 300; ++k) {
-        const double drawing = governor.step() == 1 ? 1.1 : k < 20 ? 1.05 : 0.7;
-        governor.add(k / 30.0, 1, drawing <= 1 ? 1 : 0, drawing, true);
+        add(k / 30.0, governor.step() == 1 ? 1.1 : k < 20 ? 1.05 : 0.7);
         if (k > 2) {
             ASSERT_EQ(governor.step(), 2) << k;
         }
     }
 }
 
-TEST(RedrawEstimator, IsTheMedianOfTheLastFew) {
+TEST(RedrawEstimator, IsMedianOfLastFew) {
     RedrawEstimator redraw;
     EXPECT_EQ(redraw.ms(), 0);
     for (const double ms : {9, 8, 20}) redraw.add(ms);
@@ -302,7 +287,7 @@ TEST(RedrawEstimator, IsTheMedianOfTheLastFew) {
     EXPECT_EQ(redraw.ms(), 12);
 }
 
-TEST(RedrawEstimator, BecomesLessWhereNoneIsDrawn) {
+TEST(RedrawEstimator, DecaysWithoutDrawing) {
     RedrawEstimator redraw;
     for (int k = 0; k < 8; ++k) redraw.add(17);
     for (int k = 0; k < 60; ++k) redraw.add_frame();
@@ -311,7 +296,7 @@ TEST(RedrawEstimator, BecomesLessWhereNoneIsDrawn) {
     EXPECT_EQ(redraw.ms(), 17) << "which is not all that there is";
 }
 
-TEST(RedrawEstimator, ForgetsARestInWhichMoreIsDrawn) {
+TEST(RedrawEstimator, ForgetsDecayOnDrawing) {
     RedrawEstimator redraw;
     for (int k = 0; k < 8; ++k) redraw.add(40);
     redraw.add(12);
@@ -320,7 +305,7 @@ TEST(RedrawEstimator, ForgetsARestInWhichMoreIsDrawn) {
     EXPECT_EQ(redraw.ms(), 12) << "one that had to wait says nothing of the next";
 }
 
-TEST(FramesShown, CountsThoseThatWereThereBeforeTheNext) {
+TEST(FramesShown, CountsFramesInTime) {
     FramesShown shown;
     const auto at = [](std::uint64_t epoch, std::int64_t number) {
         FramePair pair;
@@ -356,7 +341,7 @@ TEST(WindowCore, RefusesCommandsWithoutClip) {
     EXPECT_TRUE(core.quits());
 }
 
-TEST(WindowCore, HasModesThatTakeNothingAtFirst) {
+TEST(WindowCore, IdleModesTakeNothing) {
     WindowCore core{PlayOptions{}};
     EXPECT_EQ(core.modes().size(), 4U);
     for (const auto question :
@@ -371,17 +356,25 @@ TEST(WindowCore, HasModesThatTakeNothingAtFirst) {
     }
 }
 
-TEST(WindowCore, SaysAFaultOfAFileOnce) {
+TEST(WindowCore, ReportsFileFaultOnce) {
     WindowCore core{PlayOptions{}};
     EXPECT_TRUE(core.is_new_fault(input_error("the disk is full")));
     EXPECT_FALSE(core.is_new_fault(input_error("the disk is full")));
 }
 
-TEST(KioskMode, TakesWhatVisitorsMayNotDo) {
-    PlayOptions options;
-    options.kiosk.emplace();
-    WindowCore core{std::move(options)};
-    KioskMode kiosk(core, {});
+class KioskModeTest : public ::testing::Test {
+protected:
+    static PlayOptions options() {
+        PlayOptions options;
+        options.kiosk.emplace();
+        return options;
+    }
+
+    WindowCore core{options()};
+    KioskMode kiosk{core, {}};
+};
+
+TEST_F(KioskModeTest, BlocksForbiddenInput) {
     using Kind = InputEvent::Kind;
     EXPECT_TRUE(kiosk.handle(InputEvent{.kind = Kind::close}));
     EXPECT_TRUE(kiosk.handle(InputEvent{.kind = Kind::dropped, .word = "clip.mkv"}));
@@ -390,11 +383,7 @@ TEST(KioskMode, TakesWhatVisitorsMayNotDo) {
     EXPECT_FALSE(kiosk.handle(InputEvent{.kind = Kind::moved, .x = 1, .y = 1}));
 }
 
-TEST(KioskMode, SaysNothingWithoutClip) {
-    PlayOptions options;
-    options.kiosk.emplace();
-    WindowCore core{std::move(options)};
-    KioskMode kiosk(core, {});
+TEST_F(KioskModeTest, SaysNothingWithoutClip) {
     EXPECT_TRUE(kiosk.handle(WindowCommand{WindowVerb::play_pause}));
     EXPECT_FALSE(kiosk.handle(WindowCommand{WindowVerb::mute})) << "which needs no clip";
     EXPECT_EQ(core.notices.passing(), "");

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "device/drivers/network_device.hpp"
-#include "tests/player/program.hpp"
 #include "tests/unused_port.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -49,7 +49,7 @@ protected:
     const TemporaryFolder folder;
 };
 
-TEST_F(WholeWindow, IsTouchedWhileTheClipJumpsAndIsRecorded) {
+TEST_F(WholeWindow, RecordsTouchDuringSeeks) {
     const Outcome played = play(R"(
 0.0 move 160 100
 0.05 press left
@@ -76,14 +76,12 @@ TEST_F(WholeWindow, IsTouchedWhileTheClipJumpsAndIsRecorded) {
                                 {"--record", "hand.touch", "--seconds", "1.3"});
     ASSERT_EQ(played.code, 0) << played.err;
     EXPECT_EQ(played.err, "");
-    const Outcome again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
-    EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_EQ(again.out.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+    replayed(folder.path(), "hand.touch");
 }
 
-/// A hand at the other end of a UDP socket, for as long as it lives. It goes by what it is told, not by a
-/// clock: before the globe it asks for forces with its first button, goes in until it feels something, comes
-/// out, and begins again.
+/// A hand at the other end of a UDP socket, for as long as it lives. It goes by the forces it receives, not
+/// by a clock: before the globe it asks for forces with its first button, goes in until it feels something,
+/// comes out, and begins again.
 class PeerHand {
 public:
     PeerHand() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
@@ -162,7 +160,7 @@ private:
     std::thread thread_;
 };
 
-TEST_F(WholeWindow, IsTouchedByAProgramAndIsRecorded) {
+TEST_F(WholeWindow, RecordsNetworkDevice) {
     PeerHand peer;
     const Outcome played =
         play(R"(
@@ -180,13 +178,10 @@ TEST_F(WholeWindow, IsTouchedByAProgramAndIsRecorded) {
     ASSERT_EQ(played.code, 130) << "it felt something " << peer.touches() << " times: " << played.err;
     EXPECT_EQ(played.err, "touchable: interrupted; written up to there: --record, --sound\n");
     EXPECT_EQ(peer.newtons(), 0) << "the last that it was told";
-    const Outcome again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
-    EXPECT_EQ(again.code, 0) << again.err;
-    const std::string of_all_parts = again.out.substr(0, again.out.find("\"parts\""));
-    EXPECT_EQ(of_all_parts.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+    replayed(folder.path(), "hand.touch");
 }
 
-TEST_F(WholeWindow, OfACameraChangesItsSettingsAndIsRecorded) {
+TEST_F(WholeWindow, RecordsCameraAcrossSettings) {
     std::ofstream(folder / "script") << R"(
 0.0 move 160 100
 0.05 press left
@@ -202,13 +197,10 @@ TEST_F(WholeWindow, OfACameraChangesItsSettingsAndIsRecorded) {
     ASSERT_EQ(played.code, 0) << played.err;
     EXPECT_EQ(played.err,
               "touchable: warning: playback: a camera's time only goes on; a clip would take commands\n");
-    const Outcome again = run_in_folder({"touch", "--replay", "hand.touch", "--json", "-"}, folder.path());
-    EXPECT_EQ(again.code, 0) << again.err;
-    const std::string of_both_parts = again.out.substr(0, again.out.find("\"parts\""));
-    EXPECT_EQ(of_both_parts.find("\"contact_ticks\": 0,"), std::string::npos) << "nothing was touched";
+    replayed(folder.path(), "hand.touch");
 }
 
-TEST_F(WholeWindow, ChangesItsSettingsAndItsClip) {
+TEST_F(WholeWindow, ChangesSettingsAndClip) {
     make("other.mkv", {"--frames", "3"});
     const Outcome played = play(R"(
 0.0 move 160 100
@@ -230,8 +222,8 @@ TEST_F(WholeWindow, ChangesItsSettingsAndItsClip) {
 )",
                                 {"--seconds", "1.3", "--settings", "play.json"});
     ASSERT_EQ(played.code, 0) << played.err;
-    EXPECT_EQ(played.err.find("ThreadSanitizer"), std::string::npos) << played.err;
-    EXPECT_NE(file_contents(folder / "play.json").find("\"panel\": true"), std::string::npos);
+    EXPECT_FALSE(contains(played.err, "ThreadSanitizer"));
+    EXPECT_TRUE(contains(file_contents(folder / "play.json"), "\"panel\": true"));
 }
 
 }  // namespace

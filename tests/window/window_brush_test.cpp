@@ -12,18 +12,16 @@
 #include "engine/authoring/segments.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/window/clip_picture.hpp"
-#include "player/window/opened_clip.hpp"
 #include "player/window/window_brush.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/window/opened_clip_fixture.hpp"
 #include "tests/window/two_surfaces.hpp"
 
 namespace touchable::test {
 namespace {
 
-class BrushOfAWindow : public ::testing::Test {
+class WindowBrushTest : public OpenedClipTest {
 protected:
     void SetUp() override {
-        options_.session.builder.name = "cpu";
         options_.brush_history = folder_ / "state";
         first_ = open("first.mkv", 30);
         second_ = open("second.mkv", 4);
@@ -34,10 +32,8 @@ protected:
         ClipChoice choice;
         choice.file = folder_ / name;
         write_two_surfaces(choice.file, frames);
-        auto opened = OpenedClip::open(options_, choice, {}, *sound_);
-        EXPECT_TRUE(opened) << opened.error().message;
-        if (!opened || !(*opened)->begin()) return nullptr;
-        return std::move(*opened);
+        auto clip = opened(choice);
+        return clip && clip->begin() ? std::move(clip) : nullptr;
     }
     void ask(const std::string& words) {
         auto command = parse_window_command(words);
@@ -54,13 +50,11 @@ protected:
     /// Turns of a window; all that the brush says, a line each.
     std::string until_done() {
         std::string all;
-        for (int k = 0; k < 20'000; ++k) {
+        EXPECT_TRUE(comes_true([&] {
             brush_.go_on({});
             all += said();
-            if (!brush_.is_at_work()) return all;
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        ADD_FAILURE() << "it is at work for ever: " << brush_.words();
+            return !brush_.is_at_work();
+        })) << brush_.words();
         return all;
     }
     std::string material_at(int x) const {
@@ -68,15 +62,12 @@ protected:
         return felt ? felt->by_label.at(felt->segments->label_at(0, x, 32)).material : "as the clip says";
     }
 
-    const TemporaryFolder folder_;
-    PlayOptions options_;
-    std::unique_ptr<WindowSound> sound_ = std::move(*WindowSound::create(false, {}, Existing::keep));
     std::unique_ptr<OpenedClip> first_, second_;
     WindowBrush brush_{options_};
     bool has_begun_ = false;
 };
 
-TEST_F(BrushOfAWindow, DoesOneCommandAfterTheOther) {
+TEST_F(WindowBrushTest, RunsCommandsInOrder) {
     EXPECT_FALSE(brush_.is_at_work());
     ASSERT_NO_FATAL_FAILURE(ask("material foam"));
     EXPECT_TRUE(brush_.is_at_work());
@@ -88,16 +79,16 @@ TEST_F(BrushOfAWindow, DoesOneCommandAfterTheOther) {
     EXPECT_TRUE(brush_.is_changing());
     const std::string all = until_done();
     EXPECT_FALSE(brush_.is_changing());
-    EXPECT_NE(all.find("is foam"), std::string::npos) << all;
-    EXPECT_NE(all.find("beyond the clip"), std::string::npos) << all;
-    EXPECT_NE(all.find("undone"), std::string::npos) << all;
+    EXPECT_TRUE(contains(all, "is foam"));
+    EXPECT_TRUE(contains(all, "beyond the clip"));
+    EXPECT_TRUE(contains(all, "undone"));
     EXPECT_EQ(material_at(20), "foam");
     EXPECT_TRUE(brush_.facts().can_redo);
     ASSERT_NO_FATAL_FAILURE(ask("tool touch"));
     EXPECT_EQ(material_at(20), "foam") << "a person painted it";
 }
 
-TEST_F(BrushOfAWindow, LetsGoOfAClipAndHasItsChangesAgain) {
+TEST_F(WindowBrushTest, RestoresChangesOfEarlierClip) {
     ASSERT_NO_FATAL_FAILURE(ask("material foam"));
     until_done();
     ASSERT_NO_FATAL_FAILURE(ask("paint 20,32"));
@@ -105,21 +96,21 @@ TEST_F(BrushOfAWindow, LetsGoOfAClipAndHasItsChangesAgain) {
     ASSERT_NO_FATAL_FAILURE(ask("cut 46,20 95,20"));
     brush_.go_on({});
     EXPECT_TRUE(brush_.is_changing());
-    brush_.go_to(*second_);  // by somebody who does not wait for it
+    brush_.go_to(*second_);  // without waiting for it
     EXPECT_FALSE(brush_.is_at_work());
     EXPECT_FALSE(brush_.is_held());
     EXPECT_EQ(brush_.felt(), nullptr);
     EXPECT_FALSE(brush_.facts().is_there);
     ASSERT_NO_FATAL_FAILURE(ask("tool paint"));
-    EXPECT_EQ(until_done().find("of last time"), std::string::npos) << "that is another clip's";
+    EXPECT_FALSE(contains(until_done(), "of last time")) << "that is another clip's";
     brush_.go_to(*first_);
     ASSERT_NO_FATAL_FAILURE(ask("tool paint"));
     const std::string all = until_done();
-    EXPECT_NE(all.find("1 change of last time is here again"), std::string::npos) << all;
+    EXPECT_TRUE(contains(all, "1 change of last time is here again"));
     EXPECT_EQ(material_at(20), "foam");
 }
 
-TEST_F(BrushOfAWindow, SaysWhichClipIsSavedAndThatOneIsNot) {
+TEST_F(WindowBrushTest, NamesSavedAndUnsavedClips) {
     options_.names.saved = [](const std::string& clip, const std::string& file) {
         return "SAVED " + clip + " " + file;
     };
@@ -127,26 +118,25 @@ TEST_F(BrushOfAWindow, SaysWhichClipIsSavedAndThatOneIsNot) {
     ASSERT_NO_FATAL_FAILURE(ask("save-materials"));
     std::string all = until_done();
     brush_.go_to(*second_);
-    for (int k = 0; k < 20'000 && all.find("SAVED") == std::string::npos;
-         ++k) {  // a busy disk takes its time
+    comes_true([&] {
         brush_.go_on({});
         all += said();
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+        return bool(contains(all, "SAVED"));
+    });
     EXPECT_TRUE(brush_.finish());
     all += said();
     const std::string first = (folder_ / "first.mkv").string();
-    EXPECT_NE(all.find("SAVED " + first + " " + first + ".materials.json"), std::string::npos) << all;
-    // Of segments that nobody has read yet.
+    EXPECT_TRUE(contains(all, "SAVED " + first + " " + first + ".materials.json"));
+    // Of segments that were not read yet.
     ASSERT_NO_FATAL_FAILURE(ask("save-materials"));
     brush_.go_on({});
     const auto unsaved = brush_.finish();
     ASSERT_FALSE(unsaved);
-    EXPECT_NE(unsaved.error().message.find("not saved"), std::string::npos) << unsaved.error().message;
+    EXPECT_TRUE(contains(unsaved.error().message, "not saved"));
 }
 
 /// What was clicked at a clip that ended before it was seen keeps no script waiting.
-TEST_F(BrushOfAWindow, HasNothingToDoWhereNothingIsShownAnyMore) {
+TEST_F(WindowBrushTest, IsIdleForEndedClip) {
     auto third = open("third.mkv", 4);
     ASSERT_TRUE(third && third->finish());
     brush_.go_to(*third);
@@ -161,7 +151,7 @@ TEST_F(BrushOfAWindow, HasNothingToDoWhereNothingIsShownAnyMore) {
 
 // A clip in the window whose segments are painted: felt without the clip being opened again.
 
-class PaintedClip : public ::testing::Test {
+class PaintedClip : public OpenedClipTest {
 protected:
     void SetUp() override {
         choice_.file = folder_ / "wall.mkv";
@@ -173,46 +163,21 @@ protected:
         brush_.emplace(std::move(*brush));
     }
     void open() {
-        options_.session.builder.name = "cpu";
-        auto opened = OpenedClip::open(options_, choice_, {}, *sound_);
-        ASSERT_TRUE(opened) << opened.error().message;
-        clip_ = std::move(*opened);
-        ASSERT_TRUE(clip_->begin());
+        ASSERT_NO_FATAL_FAILURE(begin());
         ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause));
-        std::filesystem::remove(choice_.file);  // nobody opens it again
-    }
-    template <class Condition>
-    static bool comes_true(const Condition& condition) {
-        for (int k = 0; k < 20'000; ++k) {
-            if (condition()) return true;
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        }
-        return false;
+        std::filesystem::remove(choice_.file);  // it is not opened again
     }
     void edit(const MaterialBrush::Edit& edit) {
         const auto done = brush_->edit(edit);
         ASSERT_TRUE(done) << done.error().message;
     }
     void change(const SessionSettings& settings = {}) {
-        auto change = clip_->prepare(settings, brush_->painted());
-        ASSERT_TRUE(change) << change.error().message;
-        ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
-        const auto taken = clip_->take(std::move(*change));
-        ASSERT_TRUE(taken) << taken.error().message;
-    }
-    /// Presses at a pixel of the clip.
-    void press(int x, int y) {
-        ASSERT_TRUE(comes_true([this] { return clip_->session().look() != nullptr; }));
-        const HeightField field(clip_->scene(), clip_->session().look()->held.pair);
-        clip_->fingers().set_pointer(glm::dvec2(x, y));
-        clip_->fingers().press(true);
-        clip_->fingers().intend(field, clip_->view().camera(96, 64));
+        const auto changed = change_to(settings, brush_->painted());
+        ASSERT_TRUE(changed) << changed.error().message;
     }
     /// Newtons for a metre of the hand, of a finger that presses.
     double felt_stiffness() {
-        const WatchedMoment* const moment = clip_->session().look();
-        if (!moment || moment->felt.fingers.empty()) return 0;
-        const WatchedTick::Finger& finger = moment->felt.fingers[0];
+        const WatchedTick::Finger finger = felt();
         const double depth = glm::distance(finger.contact.goal, finger.contact.proxy) *
                              clip_->session().setup().settings.touch.metres_per_scene_unit;
         return depth > 0.0005 ? glm::length(finger.force.force) / depth : 0;
@@ -222,18 +187,13 @@ protected:
     }
     static double stiffness_of(const char* material) { return find_material(material)->stiffness; }
 
-    const TemporaryFolder folder_;
-    ClipChoice choice_;
-    PlayOptions options_;
-    std::unique_ptr<WindowSound> sound_ = std::move(*WindowSound::create(false, {}, Existing::keep));
-    std::unique_ptr<OpenedClip> clip_;
     std::optional<MaterialBrush> brush_;
     int frames_read_ = 0;
 };
 
 constexpr PixelOfFrame on_the_left{20, 32, 0}, on_the_right{70, 32, 0};
 
-TEST_F(PaintedClip, ItsSegmentsAreReadFrameByFrame) {
+TEST_F(PaintedClip, ReadsSegmentsPerFrame) {
     EXPECT_EQ(frames_read_, 30);
     const SegmentStore& segments = *brush_->painted()->segments;
     EXPECT_EQ(segments.frames(), 30);
@@ -249,7 +209,7 @@ TEST_F(PaintedClip, ItsSegmentsAreReadFrameByFrame) {
     EXPECT_EQ(read_chosen_segments(camera, {}).error().kind, ErrorKind::usage);
 }
 
-TEST_F(PaintedClip, FeelsLikeWhatWasPaintedAndUndone) {
+TEST_F(PaintedClip, FeelsPaintAndUndo) {
     ASSERT_NO_FATAL_FAILURE(open());
     ASSERT_NO_FATAL_FAILURE(press(20, 32));
     EXPECT_TRUE(feels_like(0.6)) << "as the clip says: " << felt_stiffness();
@@ -272,7 +232,7 @@ TEST_F(PaintedClip, FeelsLikeWhatWasPaintedAndUndone) {
     EXPECT_FALSE(clip_->failure());
 }
 
-TEST_F(PaintedClip, JoinedSegmentsFeelAlikeAndCutOnesApart) {
+TEST_F(PaintedClip, FeelsJoinsAndCuts) {
     ASSERT_NO_FATAL_FAILURE(open());
     ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Paint{on_the_left, "foam"}));
     ASSERT_NO_FATAL_FAILURE(edit(MaterialBrush::Join{on_the_left, on_the_right}));
@@ -294,7 +254,7 @@ TEST_F(PaintedClip, IsNotRecorded) {
     choice_.painted = brush_->painted();
     const auto refused = OpenedClip::open(options_, choice_, {}, *sound_);
     ASSERT_FALSE(refused);
-    EXPECT_NE(refused.error().message.find("touchable materials"), std::string::npos);
+    EXPECT_TRUE(contains(refused.error().message, "touchable materials"));
 }
 
 TEST_F(PaintedClip, IsTintedByItsMaterials) {

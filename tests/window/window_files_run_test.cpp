@@ -64,7 +64,7 @@ private:
 };
 
 /// Neither to know which files may be written, nor for other settings; kept ones are refused here at first.
-TEST(WindowFiles, OpensEachFrameOnceWhateverIsWrittenAndFelt) {
+TEST(WindowFiles, OpensEachFrameOnce) {
     const TemporaryFolder folder;
     const std::string pictures = (folder / "pictures").string();
     ASSERT_EQ(run_touchable({"convert", made_clip("globe", 30).string(), pictures + "/"}).code, 0);
@@ -80,7 +80,14 @@ TEST(WindowFiles, OpensEachFrameOnceWhateverIsWrittenAndFelt) {
     EXPECT_GT(recording->size(), 1U) << "nothing was changed";
 }
 
-TEST(WindowFiles, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {
+/// A part of it, up to where the disk was full.
+void expect_recorded(const std::string& record) {
+    const auto recording = read_recording(record);
+    ASSERT_TRUE(recording) << recording.error().message;
+    EXPECT_GT(recording->front().ticks.size(), 100U);
+}
+
+TEST(WindowFiles, FullDiskKeepsWrittenData) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string(), sound = (folder / "heard.wav").string();
     const Outcome played = run_on_full_disk(
@@ -94,12 +101,10 @@ TEST(WindowFiles, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {
         EXPECT_LT(at_once, in_the_end) << played.err;
         EXPECT_NE(in_the_end, std::string::npos) << played.err;
     }
-    const auto recording = read_recording(record);
-    ASSERT_TRUE(recording) << recording.error().message;
-    EXPECT_GT(recording->front().ticks.size(), 100U);
+    expect_recorded(record);
     const auto again = run_touchable({"touch", "--replay", record});
     EXPECT_EQ(again.code, 0) << again.err;
-    EXPECT_NE(again.out.find("as recorded, to the bit"), std::string::npos) << again.out;
+    EXPECT_TRUE(contains(again.out, "as recorded, to the bit"));
     const std::string wav = file_contents(sound);
     ASSERT_GT(wav.size(), 60'000U);
     std::uint32_t samples = 0;
@@ -107,7 +112,7 @@ TEST(WindowFiles, ADiskThatIsFullIsSaidAtOnceAndWhatIsThereIsKept) {
     EXPECT_EQ(samples, wav.size() - 44) << "what the header says is what is there";
 }
 
-TEST(WindowFiles, AFilmIsKeptUpToWhereItsDiskBecameFull) {
+TEST(WindowFiles, FullDiskKeepsFilm) {
     const TemporaryFolder folder;
     std::ofstream(folder / "script") << "0 loop\n0 overlay depth\n0.3 size 640x480\n0.6 overlay normals\n";
     const std::string film = (folder / "film.mp4").string(), record = (folder / "hand.touch").string();
@@ -123,15 +128,11 @@ TEST(WindowFiles, AFilmIsKeptUpToWhereItsDiskBecameFull) {
     EXPECT_LT(at_once, in_the_end) << played.err;
     EXPECT_NE(in_the_end, std::string::npos) << played.err;
     EXPECT_GE(seen_in_film(film).size(), 2U) << "pictures that were complete";
-    const auto recording = read_recording(record);
-    ASSERT_TRUE(recording) << recording.error().message;
-    EXPECT_GT(recording->front().ticks.size(), 100U) << "the other output, up to where it is full";
+    expect_recorded(record);
 }
 
-TEST(WindowFiles, IsRefusedWhereItCouldNotEnd) {
-    const auto endless = run_touchable({"play", made_clip("globe", 30).string(), "--headless"});
-    EXPECT_EQ(endless.code, 2);
-    EXPECT_TRUE(endless.one_line_of_error()) << endless.err;
+TEST(WindowFiles, HeadlessNeedsAnEnd) {
+    expect_refused({"play", made_clip("globe", 30).string(), "--headless"}, 2);
     const TemporaryFolder folder;
     std::ofstream(folder / "script") << "0.1 quit\n";
     const std::string film = (folder / "FILM.MP4").string();
@@ -139,34 +140,32 @@ TEST(WindowFiles, IsRefusedWhereItCouldNotEnd) {
                                      "320x240", "--script", (folder / "script").string(), "--video", film});
     EXPECT_EQ(ends.code, 0) << ends.err;
     EXPECT_FALSE(seen_in_film(film).empty());
-    const auto none = run_touchable({"play", "nowhere.mkv", "--headless", "--seconds", "1"});
-    EXPECT_EQ(none.code, 3);
-    EXPECT_TRUE(none.one_line_of_error()) << none.err;
+    expect_refused({"play", "nowhere.mkv", "--headless", "--seconds", "1"}, 3);
 }
 
-TEST(WindowFiles, InterruptedBeforeItsFirstPictureSaysThatNothingIsWritten) {
+TEST(WindowFiles, EarlyInterruptWritesNothing) {
     const TemporaryFolder folder;
     const auto ended = run_interrupted_at_once({"play", made_clip("globe", 30).string(), "--headless",
                                                 "--seconds", "9", "--video", (folder / "film.mkv").string()});
     EXPECT_EQ(ended.code, 130) << ended.err;
     EXPECT_TRUE(ended.one_line_of_error()) << ended.err;
-    EXPECT_EQ(ended.err.find("is written"), std::string::npos) << ended.err;
-    EXPECT_EQ(ended.err.find("; written"), std::string::npos) << ended.err;
+    EXPECT_FALSE(contains(ended.err, "is written"));
+    EXPECT_FALSE(contains(ended.err, "; written"));
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(WindowFiles, NeverWritesOverWhatItShows) {
+TEST(WindowFiles, NeverOverwritesItsClip) {
     const TemporaryFolder folder;
     std::filesystem::copy(made_clip("globe", 30), folder / "globe.mkv");
     const std::string clip = (folder / "globe.mkv").string(), before = file_contents(clip);
     const std::string other_spelling = (folder / ".").string() + "/globe.mkv";
-    const auto recorded = run_touchable(
-        {"play", clip, "--headless", "--seconds", "0.2", "--record", other_spelling, "--overwrite"});
-    EXPECT_EQ(recorded.code, 2) << recorded.err;
-    EXPECT_TRUE(recorded.one_line_of_error());
-    const auto kept =
-        run_touchable({"play", clip, "--headless", "--seconds", "0.2", "--settings", other_spelling});
-    EXPECT_EQ(kept.code, 2) << kept.err;
+    const std::vector<std::string> play{"play", clip, "--headless", "--seconds", "0.2"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), play.begin(), play.end());
+        return more;
+    };
+    expect_refused(with({"--record", other_spelling, "--overwrite"}), 2);
+    EXPECT_EQ(run_touchable(with({"--settings", other_spelling})).code, 2);
     std::ofstream(folder / "script") << "0 open " << clip << "\n0 screenshot " << (folder / "a.png").string()
                                      << "\n";
     std::filesystem::create_symlink(clip, folder / "a.png");
@@ -176,7 +175,7 @@ TEST(WindowFiles, NeverWritesOverWhatItShows) {
     EXPECT_EQ(file_contents(clip), before);
 }
 
-TEST(WindowFiles, FilmShowsWhatTheWindowDidAndSoundsAsIt) {
+TEST(WindowFiles, FilmMatchesWindow) {
     const TemporaryFolder folder;
     const std::string film = (folder / "film.mkv").string();
     // The other size, and the panel in the right half from then on; a while after the press, for the finger
@@ -184,7 +183,7 @@ TEST(WindowFiles, FilmShowsWhatTheWindowDidAndSoundsAsIt) {
     const Played shot =
         shot_of(made_clip("globe", 1), "0 move 160 130\n0.2 press left\n1.3 size 640x480\n1.3 panel\n", "1.8",
                 {"--video", film});
-    EXPECT_NE(shot.outcome.out.find("film "), std::string::npos) << shot.outcome.out;
+    EXPECT_TRUE(contains(shot.outcome.out, "film "));
     const auto seen = seen_in_film(film);
     ASSERT_GE(seen.size(), 30U);
     double lasted_s = 0;
@@ -212,54 +211,40 @@ TEST(WindowFiles, FilmShowsWhatTheWindowDidAndSoundsAsIt) {
     const auto first = std::find_if_not(heard.begin(), heard.end(), is_silent) - heard.begin();
     EXPECT_GE(first, 0.2 * 48'000) << "before the finger pressed";
     EXPECT_LT(first, std::ssize(heard)) << "no tap";
-    const auto refused = run_touchable({"play", made_clip("globe", 1).string(), "--headless", "--seconds",
-                                        "0.2", "--video", (folder / "film.avi").string()});
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
+    expect_refused({"play", made_clip("globe", 1).string(), "--headless", "--seconds", "0.2", "--video",
+                    (folder / "film.avi").string()},
+                   2);
 }
 
 // The brush of materials in a window, by scripts: what it shows, saves, and finds again.
 
 namespace fs = std::filesystem;
 
-class BrushScript : public ::testing::Test {
+class BrushScript : public ScriptedClipTest {
 protected:
+    BrushScript() : ScriptedClipTest("320x240", "2") {}
     void SetUp() override { ASSERT_NO_FATAL_FAILURE(write_two_surfaces(clip_, 4)); }
-    Outcome run(const std::string& script, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words{clip_.string()};
-        words.insert(words.end(), more.begin(), more.end());
-        return run_scripted(words, script, folder_.path());
-    }
     /// What the window shows once the script is done; drawn by the CPU, without words.
-    Image shot(const std::string& script, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> words{"--screenshot", (folder_ / "shot.png").string(),
-                                       "--at",         "2",
-                                       "--painter",    "cpu",
-                                       "--builder",    "cpu",
-                                       "--overwrite"};
-        words.insert(words.end(), more.begin(), more.end());
-        const Outcome done = run(script, words);
-        EXPECT_EQ(done.code, 0) << done.err;
-        EXPECT_EQ(done.err, "");
-        auto image = read_image(folder_ / "shot.png");
-        EXPECT_TRUE(image);
-        return image ? *image : Image{320, 240, 1, 3, std::vector<std::uint8_t>(320 * 240 * 3)};
+    Image shot(const std::string& script, std::vector<std::string> more = {}) {
+        more.insert(more.end(), {"--painter", "cpu", "--builder", "cpu"});
+        return ScriptedClipTest::shot(script, more);
     }
-    static std::vector<int> colour(const Image& image, int x, int y) {
-        const auto at = static_cast<std::size_t>((y * image.width + x) * 3);
-        return {image.samples[at], image.samples[at + 1], image.samples[at + 2]};
+    /// The names that were saved.
+    SegmentNames names() const {
+        auto read = parse_segment_names(saved(), "saved");
+        EXPECT_TRUE(read) << read.error().message;
+        return read ? std::move(*read) : SegmentNames();
     }
     std::string saved() const { return file_contents(folder_ / "saved.json"); }
     std::string save() const { return "0 save-materials " + (folder_ / "saved.json").string() + "\n"; }
     const std::string quit_ = "0 quit\n";
-    const TemporaryFolder folder_;
-    const fs::path clip_ = folder_ / "wall.mkv";
+    const std::vector<std::string> history{"--brush-history", (folder_ / "state").string()};
 };
 
 // Of the window, on either half of the wall.
 constexpr int left = 80, right = 240, row = 120;
 
-TEST_F(BrushScript, WhatIsPaintedIsFeltAndComparedByOneKey) {
+TEST_F(BrushScript, PaintIsFeltAndCompared) {
     const std::string overlay = "0 overlay stiffness\n", paint =
                                                              "0 material water\n0 paint 20,32\n"
                                                              "0 material brick\n0 paint 70,32,3\n";
@@ -267,47 +252,46 @@ TEST_F(BrushScript, WhatIsPaintedIsFeltAndComparedByOneKey) {
                 compared = shot(overlay + paint + "0.2 key b\n"),
                 again = shot(overlay + paint + "0.2 key b\n0.5 key b\n"),
                 undone = shot(overlay + paint + "0.2 undo\n0.2 undo\n0.2 tool touch\n");
-    EXPECT_EQ(colour(before, left, row), colour(before, right, row)) << "the clip is the same everywhere";
-    EXPECT_NE(colour(painted, left, row), colour(painted, right, row));
-    EXPECT_EQ(colour(again, left, row), colour(painted, left, row));
-    EXPECT_EQ(colour(again, right, row), colour(painted, right, row));
+    EXPECT_EQ(colour_at(before, left, row), colour_at(before, right, row))
+        << "the clip is the same everywhere";
+    EXPECT_NE(colour_at(painted, left, row), colour_at(painted, right, row));
+    EXPECT_EQ(colour_at(again, left, row), colour_at(painted, left, row));
+    EXPECT_EQ(colour_at(again, right, row), colour_at(painted, right, row));
     for (const Image* image : {&compared, &undone}) {
-        EXPECT_EQ(colour(*image, left, row), colour(before, left, row));
-        EXPECT_EQ(colour(*image, right, row), colour(before, right, row));
+        EXPECT_EQ(colour_at(*image, left, row), colour_at(before, left, row));
+        EXPECT_EQ(colour_at(*image, right, row), colour_at(before, right, row));
     }
 }
 
-TEST_F(BrushScript, AToolInTheHandTintsThePicture) {
+TEST_F(BrushScript, ToolTintsPicture) {
     const std::string paint = "0 material grass\n0 paint 20,32\n0 material water\n0 paint 70,32\n";
     const Image tinted = shot(paint), away = shot(paint + "0.2 tool touch\n"), plain = shot("");
-    EXPECT_GT(colour(tinted, left, row)[1], colour(tinted, left, row)[0] + 30) << "green";
-    EXPECT_GT(colour(tinted, right, row)[2], colour(tinted, right, row)[1] + 30) << "blue";
-    EXPECT_EQ(colour(away, left, row), colour(plain, left, row));
+    EXPECT_GT(colour_at(tinted, left, row)[1], colour_at(tinted, left, row)[0] + 30) << "green";
+    EXPECT_GT(colour_at(tinted, right, row)[2], colour_at(tinted, right, row)[1] + 30) << "blue";
+    EXPECT_EQ(colour_at(away, left, row), colour_at(plain, left, row));
 }
 
 /// In a window that is so large that the panel, which comes with the tool, covers neither place.
-TEST_F(BrushScript, ClicksAndStrokesDoWhatCommandsDo) {
+TEST_F(BrushScript, ClicksAndStrokesMatchCommands) {
     const std::string large = "0 size 960x640\n", click = "0 press left\n0 release left\n",
                       on_left = "0 move 240 320\n" + click, on_right = "0 move 560 320\n" + click;
     const Outcome done =
         run(large + "0 material felt\n" + on_left + "0 tool join\n" + on_left + on_right + save() + quit_);
     ASSERT_EQ(done.code, 0);
     EXPECT_EQ(done.err, "");
-    const auto joined = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(joined) << joined.error().message;
-    ASSERT_EQ(joined->segments.size(), 1U);
-    EXPECT_EQ(joined->segments[0].material, "felt");
-    EXPECT_EQ(joined->segments[0].at.size(), 2U);
+    const SegmentNames joined = names();
+    ASSERT_EQ(joined.segments.size(), 1U);
+    EXPECT_EQ(joined.segments[0].material, "felt");
+    EXPECT_EQ(joined.segments[0].at.size(), 2U);
     std::string stroke = "0 tool cut\n0 move 10 500\n0 press left\n";
     for (int x = 20; x <= 560; x += 10) stroke += "0 move " + std::to_string(x) + " 500\n";
     ASSERT_EQ(run(large + stroke + "0 release left\n" + save() + quit_).code, 0);
-    const auto cut = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(cut) << cut.error().message;
-    ASSERT_EQ(cut->cuts.size(), 1U);
-    EXPECT_GT(cut->cuts[0].stroke.size(), 10U);
+    const SegmentNames cut = names();
+    ASSERT_EQ(cut.cuts.size(), 1U);
+    EXPECT_GT(cut.cuts[0].stroke.size(), 10U);
 }
 
-TEST_F(BrushScript, WhatIsSavedMakesTheClipThatWasFelt) {
+TEST_F(BrushScript, SavedMaterialsMatchFeltClip) {
     ASSERT_EQ(run("0 material foam\n0 paint 20,32\n0 cut 40,30 95,30\n0 paint 70,5\n0 otherwise brick\n" +
                   save() + quit_)
                   .code,
@@ -320,9 +304,8 @@ TEST_F(BrushScript, WhatIsSavedMakesTheClipThatWasFelt) {
     felt.file = clip_;
     auto segments = read_chosen_segments(felt, {});
     ASSERT_TRUE(segments);
-    const auto names = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(names) << names.error().message;
-    auto brush = MaterialBrush::begin(std::move(*segments), *names);
+    const SegmentNames found = names();
+    auto brush = MaterialBrush::begin(std::move(*segments), found);
     ASSERT_TRUE(brush) << brush.error().message;
     felt.painted = brush->painted();
     auto of_window = felt.open();
@@ -338,22 +321,20 @@ TEST_F(BrushScript, WhatIsSavedMakesTheClipThatWasFelt) {
     }
 }
 
-TEST_F(BrushScript, AnotherWindowHasWhatThisOneDid) {
-    const std::vector<std::string> history{"--brush-history", (folder_ / "state").string()};
+TEST_F(BrushScript, NextWindowRestoresHistory) {
     ASSERT_EQ(run("0 material foam\n0 paint 20,32\n0 material glass\n0 paint 70,32\n" + quit_, history).code,
               0);
     EXPECT_EQ(names_in(folder_ / "state").size(), 1U);
     ASSERT_EQ(run("0 undo\n" + save() + quit_, history).code, 0);
-    const auto names = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(names) << names.error().message;
-    ASSERT_EQ(names->segments.size(), 1U);
-    EXPECT_EQ(names->segments[0].material, "foam");
+    const SegmentNames found = names();
+    ASSERT_EQ(found.segments.size(), 1U);
+    EXPECT_EQ(found.segments[0].material, "foam");
     // Without one, and without a window, nothing of it is known.
     const Outcome none = run("0 undo\n" + quit_);
-    EXPECT_NE(none.err.find("nothing to undo"), std::string::npos) << none.err;
+    EXPECT_TRUE(contains(none.err, "nothing to undo"));
 }
 
-TEST_F(BrushScript, SavesBesideTheClipAndInThePlaceOfNothingElse) {
+TEST_F(BrushScript, SavesWithoutOverwriting) {
     ASSERT_EQ(run("0 material foam\n0 paint 20,32\n0 save-materials\n" + quit_).code, 0);
     EXPECT_TRUE(fs::exists(folder_ / "wall.mkv.materials.json"));
     // It is where the next one begins, and a file that is given counts before it.
@@ -363,14 +344,15 @@ TEST_F(BrushScript, SavesBesideTheClipAndInThePlaceOfNothingElse) {
         [{"name": "left", "material": "carpet", "at": [20, 32]}]})";
     const std::vector<std::string> given{"--segments", (folder_ / "given.json").string()};
     ASSERT_EQ(run(save() + quit_, given).code, 0);
-    EXPECT_NE(saved().find("carpet"), std::string::npos) << saved();
+    EXPECT_TRUE(contains(saved(), "carpet"));
     // What is given is felt once segments are read, though no tool is in the hand.
     const Image felt = shot("0 overlay friction\n", given), own = shot("0 overlay friction\n");
-    EXPECT_NE(colour(felt, left, row), colour(felt, right, row));
-    EXPECT_EQ(colour(own, left, row), colour(own, right, row)) << "the file beside it is the brush's alone";
+    EXPECT_NE(colour_at(felt, left, row), colour_at(felt, right, row));
+    EXPECT_EQ(colour_at(own, left, row), colour_at(own, right, row))
+        << "the file beside it is the brush's alone";
     std::ofstream(folder_ / "saved.json") << "my diary";
     const Outcome refused = run("0 material foam\n" + save() + quit_);
-    EXPECT_NE(refused.err.find("not saved in its place"), std::string::npos) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "not saved in its place"));
     EXPECT_EQ(refused.code, 3);
     EXPECT_EQ(saved(), "my diary");
     const std::string good = "0 save-materials " + (folder_ / "good.json").string() + "\n";
@@ -380,22 +362,20 @@ TEST_F(BrushScript, SavesBesideTheClipAndInThePlaceOfNothingElse) {
 }
 
 /// What was asked for before another clip comes is done before the clip goes, and is kept as this clip's.
-TEST_F(BrushScript, AClipGoesOnceItsBrushIsDone) {
+TEST_F(BrushScript, BrushFinishesBeforeNextClip) {
     const fs::path other = folder_ / "other.mkv";
     ASSERT_NO_FATAL_FAILURE(write_two_surfaces(other, 4));
-    const std::vector<std::string> history{"--brush-history", (folder_ / "state").string()};
     const Outcome done =
         run("0 material foam\n0 drop " + other.string() + "\n0 cut 40,30 95,30\n0.2 quit\n", history);
     EXPECT_EQ(done.code, 0) << done.err;
     EXPECT_EQ(done.err, "");
     ASSERT_EQ(run(save() + quit_, history).code, 0);
-    const auto names = parse_segment_names(saved(), "saved");
-    ASSERT_TRUE(names) << names.error().message;
-    EXPECT_EQ(names->cuts.size(), 1U);
+    const SegmentNames found = names();
+    EXPECT_EQ(found.cuts.size(), 1U);
 }
 
 /// What is painted while it is not felt changes nothing that is felt: no session is begun for it.
-TEST_F(BrushScript, WhatIsNotFeltBeginsNothingAnew) {
+TEST_F(BrushScript, UnfeltPaintRestartsNothing) {
     const auto frames_after = [this](const std::string& feel) {
         std::string script = "0 material foam\n0.1 " + feel + "\n";
         for (int k = 0; k < 10; ++k)
@@ -412,18 +392,18 @@ TEST_F(BrushScript, WhatIsNotFeltBeginsNothingAnew) {
     EXPECT_LT(unfelt + 1, felt) << "of ten changes, each felt";
 }
 
-TEST_F(BrushScript, WhatCannotBeIsSaidInALine) {
+TEST_F(BrushScript, RejectsInvalidInOneLine) {
     const Outcome done = run("0 paint 20,32,9\n0 join 20,32 21,32\n0 materials off\n0 redo\n" + quit_);
     EXPECT_EQ(done.code, 0);
     for (const char* words :
          {"beyond the clip", "both places are on segment", "nothing is painted", "nothing to do again"})
-        EXPECT_NE(done.err.find(words), std::string::npos) << words << " in " << done.err;
+        EXPECT_TRUE(contains(done.err, words));
     const Outcome recorded = run("0 paint 20,32\n" + quit_, {"--record", (folder_ / "hand.touch").string()});
-    EXPECT_NE(recorded.err.find("not recorded"), std::string::npos) << recorded.err;
+    EXPECT_TRUE(contains(recorded.err, "not recorded"));
     const Outcome camera = run_touchable({"play", "--camera", "replay:" + clip_.string(), "--headless",
                                           "--script", (folder_ / "script").string()});
     EXPECT_EQ(camera.code, 0);
-    EXPECT_NE(camera.err.find("this is a camera"), std::string::npos) << camera.err;
+    EXPECT_TRUE(contains(camera.err, "this is a camera"));
     std::ofstream(folder_ / "bad.json") << R"({"touchable_segments": 1, "segments": [{}]})";
     const Outcome bad = run(quit_, {"--segments", (folder_ / "bad.json").string()});
     EXPECT_EQ(bad.code, 3);
@@ -432,7 +412,7 @@ TEST_F(BrushScript, WhatCannotBeIsSaidInALine) {
     EXPECT_EQ(both.code, 2) << both.err;
 }
 
-TEST_F(BrushScript, TheTerminalSaysWhatIsNotSaved) {
+TEST_F(BrushScript, ReportsUnsavedPaint) {
     const std::string paint = "0 material water\n0 paint 20,32\n",
                       not_saved = "what was painted is not saved";
     const auto told = [&](const std::string& script, const std::vector<std::string>& more = {}) {
@@ -440,24 +420,24 @@ TEST_F(BrushScript, TheTerminalSaysWhatIsNotSaved) {
         EXPECT_EQ(done.code, 0) << done.err;
         return done.out;
     };
-    EXPECT_NE(told(paint).find(not_saved + ", and is lost"), std::string::npos);
-    EXPECT_NE(told(paint, {"--brush-history", (folder_ / "kept").string()}).find("for the next window"),
-              std::string::npos);
-    EXPECT_EQ(told(paint + save()).find(not_saved), std::string::npos);
-    EXPECT_EQ(told("0 tool paint\n").find(not_saved), std::string::npos);
+    EXPECT_TRUE(contains(told(paint), not_saved + ", and is lost"));
+    EXPECT_TRUE(
+        contains(told(paint, {"--brush-history", (folder_ / "kept").string()}), "for the next window"));
+    EXPECT_FALSE(contains(told(paint + save()), not_saved));
+    EXPECT_FALSE(contains(told("0 tool paint\n"), not_saved));
 }
 
-TEST_F(BrushScript, SegmentsThatDoNotFitTheClipAreAnError) {
+TEST_F(BrushScript, RejectsUnfitSegments) {
     const fs::path file = folder_ / "other.json";
     std::ofstream(file) << R"({"touchable_segments": 1, "segments": [
         {"name": "a", "material": "wood", "at": [9000, 1]}]})";
     const Outcome done = run("0 tool paint\n" + quit_, {"--segments", file.string()});
     EXPECT_EQ(done.code, 3) << done.out;
-    EXPECT_NE(done.err.find("outside of the picture"), std::string::npos) << done.err;
+    EXPECT_TRUE(contains(done.err, "outside of the picture"));
 }
 
-// What is dropped on a window, whether a clip is there or none yet: which of it is opened, what is told of
-// the rest, and what stays as it was.
+// Files dropped on a window, with a clip or without one yet: which are opened, what is reported of the rest,
+// and what stays as it was.
 
 using namespace std::chrono_literals;
 using Words = std::vector<std::string>;
@@ -476,35 +456,34 @@ bool shows_bumps(const Image& image) {
     return differences(image, image_of_bumps(), middle) < 50;
 }
 
-TEST(DroppedClips, ThatCannotBeOpenedLeaveTheListAsItWas) {
+TEST(DroppedClips, UnopenableClipKeepsPlaylist) {
     const Words two{still_of("globe"), still_of("bumps")};
     const Played next = played_by(two, "0.1 drop nowhere.mkv\n1 key pagedown\n", "3");
-    EXPECT_NE(next.outcome.err.find("nowhere.mkv"), std::string::npos) << next.outcome.err;
+    EXPECT_TRUE(contains(next.outcome.err, "nowhere.mkv"));
     EXPECT_TRUE(shows_bumps(next.image)) << "the next of the clips that were there before";
 }
 
-TEST(DroppedClips, ThatCannotBeOpenedAreToldAndGonePast) {
+TEST(DroppedClips, ReportsAndSkipsUnopenableClip) {
     const std::string drop = "0.2 drop nowhere.mkv\n0.2 drop " + still_of("bumps") + "\n";
     for (const Words& words : {Words{still_of("globe")}, Words{}}) {
         const Played played = played_by(words, drop, "3");
         EXPECT_TRUE(shows_bumps(played.image)) << words.size() << " clips were there";
-        EXPECT_NE(played.outcome.err.find("nowhere.mkv"), std::string::npos) << played.outcome.err;
+        EXPECT_TRUE(contains(played.outcome.err, "nowhere.mkv"));
         EXPECT_GT(differences(played.image, image_of_bumps(), top), 100) << "it is not told in the window";
     }
 }
 
-TEST(DroppedClips, OfVeryManyTheFirstFewAreTold) {
+TEST(DroppedClips, FaultListIsLimited) {
     std::string drop;
     for (int k = 0; k < 300; ++k) drop += "0.2 drop nowhere" + std::to_string(k) + ".mkv\n";
     const Played played = played_by({still_of("globe")}, drop + "0.2 drop " + still_of("bumps") + "\n", "4");
     EXPECT_TRUE(shows_bumps(played.image));
-    EXPECT_NE(played.outcome.err.find("nowhere3.mkv"), std::string::npos) << played.outcome.err;
-    EXPECT_EQ(played.outcome.err.find("nowhere4.mkv"), std::string::npos) << played.outcome.err;
-    EXPECT_NE(played.outcome.err.find("296 more clips cannot be opened"), std::string::npos)
-        << played.outcome.err;
+    EXPECT_TRUE(contains(played.outcome.err, "nowhere3.mkv"));
+    EXPECT_FALSE(contains(played.outcome.err, "nowhere4.mkv"));
+    EXPECT_TRUE(contains(played.outcome.err, "296 more clips cannot be opened"));
 }
 
-TEST(DroppedClips, WhatIsInTheListAndCannotBeOpenedIsGonePastEitherWay) {
+TEST(DroppedClips, SkipsUnopenableClipBothWays) {
     const TemporaryFolder folder;
     const std::string broken = (folder / "broken.mkv").string();
     std::ofstream(broken) << "no clip";
@@ -515,7 +494,7 @@ TEST(DroppedClips, WhatIsInTheListAndCannotBeOpenedIsGonePastEitherWay) {
     EXPECT_LT(differences(back.image, first, middle), 50);
 }
 
-TEST(DroppedClips, ForceThatIsStoppedWhileOneOpensStaysOff) {
+TEST(DroppedClips, StoppedForceStaysOff) {
     const std::string drop = "0.2 drop " + still_of("bumps") + "\n";
     const Image on = played_by({still_of("globe")}, drop, "3").image,
                 off = played_by({still_of("globe")}, drop + "0.2 key f\n", "3").image;
@@ -525,7 +504,7 @@ TEST(DroppedClips, ForceThatIsStoppedWhileOneOpensStaysOff) {
 }
 
 /// The pointer has not moved since: the new clip has a finger there all the same.
-TEST(DroppedClips, AreTouchedWhereThePointerRested) {
+TEST(DroppedClips, AreTouchedUnderRestingPointer) {
     const std::string drop = "0.1 move 160 120\n0.2 drop " + still_of("bumps") + "\n";
     const Image pressed = played_by({still_of("globe")}, drop + "1.5 press left\n", "3").image,
                 moved =
@@ -536,11 +515,10 @@ TEST(DroppedClips, AreTouchedWhereThePointerRested) {
     EXPECT_GT(differences(pressed, rested, finger), 100);
 }
 
-TEST(EmptyWindow, HasTheKeysErrorsAndTouchesOfOneWithAClip) {
+TEST(EmptyWindow, TakesKeysAndTouches) {
     const std::string there = "0.9 screenshot there.png\n";
     const auto stays = [&](const std::string& script) {
-        const Played played = played_by({}, script + there, "1.2");
-        return std::ranges::find(played.files, "there.png") != played.files.end();
+        return std::ranges::count(played_by({}, script + there, "1.2").files, "there.png") > 0;
     };
     const std::string at = "160 25";  // of the box that tells what went wrong
     EXPECT_FALSE(stays("0.3 key escape\n"));
@@ -555,7 +533,7 @@ TEST(EmptyWindow, HasTheKeysErrorsAndTouchesOfOneWithAClip) {
     EXPECT_TRUE(stays("0.3 key ?\n0.6 key escape\n")) << "Escape leaves the help before it closes";
 }
 
-TEST(EmptyWindow, SaysWhyNoClipOpens) {
+TEST(EmptyWindow, ShowsWhyClipFailed) {
     const TemporaryFolder folder;
     std::ofstream(folder / "film.mkv") << "no clip";
     PlayOptions options;
@@ -570,7 +548,7 @@ TEST(EmptyWindow, SaysWhyNoClipOpens) {
     options.stays_without_clip = true;
     const auto played = play_in_window(options);
     ASSERT_FALSE(played);
-    EXPECT_NE(played.error().message.find("film.mkv"), std::string::npos) << played.error().message;
+    EXPECT_TRUE(contains(played.error().message, "film.mkv"));
     const auto end = read_image(folder / "end.png");
     ASSERT_TRUE(end) << end.error().message;
     const Image page = played_by({}, "", "0.6", "640x480").image;
@@ -585,7 +563,7 @@ TEST(EmptyWindow, SaysWhyNoClipOpens) {
     EXPECT_TRUE(shows_bumps(*read_image(folder / "end.png"))) << "a clip that is dropped is not opened";
 }
 
-TEST(EmptyWindow, OpensAGpuThatIsLostAnew) {
+TEST(EmptyWindow, ReopensLostGpu) {
     const TemporaryFolder folder;
     PlayOptions options;
     options.gpu = std::make_shared<RunGpu>("auto");
@@ -610,19 +588,15 @@ TEST(EmptyWindow, OpensAGpuThatIsLostAnew) {
     EXPECT_TRUE(read_image(folder / "end.png"));
 }
 
-/// A disk that does not answer costs no picture, and nobody waits for it at the end. (Were the folder listed
-/// by the window, the test would end after ten seconds, with fewer pictures.)
-TEST(DroppedFolder, IsListedBesideTheWindow) {
+/// A disk that does not answer costs no picture, and the window does not wait for it at the end. (Were the
+/// folder listed by the window, the test would end after ten seconds, with fewer pictures.)
+TEST(DroppedFolder, IsListedInBackground) {
     const TemporaryFolder folder;
     struct Disk {
         std::atomic<bool> is_asked{false}, answers{false};
     };
     const auto disk = std::make_shared<Disk>();
-    PlayOptions options;
-    options.session.clip.file = still_of("globe");
-    options.session.builder.name = options.painter = "cpu";
-    options.headless = true;
-    options.screen = {320, 240, false};
+    PlayOptions options = headless_by_cpu(still_of("globe"));
     options.seconds = 3;
     options.clips_of = [disk](const std::filesystem::path& named) {
         disk->is_asked = true;
@@ -665,9 +639,7 @@ protected:
     };
     /// What is seen where so is done meanwhile.
     Seen seen(const std::string& script) {
-        PlayOptions options;
-        options.session.builder.name = "cpu";
-        options.session.clip.file = first_;
+        PlayOptions options = headless_by_cpu(first_);
         options.next_clips.emplace_back().file = second_;
         const std::string taken = picture("taken");
         std::filesystem::remove(taken);
@@ -677,18 +649,11 @@ protected:
                     std::this_thread::sleep_for(std::chrono::milliseconds(1));
             return std::vector<PlaybackCommand>();
         };
-        options.painter = "cpu";
-        options.headless = true;
         options.existing = Existing::replace;
-        options.screen.width = 320;
-        options.screen.height = 240;
         options.kiosk = kiosk_;
-        std::ofstream(folder_ / "script")
-            << script << "1.5 screenshot " << taken << "\n3.5 screenshot " << picture("first")
-            << "\n4.0 screenshot " << picture("later") << "\n4.1 quit\n";
-        auto inputs = read_window_script(folder_ / "script");
-        EXPECT_TRUE(inputs);
-        options.script = std::move(*inputs);
+        options.script =
+            inputs_of(script + "1.5 screenshot " + taken + "\n3.5 screenshot " + picture("first") +
+                      "\n4.0 screenshot " + picture("later") + "\n4.1 quit\n");
         const auto played = play_in_window(options);
         EXPECT_TRUE(played) << played.error().message;
         return {image("before"), image("first"), image("later")};
@@ -705,13 +670,13 @@ protected:
     std::optional<KioskOptions> kiosk_;
 };
 
-TEST_F(NextClip, ComesPausedWhereItIsPausedMeanwhile) {
+TEST_F(NextClip, ComesPaused) {
     const Seen paused = seen("0.3 next\n0.6 key space\n0.9 screenshot " + picture("before") + "\n");
     EXPECT_GT(differences(paused.before, paused.first, middle), 3000) << "no other clip came";
     EXPECT_EQ(differences(paused.first, paused.later, middle), 0);
 }
 
-TEST_F(NextClip, PlaysWhereNobodyOrSomebodyTwicePressesPause) {
+TEST_F(NextClip, PlaysUnlessPaused) {
     for (const char* const script :
          {"0.3 next\n", "0.3 next\n0.6 key space\n0.9 key space\n", "0.2 key space\n0.3 next\n",
           "0.2 key space\n0.3 next\n0.6 key space\n", "0.1 seek 29.9\n1.4 key space\n"}) {
@@ -722,7 +687,7 @@ TEST_F(NextClip, PlaysWhereNobodyOrSomebodyTwicePressesPause) {
     }
 }
 
-TEST_F(NextClip, PlaysForTheNextVisitorOfAKioskWhoComesMeanwhile) {
+TEST_F(NextClip, PlaysForNextKioskVisitor) {
     std::swap(first_, second_);
     kiosk_.emplace().times = {.invite_s = 20, .reset_s = 0.8};
     const Seen playing = seen("0.2 next\n0.3 next\n0.5 key space\n");
