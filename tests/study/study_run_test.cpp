@@ -6,18 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <fstream>
 #include <future>
 #include <map>
 #include <set>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "device/hand.hpp"
 #include "player/window/study.hpp"
-#include "tests/player/program.hpp"
+#include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
@@ -59,6 +57,15 @@ protected:
         ms_ += ms;
         run_->pass(now_s(), time());
     }
+    void go_on_after(int ms) {
+        wait(ms);
+        go_on();
+    }
+    /// Past the start screen and the trial.
+    void begin() {
+        go_on_after(1000);
+        go_on_after(3000);
+    }
     /// And what is written then.
     void go_on() {
         run_->go_on(now_s(), time());
@@ -89,21 +96,16 @@ protected:
     }
     /// From the start screen to the end, with these answers.
     void take_part(const char* first, const char* second) {
-        wait(1000);
-        go_on();
-        wait(3000);
-        go_on();
+        begin();
         for (const char* const answer : {first, second}) {
             touch(2, 500);
             touch(4, 500);
-            wait(1000);
-            go_on();
+            go_on_after(1000);
             wait(1500);
             run_->choose(static_cast<std::size_t>(answer[0] - '1'));
             go_on();
         }
-        wait(2000);
-        go_on();
+        go_on_after(2000);
     }
     std::string text_of(const char* file) const { return file_contents(folder_ / "results" / file); }
     std::vector<std::string> files() const { return names_in(folder_ / "results"); }
@@ -115,7 +117,7 @@ protected:
     int ms_ = 0;
 };
 
-TEST_F(Participant, HasATableOfAllThatWasDoneAndNothingOfTheirPerson) {
+TEST_F(Participant, WritesAnonymousTable) {
     EXPECT_EQ(run_->screen(), nullptr);
     take_part("6", "2");
     EXPECT_EQ(run_->screen(), nullptr) << "the next one's start screen";
@@ -133,14 +135,14 @@ TEST_F(Participant, HasATableOfAllThatWasDoneAndNothingOfTheirPerson) {
                   "small,1,de,mouse,2026-11-24T10:00:13Z,,,end,,finished,12.00,,,,\n");
 }
 
-TEST_F(Participant, IsFollowedByTheNextWhoHasTheOtherOrder) {
+TEST_F(Participant, NextHasOtherOrder) {
     take_part("6", "2");
     take_part("1", "7");
     EXPECT_EQ(files(), (Names{"participant-001.csv", "participant-002.csv"}));
     const std::string second = text_of("participant-002.csv");
-    EXPECT_NE(second.find(",off,1,about,rough,1,"), std::string::npos) << second;
-    EXPECT_NE(second.find(",on,2,about,rough,7,"), std::string::npos) << second;
-    // Whoever starts the program again goes on with the numbers, and writes over nothing.
+    EXPECT_TRUE(contains(second, ",off,1,about,rough,1,"));
+    EXPECT_TRUE(contains(second, ",on,2,about,rough,7,"));
+    // The next program goes on with the numbers, and writes over nothing.
     const std::string first = text_of("participant-001.csv");
     open();
     take_part("3", "3");
@@ -148,12 +150,10 @@ TEST_F(Participant, IsFollowedByTheNextWhoHasTheOtherOrder) {
     EXPECT_EQ(text_of("participant-001.csv"), first);
 }
 
-TEST_F(Participant, GoesOnOnlyOnceItIsTimeAndTheQuestionIsAnswered) {
-    wait(100);
-    go_on();
+TEST_F(Participant, ContinuesWhenTimedAndAnswered) {
+    go_on_after(100);
     EXPECT_FALSE(run_->screen()) << "a click that was one too many";
-    wait(400);
-    go_on();
+    go_on_after(400);
     ASSERT_TRUE(run_->screen());
     wait(1900);
     EXPECT_FALSE(run_->may_go_on(now_s())) << "least_s";
@@ -164,10 +164,9 @@ TEST_F(Participant, GoesOnOnlyOnceItIsTimeAndTheQuestionIsAnswered) {
     EXPECT_EQ(run_->screen()->step->id, "globe") << "most_s";
     EXPECT_TRUE(run_->gives_force());
     EXPECT_EQ(run_->clip(), 0U);
-    wait(1000);
-    go_on();
+    go_on_after(1000);
     wait(5000);
-    EXPECT_FALSE(run_->gives_force()) << "nobody pushes whoever reads a question";
+    EXPECT_FALSE(run_->gives_force()) << "no force while a question is read";
     EXPECT_FALSE(run_->may_go_on(now_s())) << "no answer";
     EXPECT_EQ(run_->wait_s(now_s()), 0) << "it is not time that is waited for";
     EXPECT_EQ(run_->clip(), 1U) << "it is opened meanwhile";
@@ -187,27 +186,20 @@ TEST_F(Participant, GoesOnOnlyOnceItIsTimeAndTheQuestionIsAnswered) {
     EXPECT_EQ(run_->screen()->step->id, "globe") << "its clip was not there";
 }
 
-TEST_F(Participant, WhoGoesAwayHasLeftUnlessAllIsAnswered) {
-    wait(1000);
-    go_on();
-    wait(3000);
-    go_on();
+TEST_F(Participant, LeavingIsRecordedUnlessAnswered) {
+    begin();
     wait(1000);
     leave();
     EXPECT_FALSE(run_->screen());
     EXPECT_EQ(files(), Names{"participant-001.left.csv"});
     const std::string left = text_of("participant-001.left.csv");
-    EXPECT_NE(left.find(",on,1,globe,,,1.00,"), std::string::npos) << left;
-    EXPECT_NE(left.find(",end,,left,4.00,"), std::string::npos) << left;
+    EXPECT_TRUE(contains(left, ",on,1,globe,,,1.00,"));
+    EXPECT_TRUE(contains(left, ",end,,left,4.00,"));
     leave();
-    EXPECT_EQ(files().size(), 1U) << "nobody is there";
-    wait(1000);
-    go_on();
-    wait(3000);
-    go_on();
+    EXPECT_EQ(files().size(), 1U) << "without a participant";
+    begin();
     for (int k = 0; k < 2; ++k) {
-        wait(1000);
-        go_on();
+        go_on_after(1000);
         wait(1000);
         run_->choose(0);
         go_on();
@@ -217,11 +209,8 @@ TEST_F(Participant, WhoGoesAwayHasLeftUnlessAllIsAnswered) {
     EXPECT_EQ(files(), (Names{"participant-001.left.csv", "participant-002.csv"}));
 }
 
-TEST_F(Participant, OfAProgramThatIsKilledHasWhatWasDoneUntilThen) {
-    wait(1000);
-    go_on();
-    wait(3000);
-    go_on();
+TEST_F(Participant, KeepsRowsWhenKilled) {
+    begin();
     // Nothing is closed: so it is on the disk at any moment.
     EXPECT_EQ(files(), Names{"participant-001.partial.csv"});
     EXPECT_EQ(
@@ -233,55 +222,50 @@ TEST_F(Participant, OfAProgramThatIsKilledHasWhatWasDoneUntilThen) {
     EXPECT_EQ(files(), (Names{"participant-001.partial.csv", "participant-002.csv"}));
 }
 
-TEST_F(Participant, OfAProgramThatIsEndedStaysPartial) {
-    wait(1000);
-    go_on();
+TEST_F(Participant, StaysPartialWhenProgramEnds) {
+    go_on_after(1000);
     wait(3000);
     EXPECT_TRUE(run_->end(now_s(), time(), 60s));
     EXPECT_EQ(files(), Names{"participant-001.partial.csv"});
-    EXPECT_NE(text_of("participant-001.partial.csv").find(",end,,ended,3.00,"), std::string::npos);
+    EXPECT_TRUE(contains(text_of("participant-001.partial.csv"), ",end,,ended,3.00,"));
 }
 
-/// As where somebody else has put it there meanwhile.
-TEST_F(Participant, IsNeverWrittenOverAnother) {
-    wait(1000);
-    go_on();
+/// A file that another program has put there meanwhile.
+TEST_F(Participant, NeverOverwritesAnotherTable) {
+    go_on_after(1000);
     std::ofstream(folder_ / "results/participant-001.csv") << "mine\n";
     wait(1000);
     leave();
     EXPECT_FALSE(run_->fault()) << "it is another name";
     open();
-    wait(1000);
-    go_on();
+    go_on_after(1000);
     std::ofstream(folder_ / "results/participant-002.left.csv") << "mine, too\n";
     wait(1000);
     leave();
     ASSERT_TRUE(run_->fault());
-    EXPECT_NE(run_->fault()->message.find("participant-002.left.csv"), std::string::npos);
+    EXPECT_TRUE(contains(run_->fault()->message, "participant-002.left.csv"));
     EXPECT_EQ(text_of("participant-001.csv"), "mine\n");
     EXPECT_EQ(text_of("participant-002.left.csv"), "mine, too\n");
-    EXPECT_NE(text_of("participant-002.partial.csv").find(",end,,left,"), std::string::npos);
+    EXPECT_TRUE(contains(text_of("participant-002.partial.csv"), ",end,,left,"));
     EXPECT_FALSE(run_->end(now_s(), time(), 60s));
 }
 
-TEST_F(Participant, DoesNotBeginWhereNothingCanBeKept) {
+TEST_F(Participant, NeedsWritableFolder) {
     std::filesystem::remove_all(folder_ / "results");
-    wait(1000);
-    go_on();
+    go_on_after(1000);
     EXPECT_FALSE(run_->screen());
     ASSERT_TRUE(run_->fault());
-    EXPECT_NE(run_->fault()->message.find("results"), std::string::npos);
+    EXPECT_TRUE(contains(run_->fault()->message, "results"));
     std::filesystem::create_directory(folder_ / "results");
-    wait(1000);
-    go_on();
+    go_on_after(1000);
     EXPECT_TRUE(run_->screen());
     EXPECT_FALSE(run_->fault());
     std::ofstream(folder_ / "file") << "x";
     EXPECT_FALSE(open_in(folder_ / "file"));
 }
 
-/// A disk that hangs: who is at it goes on, and nobody else begins.
-TEST_F(Participant, WaitsForNoDisk) {
+/// A disk that hangs: the participant goes on, and no other begins.
+TEST_F(Participant, NeverWaitsForDisk) {
     const auto hang = [&](std::promise<void>& answer) {
         writer_->give({.write = [answers = answer.get_future().share()](const auto&) -> Result<void> {
             answers.wait();
@@ -298,7 +282,7 @@ TEST_F(Participant, WaitsForNoDisk) {
     EXPECT_FALSE(run_->fault());
     wait(5000);
     ASSERT_TRUE(run_->fault());
-    EXPECT_NE(run_->fault()->message.find("results: its disk does not answer"), std::string::npos);
+    EXPECT_TRUE(contains(run_->fault()->message, "results: its disk does not answer"));
     first.set_value();
     settle();
     EXPECT_FALSE(run_->fault());
@@ -312,18 +296,16 @@ TEST_F(Participant, WaitsForNoDisk) {
     wait(1000);
     const auto ended = run_->end(now_s(), time(), 20ms);
     ASSERT_FALSE(ended);
-    EXPECT_NE(ended.error().message.find("does not answer"), std::string::npos);
+    EXPECT_TRUE(contains(ended.error().message, "does not answer"));
     EXPECT_EQ(text_of("participant-001.partial.csv"), header);
     second.set_value();
-    const auto has_all = [&] {
-        return text_of("participant-001.partial.csv").find(",ended,4.00,") != std::string::npos;
-    };
-    for (int k = 0; k < 20'000 && !has_all(); ++k) std::this_thread::sleep_for(1ms);
-    EXPECT_TRUE(has_all()) << "it was only slow";
+    EXPECT_TRUE(comes_true([&] {
+        return bool(contains(text_of("participant-001.partial.csv"), ",ended,4.00,"));
+    })) << "it was only slow";
 }
 
-/// Whoever asks, by a key or the device's own button.
-TEST(HandOfAStudy, FeelsNothingWhereForcesAreNotAllowed) {
+/// For a key as for the device's own button.
+TEST(StudyHand, HasNoForceWhenDisallowed) {
     HandControl control{1, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)}};
     const auto tick = [&](std::uint32_t buttons, double newtons) {
         glm::dvec3 place(0), felt(0);
@@ -342,7 +324,7 @@ TEST(HandOfAStudy, FeelsNothingWhereForcesAreNotAllowed) {
     EXPECT_EQ(control.take_presses(0), 0) << "once";
     control.allow_force(true);
     tick(0, 0);
-    EXPECT_EQ(tick(0, 3), 0) << "nobody has asked since";
+    EXPECT_EQ(tick(0, 3), 0) << "not asked for since";
     tick(1, 0);
     double most = 0;
     for (int k = 0; k < 400; ++k) most = tick(0, 3);
@@ -356,7 +338,7 @@ TEST(HandOfAStudy, FeelsNothingWhereForcesAreNotAllowed) {
 const std::filesystem::path own_study =
     std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "share/study/paper-4.2.json";
 
-TEST(StudyFile, ThatComesWithTheProgramHasThePapersStudyInEnglishAndGerman) {
+TEST(StudyFile, BundledPaperStudyIsBilingual) {
     const auto study = parse_study(file_contents(own_study), "paper-4.2.json");
     ASSERT_TRUE(study) << study.error().message;
     EXPECT_EQ(study->name, "paper-4.2");
@@ -386,8 +368,8 @@ TEST(StudyFile, ThatComesWithTheProgramHasThePapersStudyInEnglishAndGerman) {
         }
     };
     check(check, nlohmann::json::parse(file_contents(own_study)));
-    EXPECT_NE(study->all_words("de").find("ü"), std::string::npos);
-    EXPECT_EQ(study->all_words("en").find("ü"), std::string::npos);
+    EXPECT_TRUE(contains(study->all_words("de"), "ü"));
+    EXPECT_FALSE(contains(study->all_words("en"), "ü"));
 }
 
 std::string message_of(const std::string& json) {
@@ -410,45 +392,44 @@ std::string with(const std::string& part, const std::string& instead) {
     return json.replace(at, part.size(), instead);
 }
 
-TEST(StudyFile, ThatCannotBeIsOneLineWithThePlaceAndWhatWouldBeRight) {
+TEST(StudyFile, RejectsInvalidInOneLine) {
     EXPECT_EQ(message_of(with("Hello", "Hello")), "");
     const struct {
         const char *part, *instead, *where, *right;
-    } faults[] = {{"\"touchable_study\": 1", "\"touchable_study\": 2", "touchable_study", "1"},
-                  {"\"name\": \"s\"", "\"name\": \"a, b\"", "name", "letters, digits"},
-                  {"\"name\": \"s\",", "", "name", ""},
-                  {"\"Hello\"", "{\"Deutsch\": \"Hallo\"}", "start.title", "languages"},
-                  {"\"Hello\"", "{}", "start.title", "a text"},
-                  {"\"Hello\"", "[]", "start.title", "a line"},
-                  {"\"Hello\"", "\"\"", "start.title", "a line"},
-                  {"\"kind\": \"touch\"", "\"kind\": \"dance\"", "before[0].kind", "questions"},
-                  {"\"force\": \"on\", \"most_s\"", "\"force\": true, \"most_s\"", "before[0].force", "off"},
-                  {"\"most_s\": 60", "\"most_s\": 0", "before[0].most_s", "more than 0"},
-                  {"\"most_s\": 60", "\"most_s\": 5, \"least_s\": 9", "before[0].most_s", "least_s"},
-                  {"\"most_s\": 60", "\"most_s\": -1", "before[0].most_s", "a day"},
-                  {"\"most_s\": 60", "\"clip\": 0", "before[0].clip", "1"},
-                  {"\"most_s\": 60", "\"seconds\": 6", "seconds", "most_s"},
-                  {"\"text\": \"Touch\"", "\"text\": \"Touch\", \"force\": \"on\"",
-                   "in_each_condition[0].force", "condition"},
-                  {"\"id\": \"globe\"", "\"id\": \"trial\"", "in_each_condition[0].id", "of its own"},
-                  {"\"id\": \"liked\"", "\"id\": \"globe\"", "questions[1].id", "of its own"},
-                  {"\"id\": \"globe\"", "\"id\": \"end\"", "in_each_condition[0].id", "of its own"},
-                  {"\"name\": \"b\"", "\"name\": \"a\"", "conditions[1].name", "of its own"},
-                  {"\"force\": \"off\"", "\"force\": \"half\"", "conditions[1].force", "off"},
-                  {"\"most\": 5", "\"most\": 1", "scale", "more"},
-                  {"\"most\": 5", "\"most\": 100", "most", "10"},
-                  {"\"value\": \"n\"", "\"value\": \"y\"", "choices[1].value", "of its own"},
-                  {", {\"value\": \"n\", \"text\": \"No\"}", "", "choices", "2 to 6"},
-                  {"\"choices\"", "\"chioces\"", "chioces", "choices"},
-                  {"\"conditions\": [{\"name\": \"a\", \"force\": \"on\"}, {\"name\": \"b\", \"force\": "
-                   "\"off\"}],",
-                   "", "in_each_condition", "both"},
-                  {"\"start\"", "\"start", "s.json: ", ""}};
+    } faults[] = {{R"("touchable_study": 1)", R"("touchable_study": 2)", "touchable_study", "1"},
+                  {R"("name": "s")", R"("name": "a, b")", "name", "letters, digits"},
+                  {R"("name": "s",)", "", "name", ""},
+                  {R"("Hello")", R"({"Deutsch": "Hallo"})", "start.title", "languages"},
+                  {R"("Hello")", "{}", "start.title", "a text"},
+                  {R"("Hello")", "[]", "start.title", "a line"},
+                  {R"("Hello")", R"("")", "start.title", "a line"},
+                  {R"("kind": "touch")", R"("kind": "dance")", "before[0].kind", "questions"},
+                  {R"("force": "on", "most_s")", R"("force": true, "most_s")", "before[0].force", "off"},
+                  {R"("most_s": 60)", R"("most_s": 0)", "before[0].most_s", "more than 0"},
+                  {R"("most_s": 60)", R"("most_s": 5, "least_s": 9)", "before[0].most_s", "least_s"},
+                  {R"("most_s": 60)", R"("most_s": -1)", "before[0].most_s", "a day"},
+                  {R"("most_s": 60)", R"("clip": 0)", "before[0].clip", "1"},
+                  {R"("most_s": 60)", R"("seconds": 6)", "seconds", "most_s"},
+                  {R"("text": "Touch")", R"("text": "Touch", "force": "on")", "in_each_condition[0].force",
+                   "condition"},
+                  {R"("id": "globe")", R"("id": "trial")", "in_each_condition[0].id", "of its own"},
+                  {R"("id": "liked")", R"("id": "globe")", "questions[1].id", "of its own"},
+                  {R"("id": "globe")", R"("id": "end")", "in_each_condition[0].id", "of its own"},
+                  {R"("name": "b")", R"("name": "a")", "conditions[1].name", "of its own"},
+                  {R"("force": "off")", R"("force": "half")", "conditions[1].force", "off"},
+                  {R"("most": 5)", R"("most": 1)", "scale", "more"},
+                  {R"("most": 5)", R"("most": 100)", "most", "10"},
+                  {R"("value": "n")", R"("value": "y")", "choices[1].value", "of its own"},
+                  {R"(, {"value": "n", "text": "No"})", "", "choices", "2 to 6"},
+                  {R"("choices")", R"("chioces")", "chioces", "choices"},
+                  {R"("conditions": [{"name": "a", "force": "on"}, {"name": "b", "force": "off"}],)", "",
+                   "in_each_condition", "both"},
+                  {R"("start")", R"("start)", "s.json: ", ""}};
     for (const auto& fault : faults) {
         const std::string message = message_of(with(fault.part, fault.instead));
         EXPECT_EQ(message.find("s.json: "), 0U) << fault.instead << ": " << message;
-        EXPECT_NE(message.find(fault.where), std::string::npos) << fault.instead << ": " << message;
-        EXPECT_NE(message.find(fault.right), std::string::npos) << fault.instead << ": " << message;
+        EXPECT_TRUE(contains(message, fault.where)) << fault.instead;
+        EXPECT_TRUE(contains(message, fault.right)) << fault.instead;
         EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     }
     EXPECT_NE(message_of(R"({"touchable_study": 1, "name": "s", "start": {"title": "a", "text": "b"}})"), "");

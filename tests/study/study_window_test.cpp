@@ -3,27 +3,25 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <map>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "engine/picture/image.hpp"
-#include "tests/player/program.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
 namespace {
 
 // In a window of 640x400: the button of a page, that of a touch, and the fourth and second of five answers.
-constexpr const char *page_button = "540 353", *strip_button = "590 372", *fourth = "404 175",
-                     *second = "235 175";
+constexpr const char *page_button = "540 353", *strip_button = "590 372";
+constexpr const char *fourth = "404 175", *second = "235 175";
 constexpr PicturePart force_bar{14, 14, 90, 120};
 
 using Row = std::map<std::string, std::string>;
@@ -32,7 +30,7 @@ class StudyWindow : public ::testing::Test {
 protected:
     void SetUp() override {
         clip_ = (folder_ / "still.mkv").string();
-        ASSERT_EQ(run_touchable({"make", "globe", clip_, "--size", "160x120", "--frames", "1"}).code, 0);
+        make_clip(clip_, "globe", 1, "160x120");
     }
     void write_study(const std::string& steps, const std::string& name = "small", double idle_s = 60) {
         std::ofstream(folder_ / "study.json")
@@ -54,22 +52,10 @@ protected:
     }
     std::vector<std::string> words(const std::string& script, const std::vector<std::string>& more) const {
         std::ofstream(folder_ / "script") << script;
-        std::vector<std::string> words{"play",
-                                       clip_,
-                                       "--kiosk",
-                                       "--study",
-                                       (folder_ / "study.json").string(),
-                                       "--results",
-                                       results().string(),
-                                       "--headless",
-                                       "--painter",
-                                       painter_,
-                                       "--size",
-                                       "640x400",
-                                       "--kiosk-texts",
-                                       "en",
-                                       "--script",
-                                       (folder_ / "script").string()};
+        std::vector<std::string> words{"play", clip_, "--kiosk", "--study"};
+        words.insert(words.end(), {(folder_ / "study.json").string(), "--results", results().string()});
+        words.insert(words.end(), {"--headless", "--painter", painter_, "--size", "640x400"});
+        words.insert(words.end(), {"--kiosk-texts", "en", "--script", (folder_ / "script").string()});
         words.insert(words.end(), more.begin(), more.end());
         return words;
     }
@@ -112,7 +98,7 @@ std::string tap(const char* at, double time_s) {
 }
 
 bool has_trial(const std::filesystem::path& file) {
-    return std::filesystem::exists(file) && file_contents(file).find(",trial,") != std::string::npos;
+    return std::filesystem::exists(file) && contains(file_contents(file), ",trial,");
 }
 
 /// Starts the program, and kills it as nothing can be minded.
@@ -127,28 +113,28 @@ void kill_once(std::vector<std::string> words, const std::function<bool()>& is_e
         execv(TOUCHABLE_PROGRAM, typed.data());
         _exit(127);
     }
-    for (int k = 0; k < 6000 && !is_enough(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    comes_true(is_enough, 60'000);
     kill(child, SIGKILL);
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
     EXPECT_TRUE(WIFSIGNALED(status)) << "it had ended by itself";
 }
 
-TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
+TEST_F(StudyWindow, GuidesParticipantToTheEnd) {
     write_whole_study();
     painter_ = "raster";  // so that what is written is in the pictures
-    const auto shot = [&](const char* name) { return (folder_ / name).string(); };
+    const auto shot = [&](const char* name) { return " screenshot " + (folder_ / name).string() + "\n"; };
     const std::string script =
-        "0.4 screenshot " + shot("first.png") + "\n" + click(page_button, 0.6) +
+        "0.4" + shot("first.png") + click(page_button, 0.6) +
         "1.8 key enter\n"                                       // begins; the trial
         "2.4 move 320 170\n2.6 press left\n3.2 move 326 170\n"  // with force
-        "3.6 screenshot " +
-        shot("on.png") + "\n4 release left\n" + click(strip_button, 4.4) + "5.2 key 1\n" +
-        click(fourth, 5.4) + "6 screenshot " + shot("question.png") + "\n6.2 key enter\n" +
+        "3.6" +
+        shot("on.png") + "4 release left\n" + click(strip_button, 4.4) + "5.2 key 1\n" + click(fourth, 5.4) +
+        "6" + shot("question.png") + "6.2 key enter\n" +
         "6.8 key f\n7 move 320 170\n7.2 press left\n7.8 move 326 170\n"  // without
-        "8.2 screenshot " +
-        shot("off.png") + "\n8.6 release left\n9 key enter\n" + tap(second, 9.6) + tap(page_button, 10.2) +
-        "11 key space\n11.8 screenshot " + shot("start.png") + "\n12 quit\n";
+        "8.2" +
+        shot("off.png") + "8.6 release left\n9 key enter\n" + tap(second, 9.6) + tap(page_button, 10.2) +
+        "11 key space\n11.8" + shot("start.png") + "12 quit\n";
     const auto played = run_touchable(words(script, {}));
     ASSERT_EQ(played.code, 0) << played.err;
     EXPECT_EQ(played.err, "");
@@ -176,7 +162,7 @@ TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
         EXPECT_EQ(rows[k].at("answer"), done[k].answer) << k;
         EXPECT_GT(number(rows[k], "seconds"), 0.3) << k;
     }
-    EXPECT_EQ(rows[0].at("touches"), "0") << "nobody touched in the trial";
+    EXPECT_EQ(rows[0].at("touches"), "0") << "no touch in the trial";
     for (const std::size_t k : {1U, 3U}) {
         EXPECT_GT(number(rows[k], "contact_s"), 0.3) << k;
         EXPECT_LT(number(rows[k], "contact_s"), number(rows[k], "seconds")) << k;
@@ -184,18 +170,16 @@ TEST_F(StudyWindow, LeadsAParticipantByMouseKeysAndTouchesAndKeepsWhatWasDone) {
         EXPECT_GT(number(rows[k], "mean_force_n"), 0.1) << "also where it is not shown";
         EXPECT_GE(number(rows[k], "max_force_n"), number(rows[k], "mean_force_n")) << k;
     }
-    const auto on = read_image(folder_ / "on.png"), off = read_image(folder_ / "off.png");
-    ASSERT_TRUE(on && off);
-    EXPECT_GT(differences(*on, *off, force_bar), 200) << "a force is shown, or none is";
-    const auto first = read_image(folder_ / "first.png"), question = read_image(folder_ / "question.png"),
-               start = read_image(folder_ / "start.png");
-    ASSERT_TRUE(first && question && start);
+    const auto image = [&](const char* name) { return *read_image(folder_ / name); };
+    EXPECT_GT(differences(image("on.png"), image("off.png"), force_bar), 200)
+        << "a force is shown, or none is";
     constexpr PicturePart page{40, 30, 600, 330};
-    EXPECT_LT(differences(*first, *start, page), 100) << "the next participant does not find the start page";
-    EXPECT_GT(differences(*question, *start, page), 2000) << "nobody is asked";
+    EXPECT_LT(differences(image("first.png"), image("start.png"), page), 100)
+        << "the next participant does not find the start page";
+    EXPECT_GT(differences(image("question.png"), image("start.png"), page), 2000) << "no question is shown";
 }
 
-TEST_F(StudyWindow, WithoutForceNothingIsHeard) {
+TEST_F(StudyWindow, IsSilentWithoutForce) {
     const auto loudest = [&](const char* force) {
         write_study(std::string(R"("before": [{"id": "trial", "kind": "touch", "text": "Try", "force": ")") +
                     force + "\"}]");
@@ -207,11 +191,11 @@ TEST_F(StudyWindow, WithoutForceNothingIsHeard) {
         EXPECT_EQ(played.code, 0) << played.err;
         const std::string bytes = file_contents(sound);
         int most = 0;
-        for (std::size_t k = 44; k + 1 < bytes.size(); k += 2)
-            most = std::max(
-                most,
-                std::abs(static_cast<int>(static_cast<std::int16_t>(
-                    static_cast<unsigned char>(bytes[k]) | static_cast<unsigned char>(bytes[k + 1]) << 8))));
+        for (std::size_t k = 44; k + 1 < bytes.size(); k += 2) {
+            std::int16_t sample = 0;
+            std::memcpy(&sample, bytes.data() + k, sizeof sample);
+            most = std::max(most, std::abs(int{sample}));
+        }
         const bool is_on = std::string(force) == "on";
         const auto rows = rows_of(is_on ? "participant-001.partial.csv" : "participant-002.partial.csv");
         EXPECT_GE(number(rows.at(0), "touches"), 1);
@@ -221,7 +205,7 @@ TEST_F(StudyWindow, WithoutForceNothingIsHeard) {
     EXPECT_LE(loudest("off"), 1);
 }
 
-TEST_F(StudyWindow, WhoGoesAwayHasLeftAndTheNextOneFindsTheStartScreen) {
+TEST_F(StudyWindow, ReturnsToStartAfterIdle) {
     write_study(R"("before": [{"id": "trial", "kind": "touch", "text": "Try it"},
                               {"id": "more", "kind": "text", "text": "More"}])",
                 "small", 1);
@@ -237,7 +221,7 @@ TEST_F(StudyWindow, WhoGoesAwayHasLeftAndTheNextOneFindsTheStartScreen) {
     EXPECT_EQ(next.back().at("answer"), "ended") << "by the experimenter";
 }
 
-TEST_F(StudyWindow, ThatIsKilledLeavesAPartialTableAndOneThatIsEndedSaysSo) {
+TEST_F(StudyWindow, LeavesPartialTableWhenStopped) {
     write_whole_study();
     std::filesystem::create_directory(results());
     const std::string script = "0.6 key enter\n1.4 key enter\n";
@@ -254,44 +238,39 @@ TEST_F(StudyWindow, ThatIsKilledLeavesAPartialTableAndOneThatIsEndedSaysSo) {
     EXPECT_EQ(rows.back().at("answer"), "ended");
 }
 
-TEST_F(StudyWindow, OnAFullDiskSaysSoAndEndsWithAnError) {
+TEST_F(StudyWindow, FailsOnFullDisk) {
     write_whole_study("a-name-that-takes-much-of-disk-", "and-so-does-this-name-of-a-question");
     const std::string script =
         "0.6 continue\n1.4 continue\n2.2 continue\n2.8 answer 3\n3 continue\n"
         "3.8 continue\n4.4 answer 1\n4.6 continue\n5.4 continue\n6.2 continue\n7 quit\n";
     const auto full = run_on_full_disk(words(script, {}), 1);
     EXPECT_EQ(full.code, 3) << full.err;
-    EXPECT_NE(full.err.find("participant-001.partial.csv: answers are not kept: "), std::string::npos)
-        << full.err;
+    EXPECT_TRUE(contains(full.err, "participant-001.partial.csv: answers are not kept: "));
     EXPECT_EQ(names_in(results()), std::vector<std::string>{"participant-001.partial.csv"})
-        << "nobody else may begin";
+        << "no other may begin";
     EXPECT_EQ(file_contents(results() / "participant-001.partial.csv").back(), '\n') << "whole rows alone";
 }
 
-TEST_F(StudyWindow, ThatCannotBeIsOneLineBeforeAnythingBegins) {
+TEST_F(StudyWindow, RejectsInvalidOptionsAtStart) {
     write_whole_study();
-    const auto refusal = [&](std::vector<std::string> typed) {
+    const auto refuse = [&](std::vector<std::string> typed, int code, const char* part) {
         typed.insert(typed.begin(), {"play", clip_, "--headless", "--seconds", "1"});
-        const auto refused = run_touchable(typed);
-        EXPECT_TRUE(refused.code == 2 || refused.code == 3) << refused.code;
-        EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
-        return refused.err;
+        expect_refused(typed, code, part);
     };
     const std::string study = (folder_ / "study.json").string(), kept = results().string();
-    EXPECT_NE(refusal({"--study", study, "--results", kept}).find("--kiosk"), std::string::npos);
-    EXPECT_NE(refusal({"--kiosk", "--study", study}).find("--results"), std::string::npos);
-    EXPECT_NE(refusal({"--kiosk", "--study", "paper-42", "--results", kept}).find("paper-4.2"),
-              std::string::npos);
-    EXPECT_NE(refusal({"--kiosk", "--study", clip_, "--results", kept}).find("still.mkv"), std::string::npos);
-    EXPECT_NE(refusal({"--kiosk", "--study", study, "--results", clip_}).find("folder"), std::string::npos);
+    refuse({"--study", study, "--results", kept}, 2, "--kiosk");
+    refuse({"--kiosk", "--study", study}, 2, "--results");
+    refuse({"--kiosk", "--study", "paper-42", "--results", kept}, 2, "paper-4.2");
+    refuse({"--kiosk", "--study", clip_, "--results", kept}, 3, "still.mkv");
+    refuse({"--kiosk", "--study", study, "--results", clip_}, 3, "folder");
     write_study(R"("before": [{"id": "trial", "kind": "touch", "text": "Try it", "clip": 2}])");
-    EXPECT_NE(refusal({"--kiosk", "--study", study, "--results", kept}).find("clip 2"), std::string::npos);
+    refuse({"--kiosk", "--study", study, "--results", kept}, 2, "clip 2");
     EXPECT_FALSE(std::filesystem::exists(results()));
 }
 
 /// The study that comes with the program begins where it was built, and the analysis of docs/exhibit.md
 /// reads what it leaves.
-TEST_F(StudyWindow, ThePapersStudyBeginsAndItsResultsAreAnalysed) {
+TEST_F(StudyWindow, BundledStudyResultsAreAnalysed) {
     auto typed = words("0.6 continue\n1.2 quit\n", {});
     typed[4] = "paper-4.2";
     const auto played = run_touchable(typed);
@@ -317,12 +296,12 @@ TEST_F(StudyWindow, ThePapersStudyBeginsAndItsResultsAreAnalysed) {
                                 "/examples/study/means.py' '" + results().string() + "' > '" + printed + "'";
     ASSERT_EQ(std::system(command.c_str()), 0);
     const std::string said = file_contents(printed);
-    EXPECT_NE(said.find("participants finished: 3"), std::string::npos) << said;
+    EXPECT_TRUE(contains(said, "participants finished: 3"));
     std::istringstream lines(said.substr(said.find("details ")));
     std::string name, on, off, difference, sd, n;
     lines >> name >> on >> off >> difference >> sd >> n;
     EXPECT_EQ(on + " " + off + " " + difference + " " + sd + " " + n, "6.00 3.00 3.00 2.00 3") << said;
-    EXPECT_NE(said.find("yes 2 of 3"), std::string::npos) << said;
+    EXPECT_TRUE(contains(said, "yes 2 of 3"));
 }
 
 }  // namespace
