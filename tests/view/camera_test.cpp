@@ -198,7 +198,7 @@ TEST(Viewpoint, RejectsInvalidWithHint) {
 namespace touchable::test {
 namespace {
 
-// What is under a place of a picture, against the plain picture.
+// The surface under a place of a picture, against the plain picture.
 
 ViewCamera view_from(const Shown& shown, const HeightField& field, const char* from) {
     return view_of(shown, field, from, 160, 100);
@@ -539,7 +539,7 @@ TEST_F(Unproject, ReadsVulkanFramesInPlace) {
         must(builder->build(globe->raw_next, next));
         compare(globe->scene, prev, next, 0.4);
         if (!copies) continue;
-        // What the CPU has read back of them is another matter.
+        // The CPU's copy of them does not count.
         const FramePair pair{{0, 0, &prev}, {1, 1, &next}, 0.4};
         const HeightField field(globe->scene, pair);
         const std::vector<float> q = must(lattices->surface_of(field, pair, {})).q;

@@ -187,7 +187,7 @@ TEST_F(Drawing, SurfaceMatchesCpu) {
     }
 }
 
-/// What a window shows where nothing draws but the CPU.
+/// The window's picture on a machine that draws by the CPU alone.
 TEST_F(Drawing, CpuTwinMatchesRaster) {
     const TouchedGlobe globe{.blend = 0.35};
     const auto other = shown_scene("step", 60, 40);
@@ -232,7 +232,7 @@ TEST_F(Drawing, FingersMatchCpu) {
             const Image drawn = picture_of(*drawing, camera, globe.fingers, globe.sizes, target);
             const std::size_t marked = different(bare, expected, 3);
             EXPECT_GT(marked, 3000U);
-            // What is left: the thin ends of threads, which are ribbons on a GPU, and the tips of arrows.
+            // The rest: the thin ends of threads, which are ribbons on a GPU, and the tips of arrows.
             EXPECT_LE(different_beyond_edges(drawn, expected, 12), marked / 32) << painter << ", " << words;
         }
     }
@@ -331,7 +331,7 @@ TEST_F(Drawing, RepeatsToTheBit) {
     }
 }
 
-/// As where something fails after it, or a window's picture is not finished.
+/// Commands are discarded when something fails after them, or a window's picture is not finished.
 TEST_F(Drawing, RedoesDiscardedCommands) {
     const auto shown = shown_scene("cliffs", 150, 100);
     const HeightField field = shown->field();
@@ -490,7 +490,7 @@ protected:
         show(by, HeightField(clip->shown->scene, pair), pair, colour());
         return picture_of(by, camera(), {}, {}, target_of(240, 160));
     }
-    /// What a new drawing draws, and the CPU, and not what was drawn before.
+    /// The picture equals that of a new drawing and of the CPU, and differs from the last.
     void expect_as_anew(const FramePair& pair, const char* what) {
         const auto anew = drawing_by("mesh");
         Image drawn = picture(*drawing, pair);
@@ -568,7 +568,7 @@ TEST_P(KeptPlanes, ExcludeDiscardedCommands) {
     expect_as_anew(pair, "for the first time");
 }
 
-/// That took half a second each on a GPU.
+/// Each program took half a second on a GPU.
 TEST_P(KeptPlanes, KeepTheirPrograms) {
     publish_two();
     const FramePair still = clip->pair_at(0);

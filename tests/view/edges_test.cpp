@@ -181,7 +181,7 @@ TEST(SurfaceEdges, TurnNoTriangleOver) {
         }
 }
 
-/// What a camera sees at a grazing angle ends in the dark, what it sees from the front as it is.
+/// Surfaces at a grazing angle darken towards their edge, those seen from the front do not.
 TEST(SurfaceEdges, DarkenWhenSteep) {
     float last = 1;
     for (const float steep : {0.0F, 0.01F, 0.02F, 0.03F, 0.04F, 0.055F}) {
@@ -303,7 +303,7 @@ TEST(SurfaceEdges, AgreeForThreadsAndVectors) {
 
 class GpuEdges : public GpuTest {
 protected:
-    /// What the kernel writes, where the CPU reads it: a GPU with memory of its own keeps it there.
+    /// The kernel's output, copied for the CPU: a GPU may have memory of its own.
     GpuBuffer edges_by_kernel(GpuLattices& lattices, const ViewCamera& camera, GpuLattice& lattice) {
         auto commands = must(GpuCommands::begin(gpu, "edges"));
         must(lattices.record_edges(commands, camera, false, lattice));
@@ -450,7 +450,7 @@ protected:
 
 TEST_F(DentedPlane, ColoursFollowFinger) {
     const LightPicture flat = dented({}), picture = dented({finger_at(120, 80, {6, 0, 0})});
-    // What was 6 pixels to the left is there now; half a reach (26 pixels) away, 6 (1 - 1/4)^3 to the left.
+    // The colour moved by 6 pixels; half a reach (26 pixels) away by 6 (1 - 1/4)^3.
     EXPECT_NEAR(bytes_at(picture, 120, 80).x, bytes_at(flat, 120, 80).x - 6, 0.7);
     EXPECT_NEAR(bytes_at(picture, 120, 80).y, bytes_at(flat, 120, 80).y, 0.7);
     EXPECT_NEAR(bytes_at(picture, 120, 54).x, bytes_at(flat, 120, 54).x - 6 * 0.4219, 0.7);

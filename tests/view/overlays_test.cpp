@@ -1,4 +1,4 @@
-// What a surface is coloured by, against plain code that asks the field for every pixel.
+// The colours of overlays, against plain code that asks the field for every pixel.
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
@@ -65,7 +65,7 @@ struct Painted : Codes {
         scene.haptic = {{0.2, 3}, {0.1, 0.9}, {0.3, 1.2}};
         scene.hole_stiffness = 0.05;
     }
-    /// Of the first frame alone.
+    /// A field of the first frame alone.
     HeightField field_at(double seconds, std::uint64_t epoch) const {
         const auto time = static_cast<std::int64_t>(1e9 * seconds);
         return {scene, {{0, time, &prev}, {0, time, &prev}, 0, epoch}};

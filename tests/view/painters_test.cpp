@@ -74,7 +74,7 @@ protected:
     }
     static ViewCamera orbit(const Scene& scene, double azimuth, double elevation, int width, int height,
                             double zoom = 1) {
-        return orbit(scene, azimuth, elevation, width, height, zoom);
+        return make_view({false, azimuth, elevation, zoom, std::nullopt}, scene, {0, 0, -100}, width, height);
     }
     void compare(const ViewSurface& surface, const ViewCamera& camera, const std::string& what) {
         const PicturePlanes plain = plain_picture(surface, camera),

@@ -160,7 +160,7 @@ TEST(MaterialColours, AreDistinguishable) {
     }
 }
 
-// What a brush did is there again in the next window, however the last one ended.
+// The brush's changes return in the next window, also after a crash of the last one.
 
 namespace fs = std::filesystem;
 using Paint = MaterialBrush::Paint;
@@ -178,7 +178,7 @@ protected:
         const auto written = write_text(file, text);
         EXPECT_TRUE(written) << written.error().message;
     }
-    /// As the window does.
+    /// Edits and writes the history, as the window does.
     void edit(KeptBrush& brush, const MaterialBrush::Edit& edit) {
         const auto done = brush.brush().edit(edit);
         ASSERT_TRUE(done) << done.error().message;
@@ -241,7 +241,7 @@ TEST_F(ClipBrush, SavesBesideClip) {
         EXPECT_EQ(material(again, 4), "glass");
         EXPECT_EQ(again.brush().done(), 2U) << "undo goes on beyond what was saved";
     }
-    // Without a history, what is saved.
+    // Without a history the saved file counts.
     fs::remove(files_.history());
     const KeptBrush saved = begun();
     EXPECT_EQ(material(saved, 0), "foam");

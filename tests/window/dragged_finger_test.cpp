@@ -80,7 +80,7 @@ inline std::unique_ptr<BuiltClip> built_recording(const std::filesystem::path& f
     return clip;
 }
 
-/// What came of a finger that was dragged, in ticks.
+/// Results of a dragged finger, in ticks.
 struct Dragged {
     int ticks = 0, touching = 0, at_limit = 0, behind = 0;
     int beyond_camera = 0;       ///< it went through the clip's camera
@@ -280,7 +280,7 @@ TEST_P(DraggedOverScene, IsNotCaughtByFlick) {
 INSTANTIATE_TEST_SUITE_P(, DraggedOverScene, ::testing::Values("globe", "spheres", "step"),
                          [](const auto& run) { return std::string(run.param); });
 
-/// What a finger feels that is led by the pointer, as `settings` say, and that goes over nothing.
+/// Forces on a finger that the pointer leads by these settings.
 std::vector<glm::dvec3> forces_of_stroke(const BuiltClip& clip, const PointerSettings& settings,
                                          bool goes_over, double row, double speed) {
     DraggedFinger finger(clip, settings, goes_over);

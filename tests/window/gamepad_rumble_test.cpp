@@ -1,4 +1,4 @@
-// What is felt, as a gamepad's rumble: by ticks and times that the test makes, and on SDL's virtual gamepad.
+// Contact as a gamepad's rumble: by ticks and times that the test makes, and on SDL's virtual gamepad.
 #include <gtest/gtest.h>
 
 #ifdef TOUCHABLE_HAS_SDL

@@ -29,9 +29,15 @@
 namespace touchable::test {
 namespace {
 
+/// A window that shows the still of a globe.
+Played shot_of_globe(const std::string& script, const std::string& seconds,
+                     const std::vector<std::string>& more = {}) {
+    return shot_of(made_clip("globe", 1), script, seconds, more);
+}
+
 TEST(HeadlessWindow, ShowsFingerUnderPointer) {
-    const Played without = shot_of(made_clip("globe", 1), "", "0.8");
-    const Played with = shot_of(made_clip("globe", 1), "0 move 160 110\n0.1 press left\n", "0.8");
+    const Played without = shot_of_globe("", "0.8");
+    const Played with = shot_of_globe("0 move 160 110\n0.1 press left\n", "0.8");
     ASSERT_EQ(with.image.width, 320);
     ASSERT_EQ(with.image.height, 240);
     // Apart from the words in the corners and the bar below: round the pointer a finger with its arrow,
@@ -46,9 +52,9 @@ TEST(HeadlessWindow, ShowsFingerUnderPointer) {
 TEST(HeadlessWindow, CpuPictureMatchesGpu) {
     const std::string large = "0 size 640x480\n", touch = large + "0 move 330 190\n0.1 press left\n";
     const std::vector<std::string> by_cpu{"--painter", "cpu", "--builder", "cpu"};
-    const Played gpu = shot_of(made_clip("globe", 1), touch, "0.8", {"--painter", "raster"});
-    const Played cpu = shot_of(made_clip("globe", 1), touch, "0.8", by_cpu);
-    const Played bare = shot_of(made_clip("globe", 1), large, "0.3", by_cpu);
+    const Played gpu = shot_of_globe(touch, "0.8", {"--painter", "raster"});
+    const Played cpu = shot_of_globe(touch, "0.8", by_cpu);
+    const Played bare = shot_of_globe(large, "0.3", by_cpu);
     EXPECT_GT(differences(bare.image, cpu.image, {300, 140, 420, 220}), 400);
     EXPECT_LE(differences(gpu.image, cpu.image, {240, 60, 300, 400}), 60);
     EXPECT_LE(differences(gpu.image, cpu.image, {300, 220, 620, 400}), 60);
@@ -56,17 +62,16 @@ TEST(HeadlessWindow, CpuPictureMatchesGpu) {
 }
 
 TEST(HeadlessWindow, OverlayColoursTheSurface) {
-    const Played colour = shot_of(made_clip("globe", 1), "", "0.5");
-    const Played depth = shot_of(made_clip("globe", 1), "0 overlay depth\n", "0.5");
+    const Played colour = shot_of_globe("", "0.5");
+    const Played depth = shot_of_globe("0 overlay depth\n", "0.5");
     EXPECT_GT(differences(colour.image, depth.image, {120, 80, 200, 160}), 3000);
 }
 
 TEST(HeadlessWindow, OverlayEndsWithClip) {
     const TemporaryFolder folder;
     const std::vector<std::string> settings{"--settings", (folder / "play.json").string()};
-    const Played depth = shot_of(made_clip("globe", 1), "0 overlay depth\n", "0.5", settings);
-    const Played next = shot_of(made_clip("globe", 1), "", "0.5", settings),
-                 plain = shot_of(made_clip("globe", 1), "", "0.5");
+    const Played depth = shot_of_globe("0 overlay depth\n", "0.5", settings);
+    const Played next = shot_of_globe("", "0.5", settings), plain = shot_of_globe("", "0.5");
     EXPECT_GT(differences(depth.image, next.image, {120, 80, 200, 160}), 3000);
     EXPECT_EQ(differences(plain.image, next.image, {120, 80, 200, 160}), 0);
 }
@@ -84,8 +89,8 @@ TEST(HeadlessWindow, RecordedTouchReplaysExactly) {
 }
 
 TEST(HeadlessWindow, KeepsClipWhenOpenFails) {
-    const Played shot = shot_of(made_clip("globe", 1), "0.1 drop nowhere.mkv\n0.2 move 160 110\n", "0.7");
-    const Played without = shot_of(made_clip("globe", 1), "0.2 move 160 110\n", "0.7");
+    const Played shot = shot_of_globe("0.1 drop nowhere.mkv\n0.2 move 160 110\n", "0.7");
+    const Played without = shot_of_globe("0.2 move 160 110\n", "0.7");
     EXPECT_GT(differences(shot.image, without.image, {60, 0, 260, 60}), 100) << "no message";
     EXPECT_TRUE(contains(shot.outcome.err, "nowhere.mkv")) << "the message is not on the terminal";
     EXPECT_EQ(differences(shot.image, without.image, {220, 100, 310, 160}), 0);
@@ -96,7 +101,7 @@ TEST(HeadlessWindow, DroppedClipReplacesOldOne) {
     // Late, for a clip opens in the background, and a busy machine takes its time.
     const Played other =
         shot_of(made_clip("globe", 30), "0 drop " + made_clip("globe", 1).string() + "\n", "3");
-    const Played same = shot_of(made_clip("globe", 1), "", "0.8");
+    const Played same = shot_of_globe("", "0.8");
     EXPECT_GT(differences(before.image, other.image, {100, 60, 220, 180}), 100);
     EXPECT_LT(differences(same.image, other.image, {100, 60, 220, 180}), 20);
     const TemporaryFolder folder;
@@ -111,10 +116,10 @@ TEST(HeadlessWindow, KioskInvitesAndResets) {
     // The overlay and the view of the last visitor are gone; a finger shows how; Escape does nothing.
     const std::string visit =
         "0 overlay depth\n0 turn 40\n0 move 160 110\n0.05 key escape\n0.05 drop nowhere\n";
-    const Played during = shot_of(made_clip("globe", 1), visit, "0.4", {"--kiosk", "--idle", "5", "9"});
-    const Played after = shot_of(made_clip("globe", 1), visit, "1.2", {"--kiosk", "--idle", "0.3", "0.3"});
-    const Played plain = shot_of(made_clip("globe", 1), "", "0.4", {"--kiosk"});
-    const Played invited = shot_of(made_clip("globe", 1), "", "1.4", {"--kiosk", "--idle", "0.1", "9"});
+    const Played during = shot_of_globe(visit, "0.4", {"--kiosk", "--idle", "5", "9"});
+    const Played after = shot_of_globe(visit, "1.2", {"--kiosk", "--idle", "0.3", "0.3"});
+    const Played plain = shot_of_globe("", "0.4", {"--kiosk"});
+    const Played invited = shot_of_globe("", "1.4", {"--kiosk", "--idle", "0.1", "9"});
     EXPECT_EQ(invited.outcome.err, "");
     EXPECT_GT(differences(during.image, plain.image, {60, 60, 260, 180}), 3000);
     // Beside the bar, the words, and the finger that invites.
@@ -135,19 +140,17 @@ TEST(HeadlessWindow, KioskInvitesAndResets) {
 TEST(HeadlessWindow, ShowsThatForceIsOff) {
     const std::string press = "0 move 160 110\n0.05 press left\n";
     for (const std::vector<std::string>& more : {std::vector<std::string>{}, {"--kiosk"}}) {
-        const Played on = shot_of(made_clip("globe", 1), press, "0.6", more),
-                     off = shot_of(made_clip("globe", 1), press + "0.1 key f\n", "0.6", more);
+        const Played on = shot_of_globe(press, "0.6", more),
+                     off = shot_of_globe(press + "0.1 key f\n", "0.6", more);
         EXPECT_GT(differences(on.image, off.image, {60, 140, 260, 235}), 1500) << "no words";
     }
     // A visitor who finds it so need not know how; nor does the finger that invites.
     const std::vector<std::string> kiosk{"--kiosk"}, idle{"--kiosk", "--idle", "0.3", "9"};
-    const Played pressed = shot_of(made_clip("globe", 1), "0 key f\n0.3 move 160 110\n0.4 press left\n",
-                                   "1.5", kiosk),
-                 never_off =
-                     shot_of(made_clip("globe", 1), "0.3 move 160 110\n0.4 press left\n", "1.5", kiosk);
+    const Played pressed = shot_of_globe("0 key f\n0.3 move 160 110\n0.4 press left\n", "1.5", kiosk),
+                 never_off = shot_of_globe("0.3 move 160 110\n0.4 press left\n", "1.5", kiosk);
     EXPECT_LT(differences(pressed.image, never_off.image, {60, 140, 260, 235}), 300);
-    const Played plain = shot_of(made_clip("globe", 1), "", "0.3", {"--kiosk"}),
-                 invited = shot_of(made_clip("globe", 1), "0 key f\n", "1.8", idle);
+    const Played plain = shot_of_globe("", "0.3", {"--kiosk"}),
+                 invited = shot_of_globe("0 key f\n", "1.8", idle);
     EXPECT_GT(differences(invited.image, plain.image, {60, 60, 260, 150}), 60) << "no finger";
 }
 
@@ -177,7 +180,7 @@ TEST(HeadlessWindow, PlaysClipWithoutCommand) {
 
 TEST(HeadlessWindow, SettingsApplyInPlace) {
     const std::string touch = "0.1 move 160 110\n0.1 press left\n";
-    const Played plain = shot_of(made_clip("globe", 1), touch, "0.9");
+    const Played plain = shot_of_globe(touch, "0.9");
     // A and B have a force each; A, of 0.2 N, is in effect in the end.
     const Played other = shot_of(
         made_clip("globe", 1),
@@ -277,7 +280,7 @@ TEST(HeadlessWindow, RecordingHasPartPerSetting) {
     EXPECT_EQ((*hand)->ticks(), ms) << "all parts one after the other";
 }
 
-// What a kiosk keeps of its use.
+// A kiosk's log of use.
 
 using namespace std::chrono_literals;
 
@@ -407,18 +410,13 @@ TEST_F(KioskLog, ReportsFullDiskOnce) {
     EXPECT_EQ(text().back(), '\n') << "only whole rows";
 }
 
-// What is heard of a finger on a surface: from the pointer to the file and to the loudspeakers.
-
-std::vector<char> bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
+// The sound of a finger on a surface: from the pointer to the file and to the loudspeakers.
 
 /// Samples of the left channel, by milliseconds.
 class Wav {
 public:
     explicit Wav(const std::filesystem::path& file) {
-        const std::vector<char> bytes = bytes_of(file);
+        const std::string bytes = file_contents(file);
         EXPECT_GE(bytes.size(), 44U);
         if (bytes.size() < 44) return;
         EXPECT_EQ(std::string(bytes.data(), 4), "RIFF");
@@ -439,7 +437,7 @@ public:
     }
 
 private:
-    static std::size_t number(const std::vector<char>& bytes, std::size_t at, std::size_t count) {
+    static std::size_t number(const std::string& bytes, std::size_t at, std::size_t count) {
         std::size_t value = 0;
         for (std::size_t k = 0; k < count; ++k)
             value |= static_cast<std::size_t>(static_cast<unsigned char>(bytes[at + k])) << (8 * k);
@@ -452,7 +450,7 @@ private:
 class HeardGlobe : public FingersOverGlobe {
 protected:
     HeardGlobe() : FingersOverGlobe({320, 240}, {640, 480}) {}
-    // Of the picture, pixels: sea, and mountains.
+    // Pixels of the picture: sea, and mountains.
     static constexpr glm::dvec2 sea{220, 250}, land{250, 120};
 
     void SetUp() override {
@@ -626,7 +624,7 @@ TEST_F(Loudspeakers, PlayTouch) {
     tick.fingers[0] = {.touching = true, .newtons = 2, .slip = 0.1F, .stiffness = 1000};
     const bool heard = comes_true([&] {
         (*sound)->take(tick, 1);
-        const std::vector<char> bytes = bytes_of(file);
+        const std::string bytes = file_contents(file);
         return std::any_of(bytes.begin(), bytes.end(), [](char byte) { return byte != 0; });
     });
     EXPECT_TRUE(heard);

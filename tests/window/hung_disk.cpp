@@ -61,7 +61,7 @@ int HungDisk::asked() const {
 
 }  // namespace touchable::test
 
-/// In place of the C library's, in the whole program.
+/// Replaces the C library's in the whole program.
 extern "C" int fsync(int file) {
     touchable::test::wait_for_answer(touchable::test::name_of(file));
     return static_cast<int>(syscall(SYS_fsync, file));

@@ -222,7 +222,7 @@ TEST(Playlist, FolderIsSortedByName) {
     const std::vector<fs::path> clips{folder / "b.webm", folder / "clip2.MKV", folder / "clip10.mkv",
                                       folder / "pictures"};
     EXPECT_EQ(clips_of(folder.path()), clips);
-    // What is a clip itself, or has none, is itself.
+    // A folder that is a clip, or has none, stands for itself.
     EXPECT_EQ(clips_of(folder / "pictures"), std::vector<fs::path>{folder / "pictures"});
     EXPECT_EQ(clips_of(folder / "others"), std::vector<fs::path>{folder / "others"});
     EXPECT_EQ(clips_of(folder / "b.webm"), std::vector<fs::path>{folder / "b.webm"});

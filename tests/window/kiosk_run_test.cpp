@@ -44,16 +44,16 @@ double hours_of_visitors() {
     return asked ? std::atof(asked) : 1;
 }
 
-/// What the next turn of the window brings: time, and the inputs at its end.
+/// One turn of the window: how long it takes, and the inputs at its end.
 struct Turn {
     double seconds = 0;
     std::vector<InputEvent> events{};
 };
 
-/// What a visitor presses, with a mouse and with fingers.
+/// The buttons and fingers that a visitor holds down.
 class Held {
 public:
-    /// What begins below `lowest` in the picture is left out.
+    /// Presses below `lowest` in the picture do not count.
     void take(const InputEvent& event, double lowest = public_height) {
         using Kind = InputEvent::Kind;
         if (event.kind == Kind::pressed && event.y <= lowest) presses_ = true;
@@ -108,7 +108,7 @@ public:
     }
 
 private:
-    /// Without a visitor; a moment before the next one comes.
+    /// A turn without a visitor, up to a moment before the next one comes.
     Turn wait() {
         if (comes_s_ <= now_s_) {
             // Never near the times of the kiosk, as the machine's own time is added.
@@ -201,7 +201,7 @@ double resident_mib() {
     return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
-/// What the test knows of a day once it is over.
+/// Memory early and late in a day.
 struct Day {
     double early_mib = 0, late_mib = 0;
 };
@@ -272,7 +272,7 @@ protected:
         EXPECT_TRUE(image);
         return image ? *image : Image{};
     }
-    /// Of samples, by more than 24.
+    /// Samples that differ by more than 24.
     static int differences(const Image& a, const Image& b) {
         if (a.samples.size() != b.samples.size()) return -1;
         return std::inner_product(a.samples.begin(), a.samples.end(), b.samples.begin(), 0, std::plus<>(),
@@ -354,7 +354,7 @@ constexpr PicturePart above{90, 8, 312, 150}, bar{8, 164, 312, 232};
 
 class KioskBarTest : public ::testing::Test {
 protected:
-    /// Of two pictures: turn, colours, next, straight.
+    /// A kiosk of two pictures, whose buttons are turn, colours, next, straight.
     static Image seen(const std::string& script, const char* seconds, std::vector<std::string> more = {}) {
         std::vector<std::string> words{made_clip("globe", 1).string(), made_clip("bumps", 1).string(),
                                        "--kiosk"};
@@ -478,7 +478,7 @@ protected:
         make_clip(clip_, "globe", 1, "160x120");
         write_sounding_clip(folder_ / "bell.wav", tone(label_hertz, 0.4));
     }
-    /// As `play`, which has to end well.
+    /// `play`, which has to end well.
     void play_well(const std::string& labels, const std::vector<std::string>& more = {},
                    const std::string& script = press, const char* at_s = "2", const char* bar = "off") {
         const Outcome played = play(labels, more, script, at_s, bar);

@@ -104,7 +104,7 @@ TEST(KioskTexts, DefaultToEnglish) {
     EXPECT_EQ(message("x").find("t.json: "), 0U);
 }
 
-/// As Linux's kernel writes what it knows of its inputs.
+/// Folders as the Linux kernel describes its inputs.
 TEST(TouchScreens, AreDirectMultitouchInputs) {
     const TemporaryFolder inputs;
     const auto add = [&](const char* name, const char* properties, const char* abs) {

@@ -1,4 +1,4 @@
-// What places of a clip are called: read, found, and said where a finger rests.
+// Labels of places of a clip: read, found, and shown where a finger rests.
 
 #include <gtest/gtest.h>
 

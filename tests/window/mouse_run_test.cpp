@@ -341,12 +341,12 @@ struct WindowOfSize {
     int width, height;
 };
 
-/// Of words and bars: sqrt(2), to the next quarter, where the window has twice as much room.
+/// The scale of text and bars: sqrt(2), to the next quarter, where the window has twice as much room.
 double scale_of(const WindowOfSize& window) {
     return window.width > 2000 ? 1.5 : 1;
 }
 
-/// What a person does with a mouse, as a script, and pictures of what is seen then.
+/// A person's actions with a mouse as a script, and pictures of the window.
 class MouseScript {
 public:
     explicit MouseScript(const WindowOfSize& window) : window_(window) {}
@@ -409,7 +409,7 @@ protected:
         for (const std::string scene : {"globe", "bumps"})
             make_clip(folder_ / (scene + ".mkv"), scene, 1, "160x120");
     }
-    /// What the program says in the end.
+    /// The program's output.
     std::string play(const std::vector<std::string>& clips, const std::string& script) {
         const auto [width, height] = GetParam();
         const auto played =

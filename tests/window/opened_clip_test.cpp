@@ -192,7 +192,7 @@ TEST_F(CountedClip, ChangeRereadsNothing) {
     constexpr std::int64_t speed = 200;
 #endif
     ASSERT_NO_FATAL_FAILURE(open());
-    // What would be opened is not there.
+    // The files that a second opening would need are gone.
     std::filesystem::remove(choice_.file);
     std::filesystem::remove(*choice_.scene_file);
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::rate, speed));
@@ -241,7 +241,7 @@ TEST_F(CountedClip, ChangeFiltersFewFrames) {
     }
 }
 
-/// Of the fingers' forces, tick by tick, at every change.
+/// The fingers' forces are checked tick by tick, at every change.
 TEST_F(CountedClip, ForceRampsUpAfterChange) {
     const std::filesystem::path record = folder_ / "hand.touch";
     ASSERT_NO_FATAL_FAILURE(open(record));
@@ -433,7 +433,7 @@ TEST_F(ClipHeard, SeeksAndPausesWithoutClicks) {
     EXPECT_LT(largest_step(heard), step + 0.5 / 48);
 }
 
-/// What comes last takes the place of what came first: a block is there, and the one behind it is not yet.
+/// The newest block replaces the oldest: one block is there, and the one behind it is not yet.
 TEST_F(ClipHeard, LateDecodingDoesNotClick) {
     const double step = 1.3 * largest_step(sound_);
     for (std::uint64_t go = 0; go < 20; ++go) {

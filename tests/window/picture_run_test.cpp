@@ -482,14 +482,14 @@ Image picture_of(const std::string& deeper, const std::vector<std::string>& more
     return played_by(words, "0 move 640 360\n0.1 deeper " + deeper + "\n", "3.6", "1280x720").image;
 }
 
-/// Of a place beside the finger's middle, y downward.
+/// A channel at a place relative to the finger's middle, y downward.
 int channel_at(const Image& image, double x, double y, int channel) {
     const int i = middle_x + static_cast<int>(std::lround(x)),
               j = middle_y + static_cast<int>(std::lround(y));
     return image.samples[static_cast<std::size_t>((j * image.width + i) * 3 + channel)];
 }
 
-/// What is left there of the plane's light, 1: all of it.
+/// The share of the plane's light that is left there.
 double light_left(const Image& image, double x, double y) {
     const auto light = [](int byte) {
         const double share = byte / 255.0;
@@ -554,7 +554,7 @@ TEST(FrontView, ShowsForce) {
     const Image one = picture_of("5.667"), three = picture_of("9");
     EXPECT_NEAR(ring_of(one), 1.46 * radius, 1.5);
     EXPECT_NEAR(ring_of(three), 1.28 * radius, 1.5);
-    // Of a limit of 10 N.
+    // The limit is 10 N.
     EXPECT_NEAR(strong_share(one), 0.1, 0.02);
     EXPECT_NEAR(strong_share(three), 0.3, 0.02);
     // The dent, three quarters of its reach above the middle and below: 1.667 mm deep, and as deep as is

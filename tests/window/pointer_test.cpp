@@ -490,7 +490,7 @@ TEST_F(Touches, FingerOnPanelIsPointer) {
     EXPECT_EQ(pressing(), 1);
 }
 
-/// Of a panel it clicks nothing.
+/// A cancelled finger on a panel clicks nothing.
 TEST_F(Touches, CancelledFingersAreIgnored) {
     begin(1, 320, 240, 10);
     begin(2, 260, 200, 11);

@@ -75,7 +75,7 @@ xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 3
     replayed(folder.path(), "hand.touch");
 }
 
-/// Of bash: until the window is called so, or another size has it.
+/// Bash functions: wait until the window has this title, or this size.
 constexpr const char* waits = R"(
 until_called() { for k in $(seq 600); do [[ $(xdotool getwindowname $(head -1 window)) == "$1 - touchable" ]] && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 95; }
 until_sized() { for k in $(seq 600); do xdotool getwindowgeometry $(head -1 window) | grep -q "$1" && return; sleep 0.1; done; echo "$layout: not $1" >>out; exit 94; }
@@ -343,7 +343,7 @@ for k in $(seq 600); do [ -s display ] && exit 0; sleep 0.1; done; exit 1)")
     EXPECT_EQ(std::system((at + "kill $(cat server)").c_str()), 0);
 }
 
-/// As a desktop starts it: its lines are read by no terminal and by no pipe.
+/// A desktop starts it so: without a terminal or a pipe that reads its lines.
 TEST_F(RealWindow, DesktopWindowShowsFault) {
     std::ofstream(folder / "film.mkv") << "no clip";
     const int code = run(

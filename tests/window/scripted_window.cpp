@@ -44,7 +44,7 @@ void expect_refused(const std::vector<std::string>& words, int code, const std::
 
 namespace {
 
-/// In place of one that is missing, so that a test that looks at pixels fails and does not break off.
+/// Replaces a missing picture, so that a test of its pixels fails and does not crash.
 Image black_picture(const std::string& size) {
     int width = 0, height = 0;
     std::sscanf(size.c_str(), "%dx%d", &width, &height);

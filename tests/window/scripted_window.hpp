@@ -22,7 +22,7 @@ inline testing::AssertionResult contains(const std::string& text, const std::str
     return testing::AssertionResult(is_there) << "'" << part << "' and '" << text << "'";
 }
 
-/// Whether it came to be, in far longer than any machine takes.
+/// Waits until the condition holds, far longer than any machine takes; false: it never did.
 template <class Condition>
 bool comes_true(const Condition& condition, int most_ms = 20'000) {
     for (int k = 0; k < most_ms; ++k) {
@@ -65,14 +65,14 @@ int run_on_display(const std::filesystem::path& folder, const std::string& displ
 /// Runs the program, which has to end with this exit code and one line that has the part.
 void expect_refused(const std::vector<std::string>& words, int code, const std::string& part = "");
 
-/// What became of a window that was run so.
+/// The results of a window that was run so.
 struct Played {
     Outcome outcome;
     Image image{};                     ///< of the window in the end
     std::vector<std::string> files{};  ///< that it left in its folder
 };
 
-/// What it shows `seconds` after it opened, in a folder of its own. It has to end well.
+/// Runs it for so many seconds in a folder of its own. It has to end well.
 Played played_by(const std::vector<std::string>& words, const std::string& script, const std::string& seconds,
                  const std::string& size = "320x240");
 
@@ -109,7 +109,7 @@ protected:
     ScriptedClipTest(std::string size, std::string shot_s)
         : size_(std::move(size)), shot_s_(std::move(shot_s)) {}
     Outcome run(const std::string& script, const std::vector<std::string>& more = {});
-    /// What the window shows `shot_s` seconds after it opened.
+    /// The window's picture `shot_s` seconds after it opened.
     Image shot(const std::string& script, const std::vector<std::string>& more = {});
 
     const TemporaryFolder folder_;

@@ -1,4 +1,4 @@
-// What is heard of ticks, sample by sample, and on their way to the loudspeakers.
+// The sound of ticks, sample by sample, and on their way to the loudspeakers.
 
 #include <gtest/gtest.h>
 
@@ -204,7 +204,7 @@ TEST(ContactSound, AllocatesNothing) {
     EXPECT_EQ(allocations(), before);
 }
 
-/// What a device gets in `blocks` blocks of ten milliseconds.
+/// The samples of `blocks` blocks of ten milliseconds.
 Sound filled(HeardTicks& ticks, int blocks) {
     Sound sound;
     for (int k = 0; k < blocks; ++k) {

@@ -14,7 +14,7 @@
 namespace touchable::test {
 namespace {
 
-/// What a recording's fingers felt.
+/// The forces in a recording.
 class Felt {
 public:
     explicit Felt(const std::filesystem::path& recording) {
@@ -53,7 +53,7 @@ public:
     }
 
 private:
-    /// Not by read_force_table: on a busy machine ticks are left out.
+    /// Does not use read_force_table: on a busy machine ticks are left out.
     void read(const std::string& csv) {
         const auto table = CsvTable::read(csv);
         ASSERT_TRUE(table) << table.error().message;
@@ -73,7 +73,7 @@ struct Touched {
     Felt felt;
 };
 
-/// What the window shows, and was felt, `seconds` after it opened.
+/// The window's picture and the forces `seconds` after it opened.
 Touched play(const std::string& script, const std::string& seconds) {
     const TemporaryFolder folder;
     const std::string record = (folder / "hand.touch").string();

@@ -74,7 +74,7 @@ TEST_F(WindowViewTest, LookAtKeepsDistance) {
     EXPECT_NEAR(glm::length(turned.eye - place), before, 1e-6);
 }
 
-/// What is seen and what is picked are those of a picture that has no more than the upper part.
+/// The view and picks are those of a picture that has the upper part alone.
 TEST_F(WindowViewTest, BottomMarginShrinksPicture) {
     WindowView upper(scene, {0, 0, -600});
     view.leave_below(0.125);

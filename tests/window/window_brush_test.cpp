@@ -127,7 +127,7 @@ TEST_F(WindowBrushTest, NamesSavedAndUnsavedClips) {
     all += said();
     const std::string first = (folder_ / "first.mkv").string();
     EXPECT_TRUE(contains(all, "SAVED " + first + " " + first + ".materials.json"));
-    // Of segments that were not read yet.
+    // Its segments were not read yet.
     ASSERT_NO_FATAL_FAILURE(ask("save-materials"));
     brush_.go_on({});
     const auto unsaved = brush_.finish();
@@ -135,7 +135,7 @@ TEST_F(WindowBrushTest, NamesSavedAndUnsavedClips) {
     EXPECT_TRUE(contains(unsaved.error().message, "not saved"));
 }
 
-/// What was clicked at a clip that ended before it was seen keeps no script waiting.
+/// A click at a clip that ended before it was shown keeps no script waiting.
 TEST_F(WindowBrushTest, IsIdleForEndedClip) {
     auto third = open("third.mkv", 4);
     ASSERT_TRUE(third && third->finish());

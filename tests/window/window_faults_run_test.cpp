@@ -185,7 +185,7 @@ TEST_F(DevicePowerOff, StopsByInterruptDuringOpening) {
     EXPECT_EXIT(_exit(is_as_it_should_be() ? 0 : 1), testing::ExitedWithCode(0), "");
 }
 
-// What a window does where the GPU it draws on, its display, or its clip is lost.
+// A window whose GPU, display or clip is lost.
 
 class LostWindow : public ::testing::Test {
 protected:
@@ -216,7 +216,7 @@ protected:
         return played;
     }
     std::shared_ptr<GpuDevice> device() { return *gpu_->open(); }
-    /// Of the hand, as its recording has it.
+    /// The time of the last tick in the recording.
     double last_tick_s() const {
         const auto recording = read_recording(folder_ / "hand.touch");
         if (!recording || recording->empty() || recording->back().ticks.empty()) return 0;
@@ -354,7 +354,7 @@ TEST_F(LostWindow, ReportsEarlierBrokenClip) {
 
 // A machine that is suspended while a finger presses.
 
-/// That sleeps for an hour once its window is as large as that.
+/// A machine that sleeps for an hour once the script sets the window's size.
 class SleepyScreen final : public WrappedScreen {
 public:
     using WrappedScreen::WrappedScreen;
@@ -514,7 +514,7 @@ private:
     int quiet_ = 0;
 };
 
-/// What the visitor finds who comes then.
+/// The window as the next visitor finds it.
 struct Found {
     Image picture;       ///< before he touches
     double newtons = 0;  ///< that he feels once the finger rests

@@ -224,7 +224,7 @@ class BrushScript : public ScriptedClipTest {
 protected:
     BrushScript() : ScriptedClipTest("320x240", "2") {}
     void SetUp() override { ASSERT_NO_FATAL_FAILURE(write_two_surfaces(clip_, 4)); }
-    /// What the window shows once the script is done; drawn by the CPU, without words.
+    /// The window's picture once the script is done; drawn by the CPU, without text.
     Image shot(const std::string& script, std::vector<std::string> more = {}) {
         more.insert(more.end(), {"--painter", "cpu", "--builder", "cpu"});
         return ScriptedClipTest::shot(script, more);
@@ -241,7 +241,7 @@ protected:
     const std::vector<std::string> history{"--brush-history", (folder_ / "state").string()};
 };
 
-// Of the window, on either half of the wall.
+// Pixels of the window, on either half of the wall.
 constexpr int left = 80, right = 240, row = 120;
 
 TEST_F(BrushScript, PaintIsFeltAndCompared) {
@@ -329,7 +329,7 @@ TEST_F(BrushScript, NextWindowRestoresHistory) {
     const SegmentNames found = names();
     ASSERT_EQ(found.segments.size(), 1U);
     EXPECT_EQ(found.segments[0].material, "foam");
-    // Without one, and without a window, nothing of it is known.
+    // Without a history file the next window starts anew.
     const Outcome none = run("0 undo\n" + quit_);
     EXPECT_TRUE(contains(none.err, "nothing to undo"));
 }
@@ -345,7 +345,7 @@ TEST_F(BrushScript, SavesWithoutOverwriting) {
     const std::vector<std::string> given{"--segments", (folder_ / "given.json").string()};
     ASSERT_EQ(run(save() + quit_, given).code, 0);
     EXPECT_TRUE(contains(saved(), "carpet"));
-    // What is given is felt once segments are read, though no tool is in the hand.
+    // Given materials are felt once segments are read, also without a tool in the hand.
     const Image felt = shot("0 overlay friction\n", given), own = shot("0 overlay friction\n");
     EXPECT_NE(colour_at(felt, left, row), colour_at(felt, right, row));
     EXPECT_EQ(colour_at(own, left, row), colour_at(own, right, row))
@@ -361,7 +361,7 @@ TEST_F(BrushScript, SavesWithoutOverwriting) {
     EXPECT_NE(run(save() + quit_, {"--record", (folder_ / "hand.touch").string()}).code, 0);
 }
 
-/// What was asked for before another clip comes is done before the clip goes, and is kept as this clip's.
+/// Commands given before another clip comes are finished first, and are kept as this clip's.
 TEST_F(BrushScript, BrushFinishesBeforeNextClip) {
     const fs::path other = folder_ / "other.mkv";
     ASSERT_NO_FATAL_FAILURE(write_two_surfaces(other, 4));
@@ -374,7 +374,7 @@ TEST_F(BrushScript, BrushFinishesBeforeNextClip) {
     EXPECT_EQ(found.cuts.size(), 1U);
 }
 
-/// What is painted while it is not felt changes nothing that is felt: no session is begun for it.
+/// Paint that is not felt starts no session.
 TEST_F(BrushScript, UnfeltPaintRestartsNothing) {
     const auto frames_after = [this](const std::string& feel) {
         std::string script = "0 material foam\n0.1 " + feel + "\n";
@@ -637,7 +637,7 @@ protected:
     struct Seen {
         Image before, first, later;  ///< the clip that was there; the one that came, and again
     };
-    /// What is seen where so is done meanwhile.
+    /// The pictures of a run by this script.
     Seen seen(const std::string& script) {
         PlayOptions options = headless_by_cpu(first_);
         options.next_clips.emplace_back().file = second_;
