@@ -9,7 +9,7 @@
 
 #include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 

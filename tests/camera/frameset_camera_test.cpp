@@ -111,7 +111,7 @@ public:
     }
     /// A running camera: framesets up to 9 were given, and 10 is next.
     std::unique_ptr<ClipReader> running() {
-        auto camera = value_of(open(all_sent(0, 10)));
+        auto camera = must(open(all_sent(0, 10)));
         for (int n = 0; n < 2; ++n) EXPECT_EQ(next_of(*camera).number, n);
         EXPECT_EQ(message(camera->begin(std::chrono::steady_clock::now() - std::chrono::seconds(1))), "");
         return camera;
@@ -189,7 +189,7 @@ TEST(FramesetCamera, RemarksOnClosedConnection) {
     sender.hang_up();
     EXPECT_EQ(shown_by(next_of(*camera)), 10U);
     for (int again = 0; again < 3; ++again) {
-        const auto end = value_of(camera->next());
+        const auto end = must(camera->next());
         EXPECT_FALSE(end);
     }
     const auto remarks = camera->remarks();
@@ -205,7 +205,7 @@ TEST(FramesetCamera, EndsWhenLensChanges) {
     FramesetBytes other = sent(10);
     other.fx = 9;
     sender.send(other.bytes());
-    const auto end = value_of(camera->next());
+    const auto end = must(camera->next());
     EXPECT_FALSE(end);
     EXPECT_TRUE(has_words(camera->remarks()[0],
                           "with fx 9, fy 7.5, cx 3.5, cy 2.5 and colour of 4x3 where it gave "));
@@ -288,7 +288,7 @@ TEST(FramesetCamera, EndsCommandAndChildren) {
         std::filesystem::remove(child);
         FramesetChoice choice;
         choice.command = trap + "sleep 1000 & echo $! $$ >" + child + "; cat " + frames + "; wait";
-        auto camera = value_of(open_frameset_camera(choice));
+        auto camera = must(open_frameset_camera(choice));
         ::pid_t sleeper = 0, shell = 0;
         std::ifstream(child) >> sleeper >> shell;
         ASSERT_GT(sleeper, 1);

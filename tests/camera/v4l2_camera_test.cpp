@@ -53,7 +53,7 @@ protected:
     }
     /// A camera that gave so many frames.
     std::unique_ptr<ClipReader> opened(int given = 0) const {
-        auto camera = value_of(open());
+        auto camera = must(open());
         expect_numbers(*camera, 0, given);
         return camera;
     }
@@ -236,7 +236,7 @@ TEST_F(V4l2Camera, EndsAfterHundredFaults) {
         add().fate = [=](std::uint32_t n) { return n >= 12 && n <= last ? Fate::io_error : Fate::good; };
         const auto camera = running();
         expect_numbers(*camera, 2, 4);
-        const auto frame = value_of(camera->next());
+        const auto frame = must(camera->next());
         EXPECT_EQ(frame.has_value(), last == 12 + 98);
         std::string remarks;
         for (const std::string& remark : camera->remarks()) remarks += remark + '\n';
@@ -280,7 +280,7 @@ TEST_F(V4l2Camera, StandsStillWhenUnplugged) {
     const auto camera = running();
     expect_numbers(*camera, 2, 4);
     for (int again = 0; again < 2; ++again) {
-        const auto frame = value_of(camera->next());
+        const auto frame = must(camera->next());
         EXPECT_FALSE(frame.has_value());
     }
     ASSERT_EQ(camera->remarks().size(), 1u);
@@ -399,7 +399,7 @@ TEST_F(V4l2Camera, ChoosesWishedMode) {
 
 TEST_F(V4l2Camera, NotesItsAssumptions) {
     add().card = "Intel(R) RealSense(TM) Depth Ca";
-    const auto camera = value_of(open(SourceDescription{}));
+    const auto camera = must(open(SourceDescription{}));
     const Scene& scene = camera->scene();
     EXPECT_EQ(scene.depth.scale, 0.001);
     EXPECT_EQ(scene.metres_per_unit, 1);
@@ -426,7 +426,7 @@ TEST_F(V4l2Camera, AssumesUnitByFormat) {
         };
         SourceDescription known;
         known.preset = preset;
-        const auto camera = value_of(open(known));
+        const auto camera = must(open(known));
         EXPECT_EQ(camera->scene().depth.scale, scale);
         const std::string notes = notes_of(*camera);
         EXPECT_EQ(notes.find("a code is 1 mm, as most cameras of Z16 have it") != std::string::npos,
@@ -449,7 +449,7 @@ TEST_F(V4l2Camera, IsJudgedByFullestPicture) {
     };
     SourceDescription known = millimetres;
     known.metres_per_code = 100;
-    const auto camera = value_of(open(known));
+    const auto camera = must(open(known));
     const std::string notes = notes_of(*camera);
     EXPECT_TRUE(has_words(notes, "the median depth is 1500 m")) << "picture 5\n" << notes;
 }
@@ -523,7 +523,7 @@ TEST_F(CameraColour, ComesInEveryFormat) {
                              Case{V4L2_PIX_FMT_UYVY, uniform({128, luma}, cw * ch * 2), false},
                              Case{V4L2_PIX_FMT_NV12, [&](std::uint32_t) { return nv12; }, false}}) {
         add(each.code, each.paint).row_padding = 5;
-        const auto camera = value_of(open());
+        const auto camera = must(open());
         EXPECT_EQ(camera->tracks().size(), 2u);
         const RawFrame frame = next_of(*camera);
         const PlaneView& colour = frame.colour;
@@ -562,9 +562,9 @@ TEST_F(CameraColour, HasNearestTime) {
             newest = static_cast<int>(n);
             return depth_at + each.late;
         };
-        const auto camera = value_of(open());
+        const auto camera = must(open());
         for (int k = 0; k < 8; ++k) {
-            const auto taken = value_of(camera->next());
+            const auto taken = must(camera->next());
             if (k < 3) continue;  // until four are there
             EXPECT_EQ(taken->colour.sample(0, 0, 0), newest - each.before) << each.late / ms << " ms late";
         }
@@ -573,7 +573,7 @@ TEST_F(CameraColour, HasNearestTime) {
 
 TEST_F(CameraColour, ClosesWhenLeftOut) {
     add(V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); });
-    const auto camera = value_of(open());
+    const auto camera = must(open());
     camera->leave_out_colour();
     EXPECT_EQ(video->left_over().size(), 6u) << "depth's node, its stream and four buffers";
     EXPECT_TRUE(next_of(*camera).colour.empty());
@@ -581,7 +581,7 @@ TEST_F(CameraColour, ClosesWhenLeftOut) {
 
 TEST_F(CameraColour, UnpluggingLeavesDepthAlone) {
     add(V4L2_PIX_FMT_RGB24, [](std::uint32_t n) { return rgb_of(n, false); });
-    const auto camera = value_of(open());
+    const auto camera = must(open());
     ASSERT_EQ(message(camera->begin(std::chrono::steady_clock::now() - std::chrono::milliseconds(1))), "");
     ASSERT_EQ(message(camera->next()), "");
     video->unplug(colour_node);
@@ -696,7 +696,7 @@ TEST(SharedCamera, ContinuesAcrossRuns) {
             before = std::move(next);
         }
         ASSERT_EQ(message((*before)->begin(steady_clock::now() - milliseconds(1))), "");
-        const auto frame = value_of((*before)->next());
+        const auto frame = must((*before)->next());
         EXPECT_EQ(frame->number, number + 1) << "what was taken between two runs is no gap";
         EXPECT_GT(frame->time_ns, ns_before_a_run);
         EXPECT_EQ(video->left_over().size(), 6u) << "one stream: the node, that it streams, four buffers";
@@ -714,11 +714,11 @@ TEST(RealNode, Streams) {
         if (!facts || facts->driver != "vivid" || facts->formats.empty()) continue;
         for (const NodeFormat& format : facts->formats) {
             if (!is_depth_format(format.code) && !is_colour_format(format.code)) continue;
-            auto stream = value_of(V4l2Stream::open(video, *facts, format, {640, 360}));
+            auto stream = must(V4l2Stream::open(video, *facts, format, {640, 360}));
             for (int pictures = 0; pictures < 3;) {
                 pollfd waited{stream->descriptor(), POLLIN, 0};
                 ASSERT_GT(video->poll({&waited, 1}, 5000), 0);
-                const auto picture = value_of(stream->take(V4l2Stream::Which::oldest));
+                const auto picture = must(stream->take(V4l2Stream::Which::oldest));
                 pictures += picture.has_value();
             }
         }

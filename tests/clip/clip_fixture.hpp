@@ -20,6 +20,7 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/must.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {
@@ -232,13 +233,6 @@ std::string message(const Result<T>& result) {
     return result ? "" : result.error().message;
 }
 
-/// The value; where there is none, the test fails with the reason.
-template <class T>
-T value_of(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return std::move(*result);
-}
-
 /// Whether it is an error with these words, and of this kind.
 template <class T>
 ::testing::AssertionResult is_refused(const Result<T>& result, const std::string& words,
@@ -259,7 +253,7 @@ template <class T>
 
 /// The next frame, which must come.
 inline RawFrame next_of(ClipReader& reader) {
-    auto frame = value_of(reader.next());
+    auto frame = must(reader.next());
     if (!frame) throw std::runtime_error("no frame comes any more");
     return std::move(*frame);
 }
@@ -267,14 +261,14 @@ inline RawFrame next_of(ClipReader& reader) {
 /// The file has exactly these frames, and this scene.
 inline void expect_clip(const std::filesystem::path& file, const Scene& scene,
                         const std::vector<RawFrame>& frames, bool says_lossless = true) {
-    auto reader = value_of(open_clip(file));
+    auto reader = must(open_clip(file));
     EXPECT_EQ(reader->frame_count(), std::ssize(frames));
     Scene found = reader->scene();
     found.folder.reset();
     EXPECT_EQ(scene_to_json(found), scene_to_json(scene));
     for (const TrackInfo& track : reader->tracks())
         EXPECT_TRUE(track.lossless || !says_lossless) << track.role;
-    const auto read = value_of(read_all(*reader));
+    const auto read = must(read_all(*reader));
     reader.reset();  // the frames' storage keeps their planes
     EXPECT_TRUE(same_frames(read, frames))
         << scene.width << 'x' << scene.height << ", " << scene.depth_bits << " bits";

@@ -34,7 +34,7 @@ protected:
 TEST_F(PartialClip, HasEachNthFrame) {
     for (const ClipPart& part : {ClipPart{2}, ClipPart{0, 0}, ClipPart{1, 8, 3}, ClipPart{1, 7, 3},
                                  ClipPart{0, std::nullopt, 4}, ClipPart{9}, ClipPart{3, 3, 100}}) {
-        auto reader = value_of(open(part));
+        auto reader = must(open(part));
         std::vector<RawFrame> expected;
         for (std::int64_t n = part.first; n <= part.last.value_or(part_frames - 1); n += part.every) {
             expected.push_back(whole_[static_cast<std::size_t>(n)]);
@@ -44,8 +44,7 @@ TEST_F(PartialClip, HasEachNthFrame) {
         }
         EXPECT_EQ(reader->frame_count(), std::ssize(expected));
         for (const bool again : {false, true}) {
-            EXPECT_TRUE(same_frames(value_of(read_all(*reader)), expected))
-                << part.first << " " << part.every;
+            EXPECT_TRUE(same_frames(must(read_all(*reader)), expected)) << part.first << " " << part.every;
             const auto back = again ? Result<void>{} : reader->rewind();
             ASSERT_EQ(message(back), "");
         }
@@ -59,11 +58,11 @@ TEST_F(PartialClip, HasEachNthFrame) {
 TEST_F(PartialClip, KeepsVerticesWhenCropped) {
     const ClipPart::Crop box{5, 3, 11, 9};
     auto whole = open_clip(folder_ / "clip.mkv");
-    auto reader = value_of(open({0, std::nullopt, 1, box}));
+    auto reader = must(open({0, std::nullopt, 1, box}));
     const Scene &before = (*whole)->scene(), &now = reader->scene();
     EXPECT_EQ(now.width, 11);
     EXPECT_EQ(now.height, 9);
-    const auto frame = value_of(reader->next());
+    const auto frame = must(reader->next());
     for (int y = 0; y < box.height; ++y)
         for (int x = 0; x < box.width; ++x) {
             for (const PlaneRole role : all_roles)
@@ -97,10 +96,10 @@ bool has_note(const ClipReader& clip, const std::string& part) {
 TEST(ClipNotes, NameLossyDepth) {
     const TemporaryFolder folder;
     ASSERT_EQ(message(write_clip(folder / "exact.mkv", small_scene(64, 48), 2, {true})), "");
-    EXPECT_FALSE(has_note(*value_of(open_clip(folder / "exact.mkv")), "stored as"));
+    EXPECT_FALSE(has_note(*must(open_clip(folder / "exact.mkv")), "stored as"));
     for (const char* role : {"depth", "colour"}) {
         remux(folder / "exact.mkv", folder / "lossy.mkv", {.transcoded = {{role, "mjpeg"}}});
-        const auto reader = value_of(open_clip(folder / "lossy.mkv"));
+        const auto reader = must(open_clip(folder / "lossy.mkv"));
         EXPECT_EQ(has_note(*reader, "depth is stored as mjpeg, which changes values"),
                   role == std::string("depth"));
     }
@@ -110,10 +109,10 @@ TEST(ClipNotes, NameFrameWithoutDepth) {
     const TemporaryFolder folder;
     const Planes ramp{.noisy = false};  // from 4 on
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 2, ramp)), "");
-    EXPECT_FALSE(has_note(*value_of(open_clip(folder / "clip.mkv")), "no valid depth"));
+    EXPECT_FALSE(has_note(*must(open_clip(folder / "clip.mkv")), "no valid depth"));
     Scene scene = small_scene(40, 30);
     scene.depth.code_max = 3;
-    const auto reader = value_of(open_as(folder / "clip.mkv", scene));
+    const auto reader = must(open_as(folder / "clip.mkv", scene));
     EXPECT_TRUE(has_note(*reader, "frame 0 has no valid depth"));
 }
 
@@ -223,7 +222,7 @@ TEST(FarPlane, IgnoresStrayPixels) {
     for (const int strays : {0, 1, 2, 3, 40}) {  // of 20 000
         auto made = std::make_unique<MadeClip>(1);
         made->strays_ = strays;
-        const auto settled = value_of(with_far_plane(std::move(made), true, "made"));
+        const auto settled = must(with_far_plane(std::move(made), true, "made"));
         const DepthCoding& depth = settled->scene().depth;
         const std::string& note = settled->notes().back();
         const bool left_out = strays <= 2;
@@ -254,7 +253,7 @@ TEST(FarPlane, SamplesLongClips) {
     auto made = std::make_unique<MadeClip>(108'000);
     MadeClip& clip = *made;
     clip.deepest_ = {{107'999, 9000}, {20'000, 12'000}};
-    const auto settled = value_of(with_far_plane(std::move(made), true, "made"));
+    const auto settled = must(with_far_plane(std::move(made), true, "made"));
     EXPECT_EQ(clip.read_, telling_frames(108'000));
     // Of 640 000 pixels 64 may be beyond.
     EXPECT_NEAR(settled->scene().depth.far, 9.0 * 1.05, 0.1);
@@ -270,7 +269,7 @@ TEST(FarPlane, SamplesLongClips) {
 TEST(FarPlane, KeepsStatedOne) {
     auto made = std::make_unique<MadeClip>(100);
     MadeClip& clip = *made;
-    const auto settled = value_of(with_far_plane(std::move(made), false, "made"));
+    const auto settled = must(with_far_plane(std::move(made), false, "made"));
     EXPECT_EQ(settled.get(), &clip);
     EXPECT_TRUE(clip.read_.empty());
 }
@@ -280,7 +279,7 @@ TEST(FarPlane, ReadsFirstFramesWithoutSeeking) {
     MadeClip& clip = *made;
     clip.can_seek_ = false;
     clip.deepest_ = {{15, 7000}, {99, 9000}};
-    const auto settled = value_of(with_far_plane(std::move(made), true, "made"));
+    const auto settled = must(with_far_plane(std::move(made), true, "made"));
     EXPECT_EQ(clip.read_.size(), 16U);
     EXPECT_EQ(clip.seeks_, 0);
     EXPECT_NEAR(settled->scene().depth.far, 7.0 * 1.05, 0.1);
@@ -290,7 +289,7 @@ TEST(FarPlane, IgnoresDamageInLaterFrames) {
     auto made = std::make_unique<MadeClip>(100);
     MadeClip& clip = *made;
     clip.damaged_ = {5, 99};
-    const auto settled = value_of(with_far_plane(std::move(made), true, "made"));
+    const auto settled = must(with_far_plane(std::move(made), true, "made"));
     EXPECT_DOUBLE_EQ(settled->scene().depth.far, 5.0 * 1.05);
     EXPECT_EQ(clip.number_, 0) << "read anew, so that a player meets the damage";
     auto hopeless = std::make_unique<MadeClip>(100);

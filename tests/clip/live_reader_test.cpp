@@ -109,7 +109,7 @@ TEST_F(LiveSource, EndsWithItsSource) {
     other.end = "was unplugged";
     other.damaged_ = 2;
     for (int again = 0; again < 2; ++again) {
-        const auto frame = value_of(other.next());
+        const auto frame = must(other.next());
         EXPECT_FALSE(frame);
     }
     const auto remarks = other.remarks();
@@ -207,10 +207,10 @@ class ReplayCamera : public ::testing::Test {
 protected:
     void SetUp() override {
         ASSERT_EQ(message(write_clip(file_, small_scene(16, 12), recorded_frames, all_planes)), "");
-        recorded_ = value_of(read_clip(file_));
+        recorded_ = must(read_clip(file_));
     }
     std::unique_ptr<ClipReader> open(const CameraDelivery& delivery) const {
-        return make_replay_camera(value_of(open_clip(file_)), delivery);
+        return make_replay_camera(must(open_clip(file_)), delivery);
     }
     /// The recording's frame of that number, at the camera's time.
     void expect_true(RawFrame frame, const FrameRate& rate) const {
@@ -232,7 +232,7 @@ TEST_F(ReplayCamera, IsClipBeforeItsRun) {
     EXPECT_EQ(camera->scene().rate.num, slow.num);
     EXPECT_EQ(camera->scene().rate.den, slow.den);
     EXPECT_EQ(camera->scene().interpolation, FrameInterpolation::hold);
-    const auto frames = value_of(read_all(*camera));
+    const auto frames = must(read_all(*camera));
     ASSERT_EQ(frames.size(), std::size_t{recorded_frames});
     for (const RawFrame& frame : frames) expect_true(frame, slow);
     ASSERT_EQ(message(camera->seek(7)), "");
@@ -267,7 +267,7 @@ TEST_F(ReplayCamera, GivesNewestFrameWhenLate) {
     const auto camera = open({.rate = fast});
     ASSERT_EQ((*camera->next())->number, 0);
     ASSERT_EQ(message(camera->begin(steady_clock::now() - std::chrono::hours(1))), "");
-    const auto frame = value_of(camera->next());
+    const auto frame = must(camera->next());
     expect_true(*frame, fast);
     EXPECT_EQ(frame->number, recorded_frames - 1);
     EXPECT_FALSE((*camera->next()).has_value());
@@ -347,8 +347,8 @@ TEST(ImageFolderWriter, StoresStillsOnce) {
                                             "depth_000002.png", "depth_000003.png", "haptic.png",
                                             "height_000000.png", "height_000001.png", "height_000002.png",
                                             "height_000003.png", "scene.json"}));
-        EXPECT_TRUE(same_frames(value_of(read_clip(folder / "clip")), frames));
-        auto again = value_of(read_scene_file(folder / "clip/scene.json"));
+        EXPECT_TRUE(same_frames(must(read_clip(folder / "clip")), frames));
+        auto again = must(read_scene_file(folder / "clip/scene.json"));
         EXPECT_EQ(again.scene.folder->count, 4);
         again.scene.folder.reset();
         EXPECT_EQ(scene_to_json(again), scene_to_json(scene));
@@ -359,10 +359,10 @@ TEST(ImageFolderWriter, LeavesNothingWithoutFinish) {
     const TemporaryFolder folder;
     const Scene scene = small_scene(9, 8);
     {
-        auto writer = value_of(create_image_folder(folder / "clip", scene, Existing::keep));
+        auto writer = must(create_image_folder(folder / "clip", scene, Existing::keep));
         ASSERT_EQ(message(writer->write(test_frame(scene, 0, {}))), "");
-        const auto place = value_of(writer->complete());
-        const auto frames = value_of(read_clip(place));
+        const auto place = must(writer->complete());
+        const auto frames = must(read_clip(place));
         EXPECT_EQ(frames.size(), 1U);
         EXPECT_FALSE(fs::exists(folder / "clip"));
     }
@@ -418,7 +418,7 @@ TEST(ImageFolderWriter, IndexesHapticOfFewMaterials) {
     EXPECT_EQ(format("haptic_000001.png"), "rgb24");
     EXPECT_EQ(format("haptic_000002.png"), "pal8");
     EXPECT_EQ(format("colour_000000.png"), "rgb24") << "as every program reads it";
-    EXPECT_TRUE(same_frames(value_of(read_clip(folder / "clip")), frames));
+    EXPECT_TRUE(same_frames(must(read_clip(folder / "clip")), frames));
 }
 
 TEST(ImageFolderWriter, WritesStillWithSceneFile) {
@@ -428,7 +428,7 @@ TEST(ImageFolderWriter, WritesStillWithSceneFile) {
     ASSERT_EQ(message(write_all(create_still(folder / "one.png", scene, Existing::keep), {frame})), "");
     EXPECT_EQ(names_of(folder.path()),
               (std::vector<std::string>{"one.json", "one.png", "one_haptic.png", "one_height.png"}));
-    const auto read = value_of(read_clip(folder / "one.json"));
+    const auto read = must(read_clip(folder / "one.json"));
     EXPECT_TRUE(same_frame(read.front(), frame));
     // Where one of its files has come to be there meanwhile, none of the others stays.
     const TemporaryFolder taken;

@@ -11,7 +11,7 @@
 #include "engine/content/planet.hpp"
 #include "engine/content/seeded_noise.hpp"
 #include "tests/content/made_maps.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 namespace {

@@ -7,7 +7,7 @@
 #include "engine/content/families.hpp"
 #include "engine/content/mapped_ground.hpp"
 #include "tests/content/made_maps.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 namespace {

@@ -11,7 +11,7 @@
 #include "engine/content/height_fields.hpp"
 #include "engine/content/scenes.hpp"
 #include "tests/content/made_maps.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 namespace {

@@ -12,8 +12,8 @@
 #include "engine/scene/frames.hpp"
 #include "tests/frame/allocations.hpp"
 #include "tests/frame/marked_frame.hpp"
-#include "tests/frame/must.hpp"
 #include "tests/frame/random.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 namespace {

@@ -117,7 +117,7 @@ TEST_F(GltfClip, WritesAllFilesOrNone) {
 /// Also what only other programs show.
 TEST_F(GltfClip, ListsItsFiles) {
     write(2);
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     const auto& inputs = clip->inputs();
     for (const char* name : {"clip.mp4", "clip.gltf", "clip.bin", "clip.png"})
         EXPECT_NE(std::find(inputs.begin(), inputs.end(), folder / name), inputs.end()) << name;
@@ -128,7 +128,7 @@ TEST_F(GltfClip, ReadsRangesBesideTexture) {
     write(2);
     auto& stiffness = material(gltf)["stiffness"][0];
     stiffness["extras"]["touchable_range"] = {0.5, 0.75};
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     EXPECT_EQ(clip->scene().haptic.stiffness.min, 0.5);
     EXPECT_EQ(clip->scene().haptic.stiffness.max, 0.75);
     EXPECT_TRUE(is_noted(*clip, "the material's stand"));
@@ -138,7 +138,7 @@ TEST_F(GltfClip, NotesAssumptionsOfForeignFile) {
     write(2);
     forget_extras(gltf);
     material(gltf).erase("friction");
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     const Scene& found = clip->scene();
     EXPECT_EQ(found.depth.near, 0.5);
     EXPECT_EQ(found.depth.far, 1.5);
@@ -147,7 +147,7 @@ TEST_F(GltfClip, NotesAssumptionsOfForeignFile) {
     EXPECT_EQ(found.haptic.static_friction.max, found.default_properties.static_friction);
     for (const char* words : {"states no units", "0.5 m, black, to 1.5 m", "60 degrees"})
         EXPECT_TRUE(is_noted(*clip, words)) << words;
-    const auto frame = value_of(clip->next());
+    const auto frame = must(clip->next());
     const RawFrame whole = test_frame(scene, 0, all_planes);
     EXPECT_TRUE(same_plane(frame->depth, whole.depth));
     EXPECT_TRUE(same_plane(frame->colour, whole.colour));
@@ -161,7 +161,7 @@ TEST_F(GltfClip, ReadsHeightBesideTexture) {
     write(2);
     auto& height = material(gltf)["custom"][0];
     height["extras"]["touchable_range"] = {0, 0.002};
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     EXPECT_NEAR(largest_height(clip->scene().height_coding, clip->scene().depth), 2.0, 1e-12);
     EXPECT_TRUE(is_noted(*clip, "the material's stand"));
 }
@@ -171,7 +171,7 @@ TEST_F(GltfClip, NotesUnusedProperties) {
     material(gltf)["vibration"] = Json::array();
     material(gltf)["stiffness"][0]["texture"]["extensions"] = {
         {"KHR_texture_transform", {{"scale", {2, 2}}}}};
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     for (const char* words : {"vibration of ", "KHR_texture_transform of "})
         EXPECT_TRUE(is_noted(*clip, words)) << words;
 }
@@ -180,7 +180,7 @@ TEST_F(GltfClip, ReadsSlidingFrictionAlone) {
     write(2);
     material(gltf).erase("stiffness");
     material(gltf)["friction"].erase(0);
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     EXPECT_EQ(clip->scene().haptic.dynamic_friction.max, scene.haptic.dynamic_friction.max);
     EXPECT_EQ(clip->scene().haptic.static_friction.min, scene.default_properties.static_friction);
 }
@@ -192,7 +192,7 @@ TEST_F(GltfClip, ReadsPropertiesAsOwnVideos) {
     forget_extras(gltf);
     material(gltf) = {{"stiffness", {{{"texture", {{"index", 3}}}, {"type", "High_Resolution"}}}},
                       {"friction", {{{"texture", {{"index", 2}}}, {"type", "High_Resolution"}}}}};
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     for (const char* words : {"states no units", "is static and dynamic friction alike", "frame by frame"})
         EXPECT_TRUE(is_noted(*clip, words)) << words;
     EXPECT_FALSE(is_noted(*clip, "no haptic plane"));
@@ -207,7 +207,7 @@ TEST_F(GltfClip, ReadsPropertiesAsOwnVideos) {
                 ASSERT_EQ(frame.haptic.sample(x, y, 2), whole.haptic.sample(x, y, 0));
             }
     };
-    const auto frames = value_of(read_all(*clip));
+    const auto frames = must(read_all(*clip));
     ASSERT_EQ(frames.size(), 3U);
     for (int n = 0; n < 3; ++n) expect_frame(frames[static_cast<std::size_t>(n)], n);
     ASSERT_EQ(message(clip->seek(1)), "");
@@ -220,9 +220,9 @@ TEST_F(GltfClip, ReadsPropertyAsPicture) {
     forget_extras(gltf);
     add_picture("slippery.png", 12, 8, 77);
     material(gltf)["friction"] = {{{"texture", {{"index", 4}}}, {"type", "High_Resolution"}}};
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     EXPECT_TRUE(is_noted(*clip, "haptic is 12x8: resampled to the nearest pixel of depth's 24x16"));
-    const auto frames = value_of(read_all(*clip));
+    const auto frames = must(read_all(*clip));
     for (std::size_t n = 0; n < 2; ++n) {
         const RawFrame whole = test_frame(scene, static_cast<int>(n), all_planes);
         EXPECT_EQ(frames[n].haptic.sample(7, 5, 0), whole.haptic.sample(7, 5, 0));
@@ -249,13 +249,13 @@ TEST_F(GltfClip, IgnoresColourPictureBesideVideo) {
     material(gltf).erase("friction");
     gltf["images"][0] = {{"bufferView", 0}};
     gltf["textures"][0].erase("extensions");
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     EXPECT_TRUE(next_of(*clip).colour.empty());
 }
 
 TEST_F(GltfClip, AcceptsItsSceneAsFile) {
     write(2, 12);
-    const auto own = value_of(guess_clip(file, {}));
+    const auto own = must(guess_clip(file, {}));
     EXPECT_EQ(own.scene.depth_bits, 12);
     write_bytes(folder / "scene.json", scene_to_json(own));
     EXPECT_EQ(message(open_clip(file, folder / "scene.json")), "");
@@ -272,7 +272,7 @@ TEST_F(GltfClip, ReadsNamesOfTheDraft) {
     all.erase("MPEG_haptic_material");
     auto& mesh = gltf["meshes"][0]["extensions"];
     mesh = {{"MPEG_material_haptic", 0}};
-    const auto clip = value_of(open());
+    const auto clip = must(open());
     EXPECT_FALSE(next_of(*clip).haptic.empty());
 }
 
@@ -282,8 +282,8 @@ TEST_F(GltfClip, AppliesPicturesToAllFrames) {
     add_picture("stiff.png", 24, 16, 51);
     material(gltf).erase("friction");
     material(gltf)["stiffness"][0]["texture"]["index"] = 4;
-    const auto clip = value_of(open());
-    const auto frames = value_of(read_all(*clip));
+    const auto clip = must(open());
+    const auto frames = must(read_all(*clip));
     ASSERT_EQ(frames.size(), 3U);
     for (const RawFrame& frame : frames) {
         EXPECT_EQ(frame.haptic.sample(5, 5, 0), 51);
@@ -297,8 +297,8 @@ TEST_F(GltfClip, ReadsDepthAsOwnVideo) {
     media(gltf).erase("tracks");
     for (auto& buffer : gltf["buffers"])
         if (buffer.contains("extensions")) buffer["extensions"]["MPEG_buffer_circular"].erase("tracks");
-    const auto clip = value_of(open());
-    const auto frames = value_of(read_all(*clip));
+    const auto clip = must(open());
+    const auto frames = must(read_all(*clip));
     ASSERT_EQ(frames.size(), 2U);
     EXPECT_TRUE(same_plane(frames[1].depth, test_frame(scene, 1, {.noisy = false}).depth));
 }

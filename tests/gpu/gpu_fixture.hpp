@@ -13,7 +13,7 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/gpu/vulkan_instance.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 

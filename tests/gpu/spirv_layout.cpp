@@ -173,7 +173,7 @@ private:
         return value == found->second.end() ? std::nullopt : std::optional(value->second);
     }
 
-    std::uint32_t value_of(std::uint32_t id) const {
+    std::uint32_t must(std::uint32_t id) const {
         const auto number = decoration(id, spec_id);
         if (number && *number < given_.size()) return given_[*number];
         const auto value = values_.find(id);
@@ -188,11 +188,10 @@ private:
     Result<SpirvLayout> finish() const {
         if (!computes_) return fault("the SPIR-V has no compute kernel");
         SpirvLayout layout;
-        for (std::size_t i = 0; i < 3; ++i)
-            layout.group_size[i] = size_is_ids_ ? value_of(size_[i]) : size_[i];
+        for (std::size_t i = 0; i < 3; ++i) layout.group_size[i] = size_is_ids_ ? must(size_[i]) : size_[i];
         for (const auto& [id, parts] : composites_)  // older: a built-in instead of a mode
             if (decoration(id, built_in) == built_in_workgroup_size && parts.size() == 3)
-                for (std::size_t i = 0; i < 3; ++i) layout.group_size[i] = value_of(parts[i]);
+                for (std::size_t i = 0; i < 3; ++i) layout.group_size[i] = must(parts[i]);
         for (const auto& [id, value] : values_)
             if (const auto number = decoration(id, spec_id)) layout.constants[*number] = value;
         for (const Variable& variable : variables_) {
@@ -244,7 +243,7 @@ private:
             case op_type_array: {
                 const auto element = extent_of(type->words[0], stride, depth + 1);
                 const std::uint32_t step = decoration(id, array_stride).value_or(0),
-                                    count = value_of(type->words[1]);
+                                    count = must(type->words[1]);
                 if (!element || count == 0) return {};
                 return Extent{step * (count - 1) + element->bytes, element->alignment};
             }

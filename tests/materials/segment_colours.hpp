@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/authoring/segments.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 

@@ -110,11 +110,11 @@ TEST(ClipScene, AddsSceneFileWhereNeeded) {
         EXPECT_EQ(nodes.scene_file + "\n", scene_to_json(clip));
         // By text and by bytes it stays the same.
         const SceneTree tree = scene_of(nodes, 64, 48);
-        const auto read = value_of(clip_nodes_of(scene_from(scene_text(tree))));
+        const auto read = must(clip_nodes_of(scene_from(scene_text(tree))));
         EXPECT_EQ(read.scene_file, nodes.scene_file);
         const BifsConfig config = config_for(tree, 64, 48);
-        const auto bytes = value_of(encode_scene(tree, config));
-        const auto decoded = value_of(decode_scene(bytes, config));
+        const auto bytes = must(encode_scene(tree, config));
+        const auto decoded = must(decode_scene(bytes, config));
         EXPECT_EQ(clip_nodes_of(decoded)->scene_file, nodes.scene_file);
     }
 }
@@ -122,7 +122,7 @@ TEST(ClipScene, AddsSceneFileWhereNeeded) {
 TEST(ClipScene, IgnoresForeignWorldInfo) {
     for (const char* world :
          {R"(WorldInfo { title "T3D_SCENE" })", R"(WorldInfo { title "mine" info ["{}"] })"}) {
-        const auto nodes = value_of(clip_nodes_of(
+        const auto nodes = must(clip_nodes_of(
             scene_from("Group { children [ " + std::string(world) +
                        R"( Shape { geometry Depth { texture ImageTexture { url "d.png" } } } ] })")));
         EXPECT_EQ(nodes.scene_file, "");
@@ -131,7 +131,7 @@ TEST(ClipScene, IgnoresForeignWorldInfo) {
 
 TEST(ClipScene, NodesDescribeTheirClip) {
     const Scene scene = papers_clip();
-    const auto described = value_of(described_by(mpeg4::nodes_from(scene), 64, 48, 8));
+    const auto described = must(described_by(mpeg4::nodes_from(scene), 64, 48, 8));
     EXPECT_EQ(described.scene.depth.near, 10);
     EXPECT_EQ(described.scene.depth.far, 200);
     EXPECT_EQ(described.scene.height_coding.max_height, 2);
@@ -153,7 +153,7 @@ TEST(ClipScene, TakesCameraOfDepthImage) {
     nodes.max_height = 0;
     nodes.angle_x = 2 * std::atan(32.0 / 80);
     nodes.angle_y = 2 * std::atan(24.0 / 80);
-    const auto taken = value_of(take_nodes(nodes, scene));
+    const auto taken = must(take_nodes(nodes, scene));
     EXPECT_TRUE(taken);
     EXPECT_NEAR(scene.camera.fx, 80, 1e-9);
     EXPECT_NEAR(scene.camera.fy, 80, 1e-9);
@@ -230,7 +230,7 @@ geometry Depth {
 })";
 
 ClipNodes nodes_from(std::string_view text) {
-    return value_of(clip_nodes_of(scene_from(text)));
+    return must(clip_nodes_of(scene_from(text)));
 }
 
 std::string layout_refusal(std::string_view text) {

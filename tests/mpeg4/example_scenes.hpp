@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/mpeg4/clip_scene.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::mpeg4 {
 
@@ -76,12 +77,6 @@ inline constexpr std::string_view depth_image_still_bytes =
 inline constexpr std::string_view nameless_depth_image_still_bytes =
     "c005a0000364cda81726d40a9434800009fb333331f999999920";
 
-/// The value; where there is none, the test fails with the reason.
-template <class T>
-T value_of(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return std::move(*result);
-}
 /// "": it is no error.
 template <class T>
 std::string message(const Result<T>& result) {
@@ -89,7 +84,7 @@ std::string message(const Result<T>& result) {
 }
 
 inline SceneTree scene_from(std::string_view text) {
-    return value_of(parse_scene_text(text));
+    return must(parse_scene_text(text));
 }
 
 inline std::string hex(std::span<const std::uint8_t> bytes) {

@@ -56,7 +56,7 @@ SceneStream stream() {
 }
 
 std::vector<Box> parsed(BytesView bytes) {
-    return value_of(boxes_in(bytes));
+    return must(boxes_in(bytes));
 }
 
 std::vector<std::string> types(BytesView bytes) {
@@ -69,7 +69,7 @@ class SceneBoxes : public ::testing::Test {
 protected:
     void SetUp() override {
         const Bytes before = movie();
-        auto made = value_of(with_scene_stream(before, stream(), 1, moov_at));
+        auto made = must(with_scene_stream(before, stream(), 1, moov_at));
         bytes = std::move(made);
         boxes = parsed(bytes);
         ASSERT_EQ(boxes.size(), 2);
@@ -145,7 +145,7 @@ TEST_F(SceneBoxes, EnableObjects) {
 }
 
 TEST_F(SceneBoxes, FindFirstSamples) {
-    const auto scene = value_of(first_sample_of(moov, 6));
+    const auto scene = must(first_sample_of(moov, 6));
     EXPECT_EQ(scene.at, moov_at + 8);
     EXPECT_EQ(scene.bytes, prototype_bytes.size() / 2 + 1);
     EXPECT_EQ(scene.count, 1);
@@ -158,11 +158,11 @@ TEST_F(SceneBoxes, FindFirstSamples) {
 }
 
 TEST_F(SceneBoxes, RoundTrip) {
-    const auto again = value_of(read_again(moov));
+    const auto again = must(read_again(moov));
     ASSERT_TRUE(again.has_value());
     EXPECT_EQ(again->objects, stream().objects);
     EXPECT_EQ(encode_config(again->config), encode_config(stream().config));
-    const auto scene = value_of(decode_scene(again->scene, again->config));
+    const auto scene = must(decode_scene(again->scene, again->config));
     EXPECT_EQ(scene_text(scene), scene_text(scene_from(prototype_scene)));
 }
 
@@ -191,13 +191,13 @@ TEST(SceneStream, IsAbsentInPlainMovie) {
 }
 
 std::vector<std::uint8_t> encoded(const SceneTree& scene) {
-    return value_of(encode_scene(scene, config_for(scene, 64, 48)));
+    return must(encode_scene(scene, config_for(scene, 64, 48)));
 }
 
 /// Encoded, decoded and written again.
 std::string through_bits(std::string_view text) {
     const SceneTree scene = scene_from(text);
-    return scene_text(value_of(decode_scene(encoded(scene), config_for(scene, 64, 48))));
+    return scene_text(must(decode_scene(encoded(scene), config_for(scene, 64, 48))));
 }
 std::string as_written(std::string_view text) {
     return scene_text(scene_from(text));
@@ -226,7 +226,7 @@ TEST(Bifs, EncodesStillsAsGpac) {
 /// As GPAC encodes the same two without names.
 TEST(Bifs, NamesPrototypesByTheirFields) {
     const auto decoded = [](std::string_view bytes, const BifsConfig& config) {
-        return value_of(decode_scene(bytes_of_hex(bytes), config));
+        return must(decode_scene(bytes_of_hex(bytes), config));
     };
     const BifsConfig still{.prototype_id_bits = 2}, image{.version = 1};
     EXPECT_FALSE(decoded(nameless_still_bytes, still).has_names);
@@ -351,7 +351,7 @@ TEST(Bifs, RoundTripsConfigurations) {
     for (const BifsConfig& config :
          {BifsConfig{.version = 1, .node_id_bits = 3, .width = 640, .height = 480},
           BifsConfig{.node_id_bits = 9, .route_id_bits = 2, .prototype_id_bits = 4}}) {
-        const auto read = value_of(decode_config(encode_config(config), config.object_type()));
+        const auto read = must(decode_config(encode_config(config), config.object_type()));
         EXPECT_EQ(encode_config(read), encode_config(config));
     }
     EXPECT_FALSE(decode_config(std::vector<std::uint8_t>{1}, 2));
@@ -393,7 +393,7 @@ TEST(Gpac, EncodesTheSameBytes) {
         const auto gpac = by_gpac(text);
         ASSERT_TRUE(gpac) << text;
         const SceneTree scene = scene_from(text);
-        const auto ours = value_of(encode_scene(scene, config_for(scene, 64, 48)));
+        const auto ours = must(encode_scene(scene, config_for(scene, 64, 48)));
         EXPECT_EQ(hex(gpac->scene), hex(ours)) << text;
     }
 }

@@ -19,15 +19,9 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
-
-/// The value of a result. An error ends the test, with its message and the line of the call.
-template <class T>
-T must(Result<T> result, const std::source_location& at = std::source_location::current()) {
-    if (result) return std::move(*result);
-    throw std::runtime_error(at.file_name() + (":" + std::to_string(at.line())) + ": " + message(result));
-}
 
 /// A clip and all its frames.
 struct ReadClip {

@@ -13,7 +13,7 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 #include "tests/video/clip_remux.hpp"
 
 namespace touchable::test {

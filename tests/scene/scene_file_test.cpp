@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "engine/scene/scene.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 #include "tests/scene/random.hpp"
 #include "tests/scene/scene_texts.hpp"
 #include "tests/temporary_folder.hpp"

@@ -377,8 +377,8 @@ Came decoded(const LabelledClip& clip, LabelledDecoder& decoder) {
     Came came;
     for (const auto& packets : clip.packets)
         for (std::size_t k = 0; k < packets.size(); ++k)
-            take_pictures(value_of(decoder.add(k, *packets[k])), clip.frames, came);
-    take_pictures(value_of(decoder.end()), clip.frames, came);
+            take_pictures(must(decoder.add(k, *packets[k])), clip.frames, came);
+    take_pictures(must(decoder.end()), clip.frames, came);
     return came;
 }
 
@@ -409,14 +409,14 @@ TEST(LabelledPictures, RoundTripHue) {
     RawFrame frame = test_frame(scene, 0, {false, true});
     frame.depth = frame.haptic;  // any RGB
     frame.haptic = {};
-    auto encoder = value_of(LabelledEncoder::open(frame, scene, TrackCoding::h264_quick));
+    auto encoder = must(LabelledEncoder::open(frame, scene, TrackCoding::h264_quick));
     ASSERT_EQ(encoder.tracks(), 1U);
     LabelledClip clip;
     AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
     ASSERT_EQ(message(encoder.describe(0, *stream->codecpar)), "");
     stream->time_base = {1, 1000};
     clip.frames.push_back(frame);
-    auto packets = value_of(encoder.encode(frame, sent_label(0), true));
+    auto packets = must(encoder.encode(frame, sent_label(0), true));
     clip.packets.push_back(std::move(packets));
     LabelledDecoder decoder = decoder_for(clip);
     EXPECT_EQ(decoded(clip, decoder).size(), 1U);
@@ -426,8 +426,7 @@ TEST(LabelledPictures, RoundTripHue) {
 /// A frame whose planes are not those of the first one is no frame of the stream.
 TEST(LabelledPictures, RejectOtherPlanesThanFirst) {
     const Scene scene = scene_of_bits(12);
-    auto encoder =
-        value_of(LabelledEncoder::open(test_frame(scene, 0, {true}), scene, TrackCoding::h264_quick));
+    auto encoder = must(LabelledEncoder::open(test_frame(scene, 0, {true}), scene, TrackCoding::h264_quick));
     EXPECT_TRUE(
         is_refused(encoder.encode(test_frame(scene, 1, {}), sent_label(1), true), "", ErrorKind::input));
 }
@@ -439,12 +438,12 @@ TEST(LabelledPictures, CarrySceneInDepthKeyframes) {
     int scenes = 0;
     for (const auto& packets : clip.packets)
         for (std::size_t k = 0; k < packets.size(); ++k) {
-            auto pictures = value_of(decoder.add(k, *packets[k]));
+            auto pictures = must(decoder.add(k, *packets[k]));
             for (const LabelledPicture& picture : pictures) {
                 EXPECT_EQ(picture.scene != nullptr, picture.role == PlaneRole::depth && picture.is_key);
                 if (!picture.scene) continue;
                 ++scenes;
-                const auto read = value_of(parse_scene(*picture.scene, "sent"));
+                const auto read = must(parse_scene(*picture.scene, "sent"));
                 EXPECT_EQ(read.scene.depth, scene.depth);
             }
         }
@@ -461,7 +460,7 @@ TEST(LabelledPictures, AllowAnyOrderOfTracks) {
     Came came;
     for (std::size_t k = clip.tracks(); k-- > 0;)
         for (std::size_t n = 2; n < 8; ++n) {
-            take_pictures(value_of(decoder.add(track[k], *clip.packets[n][k])), clip.frames, came);
+            take_pictures(must(decoder.add(track[k], *clip.packets[n][k])), clip.frames, came);
         }
     EXPECT_EQ(came.size(), 4U * 4U);  // frames 4 to 7
     EXPECT_EQ(decoder.faults().all(), 0);
@@ -482,7 +481,7 @@ TEST(LabelledPictures, RejectTooLargeOnes) {
     LabelledDecoder decoder(54 * 38 - 1);
     EXPECT_FALSE(decoder.add_track(stream, "clip")) << "its header says so";
     stream.codecpar->width = stream.codecpar->height = 0;
-    const auto track = value_of(decoder.add_track(stream, "clip"));
+    const auto track = must(decoder.add_track(stream, "clip"));
     EXPECT_TRUE(decoder.add(track, *clip.packets[0][0])->empty());
     EXPECT_EQ(decoder.faults().undecodable, 1);
 }
@@ -490,14 +489,13 @@ TEST(LabelledPictures, RejectTooLargeOnes) {
 TEST(LabelledPictures, CountUnlabelledOnes) {
     const Scene scene = scene_of_bits(8);
     const RawFrame frame = test_frame(scene, 0, {});
-    auto encoder =
-        value_of(TrackEncoder::open(PlaneRole::depth, TrackCoding::h264_quick, frame.depth, scene));
+    auto encoder = must(TrackEncoder::open(PlaneRole::depth, TrackCoding::h264_quick, frame.depth, scene));
     LabelledClip clip;
     AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
     ASSERT_EQ(message(encoder->describe(*stream->codecpar)), "");
     stream->time_base = {1, 1000};
     LabelledDecoder decoder = decoder_for(clip);
-    auto packet = value_of(encoder->encode(frame.depth, true));
+    auto packet = must(encoder->encode(frame.depth, true));
     EXPECT_TRUE(decoder.add(0, *packet)->empty());
     EXPECT_EQ(decoder.faults().unlabelled, 1);
 }
@@ -523,7 +521,7 @@ TEST(LabelledPictures, DamageNeverChangesSamples) {
                             static_cast<std::uint8_t>(1 << numbers.below(8));
                     if (fate == 3) av_shrink_packet(packet.get(), 1 + numbers.below(packet->size));
                 }
-                take_pictures(value_of(decoder.add(k, *packet)), clip.frames, came);
+                take_pictures(must(decoder.add(k, *packet)), clip.frames, came);
             }
         for (const PlaneRole role : {PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic})
             for (std::int64_t n = 8; n < 12; ++n)

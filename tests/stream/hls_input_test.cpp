@@ -23,8 +23,7 @@ struct WebStream {
                        bool has_low = false) {
         scene = small_scene(32, 24, 16);
         scene.rate = {10, 1};
-        writer =
-            value_of(HlsWriter::open({folder / "web", a_second_ns, window_s * a_second_ns, has_low}, scene));
+        writer = must(HlsWriter::open({folder / "web", a_second_ns, window_s * a_second_ns, has_low}, scene));
         add(count, planes);
         if (window_s == 0) finish();
     }
@@ -80,7 +79,7 @@ HlsReceived received_from(HlsInput& input, const std::vector<RawFrame>& frames, 
             if (!track) continue;  // its header is damaged
             tracks[which] = *track;
         }
-        take_pictures(value_of(decoder.add(tracks[which], *(*packet)->packet)), frames, all.came);
+        take_pictures(must(decoder.add(tracks[which], *(*packet)->packet)), frames, all.came);
     }
     all.segments_lost = input.segments_lost();
     all.remarks = input.remarks();
@@ -141,7 +140,7 @@ HlsReceived received_at(const std::string& place, const std::vector<RawFrame>& f
 }
 
 HlsReceived whole_at(const std::string& place, const std::vector<RawFrame>& frames) {
-    return received_whole(*value_of(HlsInput::open(place)), frames);
+    return received_whole(*must(HlsInput::open(place)), frames);
 }
 
 TEST(HlsInput, ReceivesStreamExactly) {
@@ -166,7 +165,7 @@ TEST(HlsInput, SwitchesLevels) {
         const int number = number_of(path);
         return number >= 3 && number < 8 ? 1000 : 1e6;
     };
-    auto input = value_of(link.open());
+    auto input = must(link.open());
     const HlsReceived all = received_whole(*input, stream.frames);
     EXPECT_EQ(all.segments_lost, 0);
     std::vector<int> low;
@@ -216,7 +215,7 @@ TEST(HlsInput, StaysWithoutOtherLevel) {
             if (path != "/touch-low.m3u8") return stream.reply(path);
             return is_short ? WebReply{.body = text} : WebReply{.status = 404};
         };
-        auto input = value_of(link.open());
+        auto input = must(link.open());
         const HlsReceived all = received_whole(*input, stream.frames);
         EXPECT_EQ(depth_in(all.came), depth_of_segments(6, [](int) { return false; }));
         ASSERT_TRUE(input->levels());
@@ -234,7 +233,7 @@ TEST(HlsInput, SwitchesLevelsLive) {
         return stream.reply(path);
     };
     link.rate_of = [](const std::string&) { return 1000; };
-    auto input = value_of(link.open());
+    auto input = must(link.open());
     std::vector<RawFrame> frames = stream.frames;
     const HlsReceived all = received_whole(*input, frames);
     // The third but last one, 3, is read in full; from 4 on each second frame.
@@ -260,7 +259,7 @@ TEST(HlsInput, FollowsLiveStreamToEnd) {
         if (path == "/touch.m3u8" && reloads == 3) stream.finish();
         return stream.reply(path);
     });
-    auto input = value_of(HlsInput::open(server.url("/master.m3u8")));
+    auto input = must(HlsInput::open(server.url("/master.m3u8")));
     EXPECT_TRUE(input->is_live());
     std::vector<RawFrame> frames;
     for (int n = 0; n < 65; ++n) frames.push_back(test_frame(stream.scene, n, {true, true}));
@@ -476,7 +475,7 @@ TEST(HlsPlaylist, RejectsPlacesElsewhere) {
 
 TEST(HlsPlaylist, MasterLeadsToBoth) {
     const std::string text = master_text({"colour.m3u8", 1000, "avc1.64001f", 640, 480, 30});
-    const auto places = value_of(places_in_playlist(text, web));
+    const auto places = must(places_in_playlist(text, web));
     EXPECT_EQ(places.touch, "http://host:8080/live/clip/touch.m3u8");
     EXPECT_EQ(places.colour, "http://host:8080/live/clip/colour.m3u8");
     const auto alone =
@@ -488,18 +487,18 @@ TEST(HlsPlaylist, MasterLeadsToBoth) {
 TEST(HlsPlaylist, MasterLeadsToLowLevel) {
     const HlsShown full{"colour.m3u8", 2000, "avc1.64001f", 640, 480, 30},
         low{"low.m3u8", 1000, "", 640, 480, 30};
-    const auto places = value_of(places_in_playlist(master_text(full, low), web));
+    const auto places = must(places_in_playlist(master_text(full, low), web));
     EXPECT_EQ(places.colour, "http://host:8080/live/clip/colour.m3u8");
     EXPECT_EQ(places.low_touch, "http://host:8080/live/clip/touch-low.m3u8");
     EXPECT_EQ(places.low_colour, "http://host:8080/live/clip/low.m3u8");
     // A second variant alone is no low level.
-    const auto others = value_of(
+    const auto others = must(
         places_in_playlist(master_text(full) + "#EXT-X-STREAM-INF:BANDWIDTH=1\nhttp://other/c.m3u8\n", web));
     EXPECT_EQ(others.low_touch + others.low_colour, "");
     // Without colour its variants are the planes.
     const HlsShown grey{"touch.m3u8", 2000, "", 640, 480, 30},
         low_grey{"touch-low.m3u8", 1000, "", 640, 480, 15};
-    const auto planes = value_of(places_in_playlist(master_text(grey, low_grey), web));
+    const auto planes = must(places_in_playlist(master_text(grey, low_grey), web));
     EXPECT_EQ(planes.low_touch, "http://host:8080/live/clip/touch-low.m3u8");
     EXPECT_EQ(planes.colour + planes.low_colour, "");
 }
@@ -539,7 +538,7 @@ TEST(HlsPlaylist, MediaPlaylistLeadsToItself) {
     const auto places = places_in_playlist(text_of(media), web);
     ASSERT_TRUE(places);
     EXPECT_EQ(places->touch, web);
-    const auto facts = value_of(check_hls_media(text_of(media), web));
+    const auto facts = must(check_hls_media(text_of(media), web));
     EXPECT_EQ(facts.next_segment, 7);
     EXPECT_EQ(facts.header, "http://host:8080/live/clip/init.mp4");
     EXPECT_FALSE(facts.has_ended);

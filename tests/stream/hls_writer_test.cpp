@@ -180,7 +180,7 @@ TEST(HlsWriter, MovesItsWindow) {
     const TemporaryFolder folder;
     const fs::path home = folder / "web";
     const Scene scene = small_hls_scene();
-    auto writer = value_of(HlsWriter::open({home, a_second_ns, 4 * a_second_ns}, scene));
+    auto writer = must(HlsWriter::open({home, a_second_ns, 4 * a_second_ns}, scene));
     std::set<std::string> named;
     std::size_t most_files = 0;
     for (int n = 0; n < 600; ++n) {
@@ -226,7 +226,7 @@ TEST(HlsWriter, ContinuesFormerRun) {
 TEST(HlsWriter, MarksBreakAfterStandstill) {
     const TemporaryFolder folder;
     const Scene scene = small_hls_scene();
-    auto writer = value_of(HlsWriter::open({folder / "web"}, scene));
+    auto writer = must(HlsWriter::open({folder / "web"}, scene));
     const std::int64_t times[] = {0, 100, 200, 7000, 7100};
     for (int n = 0; n < 5; ++n)
         ASSERT_EQ(message(writer->add(test_frame(scene, n, {}), sent_label(n), times[n] * 1'000'000)), "");
@@ -293,7 +293,7 @@ TEST(HlsWriter, NeverTouchesForeignFiles) {
 TEST(HlsWriter, LocksItsFolder) {
     const TemporaryFolder folder;
     const Scene scene = small_hls_scene();
-    const auto first = value_of(HlsWriter::open({folder.path()}, scene));
+    const auto first = must(HlsWriter::open({folder.path()}, scene));
     EXPECT_TRUE(is_refused(HlsWriter::open({folder.path()}, scene), "another program"));
 }
 
@@ -320,7 +320,7 @@ struct SegmentedStream {
             write_sounding_film(folder / "film.mp4", tone(440, 2));
             sound = SoundPart{folder / "film.mp4", 0, 2 * a_second_ns};
         }
-        const auto writer = value_of(HlsWriter::open({folder / "web", a_second_ns / 2, 0}, scene, sound));
+        const auto writer = must(HlsWriter::open({folder / "web", a_second_ns / 2, 0}, scene, sound));
         frames = test_frames(scene, count, planes);
         for (const RawFrame& frame : frames)
             EXPECT_EQ(message(writer->add(frame, stream_label(frame.number), frame.time_ns)), "");
@@ -345,7 +345,7 @@ TEST(SegmentedClip, ReceivesExactFrames) {
     for (const auto& [planes, sounds] : {Sent{all_planes, false}, Sent{all_planes, true}, Sent{{}, false}}) {
         const SegmentedStream sent(40, planes, sounds);
         const WebServer server(sent.answer());
-        expect_as_sent(value_of(read_clip(server.url("/master.m3u8"))), sent.frames);
+        expect_as_sent(must(read_clip(server.url("/master.m3u8"))), sent.frames);
     }
 }
 
@@ -384,7 +384,7 @@ TEST(SegmentedClip, OpensWithoutMissingColour) {
         const WebServer server(sent.answer({.is_silent = true}, [&](const std::string& path) {
             return path.ends_with(silent) && path.starts_with("/colour");
         }));
-        const auto clip = value_of(open_clip(server.url("/master.m3u8")));
+        const auto clip = must(open_clip(server.url("/master.m3u8")));
         const RawFrame frame = next_of(*clip);
         EXPECT_TRUE(same_plane(frame.depth, sent.frames[0].depth)) << silent;
         EXPECT_TRUE(frame.colour.empty()) << silent;
@@ -402,13 +402,13 @@ TEST(SegmentedClip, NamesTooLargePlaylist) {
 TEST(SegmentedClip, PlaysLiveToItsEnd) {
     const SegmentedStream sent(40, {true, true, false, false});
     const WebServer server(sent.answer());
-    const auto clip = value_of(open_live_stream(source_of(server.url("/master.m3u8"))));
+    const auto clip = must(open_live_stream(source_of(server.url("/master.m3u8"))));
     ASSERT_EQ(message(clip->next()), "");
     const auto begun = std::chrono::steady_clock::now();
     ASSERT_EQ(message(clip->begin(begun)), "");
     std::int64_t last = 0, frames = 0;
     while (true) {
-        const auto frame = value_of(clip->next());
+        const auto frame = must(clip->next());
         if (!frame) break;
         EXPECT_GT(frame->number, last);
         last = frame->number;

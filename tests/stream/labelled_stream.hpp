@@ -46,14 +46,14 @@ inline LabelledClip labelled_clip(const Scene& scene, int frames, const Planes& 
     for (int n = 0; n < frames; ++n) {
         clip.frames.push_back(test_frame(scene, n, planes));
         if (!encoder) {
-            encoder.emplace(value_of(LabelledEncoder::open(clip.frames[0], scene, TrackCoding::h264_quick)));
+            encoder.emplace(must(LabelledEncoder::open(clip.frames[0], scene, TrackCoding::h264_quick)));
             for (std::size_t k = 0; k < encoder->tracks(); ++k) {
                 AVStream* const stream = avformat_new_stream(clip.streams.get(), nullptr);
                 EXPECT_EQ(message(encoder->describe(k, *stream->codecpar)), "");
                 stream->time_base = {1, 1000};
             }
         }
-        auto packets = value_of(encoder->encode(clip.frames.back(), sent_label(n), n % keys_apart == 0));
+        auto packets = must(encoder->encode(clip.frames.back(), sent_label(n), n % keys_apart == 0));
         for (const auto& packet : packets) packet->pts = packet->dts = 33 * n;
         clip.packets.push_back(std::move(packets));
     }
@@ -117,14 +117,14 @@ struct StreamMaking {
 
 inline StreamOfFrames stream_by(Result<std::unique_ptr<StreamMuxer>> opened, const Scene& scene, int frames,
                                 const Planes& planes, const StreamMaking& making = {}) {
-    const auto muxer = value_of(std::move(opened));
+    const auto muxer = must(std::move(opened));
     const auto text = [](const auto& bytes) { return std::string(bytes.begin(), bytes.end()); };
     StreamOfFrames made{{}, {}, test_frames(scene, frames, planes)};
     for (int n = 0; n < frames; ++n) {
         const auto at = static_cast<std::size_t>(n);
         const bool is_key = n % making.keys_apart == 0;
         const std::int64_t time_ns = making.times.empty() ? scene.rate.time_ns(n) : making.times[at];
-        const auto block = value_of(muxer->add(made.frames[at], making.label(n), time_ns, is_key));
+        const auto block = must(muxer->add(made.frames[at], making.label(n), time_ns, is_key));
         EXPECT_EQ(block.frame, making.label(n).frame);
         EXPECT_EQ(block.is_key, is_key);
         if (n == 0) made.header = text(muxer->header());
@@ -156,8 +156,7 @@ struct DemuxedPictures {
 inline DemuxedPictures demuxed(const std::string& bytes, const char* format,
                                const std::vector<RawFrame>& frames) {
     DemuxedPictures all;
-    const auto input =
-        value_of(open_input(bytes_in_memory(bytes), bytes.size(), "stream", {.format = format}));
+    const auto input = must(open_input(bytes_in_memory(bytes), bytes.size(), "stream", {.format = format}));
     LabelledDecoder decoder(1 << 22);
     std::map<int, std::size_t> tracks;
     const PacketPtr packet(av_packet_alloc());
@@ -166,9 +165,9 @@ inline DemuxedPictures demuxed(const std::string& bytes, const char* format,
         all.sounds += stream.codecpar->codec_type == AVMEDIA_TYPE_AUDIO;
         if (stream.codecpar->codec_id != AV_CODEC_ID_H264) continue;
         if (!tracks.contains(stream.index)) tracks[stream.index] = *decoder.add_track(stream, "stream");
-        take_pictures(value_of(decoder.add(tracks[stream.index], *packet)), frames, all.came);
+        take_pictures(must(decoder.add(tracks[stream.index], *packet)), frames, all.came);
     }
-    take_pictures(value_of(decoder.end()), frames, all.came);
+    take_pictures(must(decoder.end()), frames, all.came);
     all.faults = decoder.faults();
     all.tracks = static_cast<int>(tracks.size());
     return all;
@@ -189,7 +188,7 @@ inline void expect_as_sent(const std::vector<RawFrame>& read, const std::vector<
 }
 
 inline StreamSource source_of(const std::string& url) {
-    return {.url = value_of(read_stream_url(url))};
+    return {.url = must(read_stream_url(url))};
 }
 
 }  // namespace touchable::test

@@ -40,8 +40,8 @@ struct CameOf {
 CameOf all_that_came(const std::string& bytes) {
     CameOf all;
     const auto pictures =
-        value_of(open_matroska_pictures(std::make_shared<HeldBytes>(bytes), "held", std::nullopt));
-    while (const auto came = value_of(pictures->next())) {
+        must(open_matroska_pictures(std::make_shared<HeldBytes>(bytes), "held", std::nullopt));
+    while (const auto came = must(pictures->next())) {
         all.torn += came->torn;
         for (const StreamPicture& picture : came->pictures) ++all.pictures[picture.role];
     }
@@ -89,11 +89,11 @@ TEST_F(MatroskaStream, SavesAsExactClip) {
             const Scene scene = small_scene(53, 37, bits);
             const auto saved = saved_stream(scene, 9, planes);
             write_bytes(folder / "saved.mkv", saved.bytes(0));
-            auto reader = value_of(open_clip(folder / "saved.mkv"));
+            auto reader = must(open_clip(folder / "saved.mkv"));
             EXPECT_EQ(reader->frame_count(), 9);
             EXPECT_EQ(reader->scene().depth, scene.depth);
             EXPECT_EQ(reader->scene().rate.own_times, nullptr);
-            EXPECT_TRUE(same_frames(value_of(read_all(*reader)), saved.frames)) << bits << " bits";
+            EXPECT_TRUE(same_frames(must(read_all(*reader)), saved.frames)) << bits << " bits";
         }
 }
 
@@ -101,7 +101,7 @@ TEST_F(MatroskaStream, StartsAtAnyKey) {
     const Scene scene = small_scene(32, 24, 16);
     const auto saved = saved_stream(scene, 10, seen_planes);
     write_bytes(folder / "late.mkv", saved.bytes(4));
-    const auto read = value_of(read_clip(folder / "late.mkv"));
+    const auto read = must(read_clip(folder / "late.mkv"));
     ASSERT_EQ(read.size(), 6U);
     for (std::size_t n = 0; n < 6; ++n) {
         const RawFrame sent = test_frame(scene, static_cast<std::int64_t>(n) + 4, seen_planes);
@@ -131,7 +131,7 @@ TEST_F(MatroskaStream, CutLeavesWholeFrames) {
                 return note.find("is cut") != std::string::npos ||
                        note.find("end at different frames") != std::string::npos;
             })) << n;
-            const auto read = value_of(read_all(**reader));
+            const auto read = must(read_all(**reader));
             EXPECT_EQ(read.size(), n);
         }
         whole = next;
@@ -142,7 +142,7 @@ TEST_F(MatroskaStream, KeepsTimesOfCamera) {
     const Scene scene = small_scene(16, 12, 12);
     const std::vector<std::int64_t> times{0, 31'000'000, 140'000'000, 155'000'000};
     write_bytes(folder / "camera.mkv", saved_stream(scene, 4, touch_planes, times).bytes(0));
-    const auto read = value_of(read_clip(folder / "camera.mkv"));
+    const auto read = must(read_clip(folder / "camera.mkv"));
     ASSERT_EQ(read.size(), 4U);
     for (std::size_t n = 0; n < 4; ++n) EXPECT_EQ(read[n].time_ns, times[n]);
 }
@@ -150,11 +150,11 @@ TEST_F(MatroskaStream, KeepsTimesOfCamera) {
 TEST_F(MatroskaStream, LabelsEveryPicture) {
     const auto saved = saved_stream(small_scene(32, 24, 16), 6, seen_planes);
     write_bytes(folder / "saved.mkv", saved.bytes(0));
-    const auto demuxer = value_of(Demuxer::open_matroska(folder / "saved.mkv", true));
+    const auto demuxer = must(Demuxer::open_matroska(folder / "saved.mkv", true));
     for (int stream = 0; stream < 4; ++stream) demuxer->select(stream);
     for (std::int64_t n = 0; n < 6; ++n)
         for (int stream = 0; stream < 4; ++stream) {
-            const auto packet = value_of(demuxer->next(stream));
+            const auto packet = must(demuxer->next(stream));
             ASSERT_TRUE(packet);
             const auto addition = block_addition_of(*packet);
             ASSERT_TRUE(addition && addition->label);
@@ -173,20 +173,19 @@ TEST_F(MatroskaStream, CarriesSound) {
     ASSERT_EQ(message(write_clip(folder / "mute.mkv", scene, frames, {})), "");
     const auto sound = tone(20, 0.8);  // longer than the pictures
     write_sounding_clip(folder / "clip.mkv", sound, folder / "mute.mkv");
-    auto muxer = value_of(open_matroska_stream(scene, SoundPart{folder / "clip.mkv", 0, 1'000'000'000}));
+    auto muxer = must(open_matroska_stream(scene, SoundPart{folder / "clip.mkv", 0, 1'000'000'000}));
     std::string bytes;
     for (int n = 0; n < frames * rounds; ++n) {
         RawFrame frame = test_frame(scene, n % frames, {});
         frame.epoch = static_cast<std::uint64_t>(n / frames);
-        const auto block =
-            value_of(muxer->add(frame, stream_label(n), scene.rate.time_ns(n), n % frames == 0));
+        const auto block = must(muxer->add(frame, stream_label(n), scene.rate.time_ns(n), n % frames == 0));
         if (n == 0) bytes.assign(muxer->header().begin(), muxer->header().end());
         bytes.append(block.bytes.begin(), block.bytes.end());
     }
     write_bytes(folder / "saved.mkv", bytes);
-    const auto read = value_of(read_clip(folder / "saved.mkv"));
+    const auto read = must(read_clip(folder / "saved.mkv"));
     EXPECT_EQ(std::ssize(read), frames * rounds);
-    auto track = value_of(SoundTrack::open(folder / "saved.mkv"));
+    auto track = must(SoundTrack::open(folder / "saved.mkv"));
     ASSERT_TRUE(track);
     std::vector<StereoSample> heard(static_cast<std::size_t>(SoundTrack::rate));
     track->read(heard);
@@ -200,7 +199,7 @@ TEST_F(MatroskaStream, CarriesSound) {
 
 TEST_F(MatroskaStream, RejectsInvalidFrames) {
     const Scene scene = small_scene(16, 12, 12);
-    auto muxer = value_of(open_matroska_stream(scene));
+    auto muxer = must(open_matroska_stream(scene));
     EXPECT_TRUE(muxer->header().empty());
     ASSERT_EQ(message(muxer->add(test_frame(scene, 7, touch_planes), {}, 0, true)), "");
     EXPECT_FALSE(muxer->header().empty());
@@ -255,7 +254,7 @@ const std::string ebml = element("\x1A\x45\xDF\xA3", element("\x42\x82", "matros
 
 TEST(MatroskaGate, PassesStreamInAnyPieces) {
     const auto sent = make_stream(small_scene(64, 48, 16), 6, all_planes);
-    const auto whole = value_of(through_the_gate(sent.bytes()));
+    const auto whole = must(through_the_gate(sent.bytes()));
     EXPECT_LE(whole.size(), sent.bytes().size() + 6 * 12);
     for (const std::size_t piece : {1U, 7U, 100U, 65'537U})
         EXPECT_EQ(*through_the_gate(sent.bytes(), piece), whole);
@@ -287,7 +286,7 @@ TEST(MatroskaGate, ResumesAtNextCluster) {
         if (round % 3 == 2)
             harmed.insert(at, std::string(static_cast<std::size_t>(numbers.below(300)), '\xff'));
         const auto passed =
-            value_of(through_the_gate(sent.header + sent.blocks[0] + harmed + sent.blocks[3], 777));
+            must(through_the_gate(sent.header + sent.blocks[0] + harmed + sent.blocks[3], 777));
         EXPECT_TRUE(passed.ends_with(last)) << round;
     }
 }
@@ -316,7 +315,7 @@ TEST(MatroskaGate, DropsBlockWithManyAdditions) {
     for (int k = 0; k < 100'000; ++k) additions += "\xA6\x80";
     const std::string cluster_head("\x1F\x43\xB6\x75\x01\xFF\xFF\xFF\xFF\xFF\xFF\xFF\xE7\x81\x00", 15);
     const std::string block = element("\xA1", "1234"), beside = element("\x75\xA1", additions);
-    const auto passed = value_of(
+    const auto passed = must(
         through_the_gate(ebml + open_segment_head + cluster_head + element("\xA0", block + beside) +
                          element("\xA0", block + block) + element("\xA0", beside) + element("\xA0", block)));
     EXPECT_EQ(passed, ebml + open_segment_head + cluster_head + element("\xA0", block));

@@ -140,7 +140,7 @@ TEST_F(SrtSender, LateCallerBeginsAtKey) {
 TEST_F(SrtSender, DropsFramesetsForNarrowCaller) {
     constexpr std::size_t frameset_bytes = 20'000;
     constexpr std::int64_t most_framesets = 3000, far_behind = 100;
-    const auto relay = value_of(Relay::open(Relay::Kind::udp, port, {.bytes_per_second = 100'000}));
+    const auto relay = must(Relay::open(Relay::Kind::udp, port, {.bytes_per_second = 100'000}));
     const auto output = sent.open(place);
     std::string narrow_heard;
     std::atomic<std::size_t> narrow_heard_bytes{0}, wide_heard{0};
@@ -265,7 +265,7 @@ TEST_F(SrtSender, DropsCallerThatSends) {
 
 /// The last datagrams of a stream are lost, and none behind them tells the receiver.
 TEST_F(SrtSender, ResendsLastDatagrams) {
-    const auto relay = value_of(Relay::open(Relay::Kind::udp, port));
+    const auto relay = must(Relay::open(Relay::Kind::udp, port));
     const auto output = sent.open(place);
     std::string heard;
     std::thread caller([&] { heard = SrtPeer(Kind::calls, relay->port()).hear_all(); });
@@ -331,7 +331,7 @@ TEST_F(SrtSender, AcceptsCallerThatCameEarlier) {
 }
 
 TEST_F(SrtSender, RetriesFirstCall) {
-    const auto relay = value_of(Relay::open(Relay::Kind::udp, port));
+    const auto relay = must(Relay::open(Relay::Kind::udp, port));
     relay->stall(true);
     const auto output = sent.open(place);
     std::thread later([&] {
@@ -347,16 +347,16 @@ TEST_F(SrtSender, ConnectsThroughLoss) {
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         SentOut stream;
         const int target = unused_port();
-        const auto relay = value_of(Relay::open(Relay::Kind::udp, target, {.loss = 0.2, .seed = seed}));
+        const auto relay = must(Relay::open(Relay::Kind::udp, target, {.loss = 0.2, .seed = seed}));
         const auto output = stream.open(place_of(target));
         stream.padding = {'.'};
         stream.add_all();
-        const auto bytes = value_of(connected(place_of(relay->port())));
+        const auto bytes = must(connected(place_of(relay->port())));
         bytes->allow(6);
         std::string header(6, '\0');
         for (std::size_t at = 0; at < header.size();) {
-            const std::size_t got = value_of(
-                bytes->read(reinterpret_cast<std::uint8_t*>(header.data()) + at, header.size() - at));
+            const std::size_t got =
+                must(bytes->read(reinterpret_cast<std::uint8_t*>(header.data()) + at, header.size() - at));
             ASSERT_GT(got, 0U) << "seed " << seed << ": " << bytes->how_it_ended() << "; "
                                << stream.newest_line() << "; passed " << relay->passed() << ", lost "
                                << relay->lost();

@@ -41,8 +41,8 @@ TEST(StreamClip, GivesTouchWithoutColour) {
     EXPECT_LT(sent.blocks[10].size(), all.blocks[10].size());
     EXPECT_TRUE(all.blocks[10].starts_with(sent.blocks[10]));
     const LoopbackSender sender(sent.bytes());
-    const auto clip = value_of(open(sender.url()));
-    const auto frames = value_of(read_all(*clip));
+    const auto clip = must(open(sender.url()));
+    const auto frames = must(read_all(*clip));
     expect_as_sent(frames, sent.frames);
     // It is not waited for until it has come once.
     for (std::size_t n = 21; n < 30; ++n)
@@ -54,12 +54,12 @@ TEST(StreamClip, ReceivesExactFrames) {
         for (const int bits : {8, 16}) {
             const auto sent = make_stream(small_scene(64, 48, bits), 17, planes, 1'000);
             const LoopbackSender sender(sent.bytes());
-            const auto clip = value_of(open(sender.url()));
+            const auto clip = must(open(sender.url()));
             EXPECT_EQ(clip->scene().name, "small");
             EXPECT_EQ(clip->frame_count(), std::nullopt);
             EXPECT_FALSE(clip->is_live());
             EXPECT_TRUE(clip->inputs().empty());
-            expect_as_sent(value_of(read_all(*clip)), sent.frames);
+            expect_as_sent(must(read_all(*clip)), sent.frames);
             EXPECT_TRUE(clip->remarks().empty());
         }
     }
@@ -72,9 +72,9 @@ TEST(StreamClip, ReadsFileAsStream) {
     const Scene scene = small_scene(64, 48, 16);
     ASSERT_EQ(message(write_clip(file, scene, 40, {true, true, true, false})), "");
     const LoopbackSender sender(read_bytes(file));
-    const auto clip = value_of(open_clip(sender.url()));
-    const auto frames = value_of(read_all(*clip));
-    EXPECT_TRUE(same_frames(frames, value_of(read_clip(file))));
+    const auto clip = must(open_clip(sender.url()));
+    const auto frames = must(read_all(*clip));
+    EXPECT_TRUE(same_frames(frames, must(read_clip(file))));
 }
 
 TEST(StreamClip, ReadsPipe) {
@@ -90,7 +90,7 @@ TEST(StreamClip, ReadsPipe) {
         }
         ::close(in);
     });
-    const auto clip = value_of(open("pipe:" + std::to_string(ends[0])));
+    const auto clip = must(open("pipe:" + std::to_string(ends[0])));
     const auto frames = read_all(*clip);
     writer.join();
     ::close(ends[0]);
@@ -106,15 +106,15 @@ TEST(StreamClip, ReadsHttpWithoutLength) {
         (void)to.send("HTTP/1.1 200 OK\r\nConnection: close\r\nContent-Type: video/x-matroska\r\n\r\n" +
                       sent.bytes());
     });
-    const auto clip = value_of(open_clip(sender.url("http", "/live.mkv")));
-    expect_as_sent(value_of(read_all(*clip)), sent.frames);
+    const auto clip = must(open_clip(sender.url("http", "/live.mkv")));
+    expect_as_sent(must(read_all(*clip)), sent.frames);
     EXPECT_EQ(sender.connections(), 1);
 }
 
 TEST(StreamClip, RewindsWithinFirstFrames) {
     const auto sent = make_stream(small_scene(64, 48), 70, {});
     const LoopbackSender sender(sent.bytes());
-    auto clip = value_of(open(sender.url()));
+    auto clip = must(open(sender.url()));
     ASSERT_EQ(message(clip->seek(20)), "");
     EXPECT_EQ((*clip->next())->number, 20);
     ASSERT_EQ(message(clip->rewind()), "");
@@ -130,8 +130,8 @@ TEST(StreamClip, LateReceiverBeginsAtKey) {
     std::string bytes = sent.header;
     for (std::size_t n = 3; n < sent.blocks.size(); ++n) bytes += sent.blocks[n];
     const LoopbackSender sender(bytes);
-    const auto clip = value_of(open(sender.url()));
-    const auto frames = value_of(read_all(*clip));
+    const auto clip = must(open(sender.url()));
+    const auto frames = must(read_all(*clip));
     ASSERT_EQ(frames.size(), 7U);
     EXPECT_TRUE(same_plane(frames.front().depth, sent.frames[5].depth));
     EXPECT_TRUE(same_plane(frames.front().haptic, sent.frames[5].haptic));
@@ -149,7 +149,7 @@ TEST(StreamClip, HoldsFrameOverDamage) {
         if (harm == 2) block.erase(0, block.size() / 2);
         if (harm == 3) block[block.size() / 2] = static_cast<char>(block[block.size() / 2] ^ 1);
         const LoopbackSender sender(harmed.bytes());
-        const auto clip = value_of(open(sender.url()));
+        const auto clip = must(open(sender.url()));
         const auto frames = read_all(*clip);
         ASSERT_EQ(message(frames), "") << harm;
         ASSERT_EQ(frames->size(), 20U) << harm;
@@ -170,7 +170,7 @@ TEST(StreamClip, ReportsBrokenConnection) {
     for (const std::size_t cut :
          {std::size_t{1}, sent.blocks[6].size() / 10, sent.blocks[6].size() * 9 / 10}) {
         const LoopbackSender sender(whole + sent.blocks[6].substr(0, cut));
-        const auto clip = value_of(open(sender.url()));
+        const auto clip = must(open(sender.url()));
         EXPECT_TRUE(
             is_refused(read_all(*clip), ": frame 6: the sender closed the connection in the middle of it"))
             << cut;
@@ -217,7 +217,7 @@ TEST(StreamClip, BoundsWaitForSilentSender) {
         (void)to.send(sent.header + sent.blocks[0]);
         (void)to.wait(milliseconds(100'000));
     });
-    const auto clip = value_of(open(stalls.url(), milliseconds(300)));
+    const auto clip = must(open(stalls.url(), milliseconds(300)));
     EXPECT_TRUE(is_refused(read_all(*clip), "frame 1: "));
 }
 
@@ -314,10 +314,10 @@ TEST(HttpFile, FailsAtOnceAfterFailure) {
     const DrippingServer server(std::string(4 << 20, 'x'), 1 << 20);
     StreamSource::Patience patience;
     patience.frameset = milliseconds(1'000);
-    const auto opened = value_of(open_http(server.url(), patience));
+    const auto opened = must(open_http(server.url(), patience));
     ASSERT_TRUE(opened.file);
     ASSERT_EQ(opened.end_opening(), std::nullopt);
-    auto file = value_of(opened.file->open("a clip"));
+    auto file = must(opened.file->open("a clip"));
     char bytes[16];
     ASSERT_EQ(message(file.read(0, bytes, sizeof bytes)), "");
     EXPECT_TRUE(is_refused(file.read(2 << 20, bytes, sizeof bytes), "too slowly"));
@@ -335,7 +335,7 @@ TEST(HttpFile, OpensInTimeOrFails) {
     StreamSource::Patience patience;
     patience.opening = milliseconds(3'000);
     patience.frameset = std::chrono::hours(1);
-    const auto opened = value_of(open_http(server.url(), patience));
+    const auto opened = must(open_http(server.url(), patience));
     auto file = opened.file->open("a clip");
     char byte = 0;
     EXPECT_NE(message(file->read(2 << 20, &byte, 1)), "");
@@ -352,7 +352,7 @@ TEST(StreamClip, FailsAtOnceAfterFailure) {
         while (to.wait(milliseconds(20)) && to.send("\xec")) {
         }
     });
-    const auto clip = value_of(open(stalls.url(), milliseconds(1'000)));
+    const auto clip = must(open(stalls.url(), milliseconds(1'000)));
     ASSERT_EQ(message(clip->next()), "");
     const std::string first = message(clip->next());
     EXPECT_TRUE(has_words(first, "frame 1: "));
@@ -419,11 +419,11 @@ std::shared_ptr<const StreamOfFrames> long_stream() {
 TEST(LiveStream, GivesFramesAsTheyCome) {
     const auto stream = long_stream();
     const LoopbackSender sender(paced(stream));
-    const auto clip = value_of(open_live_stream(live_choice(sender.url())));
+    const auto clip = must(open_live_stream(live_choice(sender.url())));
     EXPECT_TRUE(clip->is_live());
     EXPECT_EQ(clip->scene().interpolation, FrameInterpolation::hold);
     for (std::int64_t n = 0; n < 5; ++n) {
-        const auto frame = value_of(clip->next());
+        const auto frame = must(clip->next());
         EXPECT_EQ(frame->number, n);
         EXPECT_TRUE(is_of_one_frame(*frame, *stream));
     }
@@ -455,7 +455,7 @@ TEST(LiveStream, ReconnectsToRestartedSender) {
     const auto stream = long_stream();
     auto sender = std::make_unique<LoopbackSender>(paced(stream));
     const int port = sender->port();
-    const auto clip = value_of(open_live_stream(live_choice(sender->url())));
+    const auto clip = must(open_live_stream(live_choice(sender->url())));
     ASSERT_EQ(message(clip->next()), "");
     ASSERT_EQ(message(clip->begin(Clock::now())), "");
     ASSERT_EQ(message(clip->next()), "");
@@ -481,11 +481,11 @@ TEST(LiveStream, EndsOnAnotherScene) {
     const LoopbackSender sender([&](const LoopbackSender::Listener& to, int number) {
         paced(number == 0 ? stream : other)(to, number);
     });
-    const auto clip = value_of(open_live_stream(live_choice(sender.url())));
+    const auto clip = must(open_live_stream(live_choice(sender.url())));
     ASSERT_EQ(message(clip->next()), "");
     ASSERT_EQ(message(clip->begin(Clock::now())), "");
     while (true) {
-        const auto frame = value_of(clip->next());
+        const auto frame = must(clip->next());
         if (!frame) break;
         EXPECT_EQ(frame->depth.width, 64);
     }
@@ -503,7 +503,7 @@ TEST(LiveStream, ReconnectsToSilentSender) {
     });
     StreamSource choice = live_choice(sender.url());
     choice.patience.silence = std::chrono::milliseconds(50);
-    const auto clip = value_of(open_live_stream(choice));
+    const auto clip = must(open_live_stream(choice));
     ASSERT_EQ(message(clip->begin(Clock::now())), "");
     while (clip->stream_figures()->connections < 2) std::this_thread::yield();
     const RawFrame frame = next_of(*clip);
@@ -515,7 +515,7 @@ TEST(LiveStream, StopsWaitingOnRequest) {
         (void)to.send(stream->header + stream->blocks[0]);
         (void)to.wait(std::chrono::hours(1));
     });
-    const auto clip = value_of(open_live_stream(live_choice(sender.url())));
+    const auto clip = must(open_live_stream(live_choice(sender.url())));
     ASSERT_EQ(message(clip->begin(Clock::now())), "");
     std::stop_source given_up;
     const StopScope until(given_up.get_token());
@@ -532,7 +532,7 @@ TEST(LiveStream, EndsWithItsPipe) {
     const std::string bytes = stream->bytes();
     ASSERT_LT(bytes.size(), 65'536U);
     ASSERT_EQ(::write(ends[1], bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
-    const auto clip = value_of(open_live_stream(live_choice("pipe:" + std::to_string(ends[0]))));
+    const auto clip = must(open_live_stream(live_choice("pipe:" + std::to_string(ends[0]))));
     ASSERT_EQ(message(clip->begin(Clock::now())), "");
     ::close(ends[1]);
     auto frame = clip->next();
@@ -553,7 +553,7 @@ TEST(LiveStream, NamesSenderOfGarbage) {
 TEST(LiveStream, AddsLittleDelayOnLoopback) {
     const auto stream = long_stream();
     const LoopbackSender sender(paced(stream));
-    const auto clip = value_of(open_live_stream(live_choice(sender.url())));
+    const auto clip = must(open_live_stream(live_choice(sender.url())));
     ASSERT_EQ(message(clip->begin(Clock::now())), "");
     for (int n = 0; n < 100; ++n) ASSERT_EQ(message(clip->next()), "");
     EXPECT_LE(clip->stream_figures()->delay_ms, 200);
@@ -606,10 +606,10 @@ TEST(TransportClip, ReceivesExactFrames) {
     for (const Planes& planes : {all_planes, Planes{}, Planes{true, true, false}}) {
         const auto sent = make_transport_stream(small_scene(64, 48, 16), 17, planes);
         const LoopbackSender sender(sent.bytes());
-        const auto clip = value_of(open_stream_clip(source_of(sender.url())));
+        const auto clip = must(open_stream_clip(source_of(sender.url())));
         EXPECT_EQ(clip->scene().name, "small");
         EXPECT_EQ(clip->tracks().size(), 1U + planes.colour + planes.haptic + planes.height);
-        const auto frames = value_of(read_all(*clip));
+        const auto frames = must(read_all(*clip));
         ASSERT_EQ(frames.size(), sent.frames.size());
         for (std::size_t n = 0; n < frames.size(); ++n)
             EXPECT_TRUE(is_as_sent(frames[n], sent.frames[n])) << n;
@@ -625,7 +625,7 @@ TEST(TransportClip, HoldsFramesOverLostPackets) {
             for (std::size_t at = 0; at < sent.blocks[n].size(); at += 188)
                 if (numbers.below(100) > 0) damaged += sent.blocks[n].substr(at, 188);
         const LoopbackSender sender(damaged);
-        const auto clip = value_of(open_stream_clip(source_of(sender.url())));
+        const auto clip = must(open_stream_clip(source_of(sender.url())));
         while (true) {
             const auto frame = clip->next();
             if (!frame || !*frame) break;
@@ -648,7 +648,7 @@ TEST(TransportClip, ReadsSrtAndUdp) {
         const NetworkSender sender(is_srt, port, sent, 10);
         StreamSource source = source_of(address + (is_srt ? "?mode=caller&latency=20" : ""));
         source.patience.connection = std::chrono::seconds(20);
-        const auto clip = value_of(open_stream_clip(source));
+        const auto clip = must(open_stream_clip(source));
         for (int n = 0; n < 20; ++n) {
             const RawFrame frame = next_of(*clip);
             EXPECT_TRUE(std::ranges::any_of(sent->frames,
@@ -666,8 +666,8 @@ TEST(TransportClip, ReadsMatroskaBySrt) {
     const NetworkSender sender(true, port, sent, 2);
     StreamSource source = source_of(address + "?mode=caller&latency=20");
     source.patience.connection = std::chrono::seconds(20);
-    const auto clip = value_of(open_stream_clip(source));
-    const auto frames = value_of(read_all(*clip));
+    const auto clip = must(open_stream_clip(source));
+    const auto frames = must(read_all(*clip));
     EXPECT_GE(frames.size(), 50U);
     for (std::size_t n = 0; n < frames.size(); ++n) EXPECT_TRUE(is_as_sent(frames[n], sent->frames[n])) << n;
 }
@@ -679,7 +679,7 @@ TEST(TransportClip, PlaysLive) {
         for (const std::string& block : sent->blocks)
             if (!to.send(block) || !to.wait(std::chrono::milliseconds(4))) return;
     });
-    const auto clip = value_of(open_live_stream(source_of(sender.url())));
+    const auto clip = must(open_live_stream(source_of(sender.url())));
     ASSERT_EQ(message(clip->begin(std::chrono::steady_clock::now())), "");
     for (int n = 0; n < 10; ++n) {
         const RawFrame frame = next_of(*clip);

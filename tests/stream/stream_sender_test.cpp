@@ -283,7 +283,7 @@ TEST(StreamSender, SavesLoopAsOneClip) {
     VirtualTime time;
     StreamRing ring({.framesets = 1000});
     auto first = ring.join();
-    auto muxer = value_of(open_matroska_stream(scene));
+    auto muxer = must(open_matroska_stream(scene));
     std::vector<StreamSender::Channel> channels;
     channels.push_back({std::move(muxer), ring});
     StreamSender sender(std::make_unique<MadeClip>(scene, 7), std::move(channels),
@@ -292,7 +292,7 @@ TEST(StreamSender, SavesLoopAsOneClip) {
     std::string bytes(ring.header()->begin(), ring.header()->end());
     while (const auto block = ring.next(first)) bytes.append(block->bytes.begin(), block->bytes.end());
     write_bytes(folder / "rounds.mkv", bytes);
-    const auto read = value_of(read_clip(folder / "rounds.mkv"));
+    const auto read = must(read_clip(folder / "rounds.mkv"));
     ASSERT_EQ(read.size(), 30U);
     for (std::int64_t n = 0; n < 30; ++n) {
         const RawFrame sent = test_frame(scene, n % 7, {false, true, false, false});
@@ -346,8 +346,8 @@ std::string received(const End& from, std::size_t count) {
 
 TEST(Relay, KeepsBytesInOrder) {
     const End listener(SOCK_STREAM, 0);
-    const auto relay = value_of(Relay::open(Relay::Kind::tcp, listener.port(),
-                                            {.loss = 0.05, .burst = 2, .delay_ms = 2, .jitter_ms = 3}));
+    const auto relay = must(Relay::open(Relay::Kind::tcp, listener.port(),
+                                        {.loss = 0.05, .burst = 2, .delay_ms = 2, .jitter_ms = 3}));
     const End client(SOCK_STREAM, relay->port());
     const End server(::accept(listener.get(), nullptr, nullptr));
     std::string sent(300'000, ' ');
@@ -362,7 +362,7 @@ TEST(Relay, KeepsBytesInOrder) {
 
 TEST(Relay, LosesStatedShareOfDatagrams) {
     const End server(SOCK_DGRAM, 0);
-    const auto relay = value_of(Relay::open(Relay::Kind::udp, server.port(), {.loss = 0.1, .burst = 3}));
+    const auto relay = must(Relay::open(Relay::Kind::udp, server.port(), {.loss = 0.1, .burst = 3}));
     const End client(SOCK_DGRAM, relay->port());
     constexpr int count = 2000;
     int last = -1, arrived = 0;
@@ -553,7 +553,7 @@ TEST(HttpRequest, AcceptsTheStreamOnly) {
 }
 
 TEST(StreamUrl, ReadsParts) {
-    const auto srt = value_of(read_stream_url("srt://192.168.0.5:7000?mode=caller&latency=60000"));
+    const auto srt = must(read_stream_url("srt://192.168.0.5:7000?mode=caller&latency=60000"));
     EXPECT_EQ(srt.transport, StreamTransport::srt);
     EXPECT_EQ(srt.host, "192.168.0.5");
     EXPECT_EQ(srt.port, 7000);
@@ -561,13 +561,13 @@ TEST(StreamUrl, ReadsParts) {
     EXPECT_EQ(srt.value("latency"), "60000");
     EXPECT_EQ(srt.value("late"), "");
     EXPECT_EQ(srt.protocols(), "") << "FFmpeg has no part in it";
-    const auto web = value_of(read_stream_url("https://example.org/a/clip.m3u8?key=1"));
+    const auto web = must(read_stream_url("https://example.org/a/clip.m3u8?key=1"));
     EXPECT_EQ(web.path, "/a/clip.m3u8");
     EXPECT_EQ(web.port, 443);
     EXPECT_EQ(read_stream_url("http://example.org")->port, 80);
     EXPECT_EQ(read_stream_url("http://0.0.0.0:0/live")->port, 0);
     EXPECT_EQ(web.protocols(), "https,tls,tcp");
-    const auto six = value_of(read_stream_url("tcp://[::1]:0"));
+    const auto six = must(read_stream_url("tcp://[::1]:0"));
     EXPECT_EQ(six.host, "::1");
     EXPECT_EQ(read_stream_url("-")->text, "pipe:0");
     EXPECT_EQ(read_stream_url("pipe:3")->text, "pipe:3");

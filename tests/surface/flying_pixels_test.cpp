@@ -14,7 +14,7 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "engine/surface/surface_builder.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -7,7 +7,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"

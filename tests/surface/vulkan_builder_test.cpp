@@ -12,7 +12,7 @@
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "tests/frame/must.hpp"
+#include "tests/must.hpp"
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 #include "tests/sweep.hpp"

@@ -55,8 +55,8 @@ TEST_F(Clip, KeepsPlanesInPlaneMemory) {
                 const Planes planes{true, true, true, noisy};
                 ASSERT_EQ(message(write_clip(file, small_scene(53, 37, bits), 2, planes, {archive, true})),
                           "");
-                auto reader = value_of(open_clip(file));
-                const auto read = value_of(read_all(*reader));
+                auto reader = must(open_clip(file));
+                const auto read = must(read_all(*reader));
                 for (const TrackInfo& track : reader->tracks()) codecs.insert(track.codec);
                 for (const RawFrame& frame : read)
                     for (const PlaneRole role : all_roles)
@@ -117,7 +117,7 @@ TEST_F(Clip, StoresSceneWithoutItsFolder) {
     scene.haptic.stiffness = {0.1, 1.0 / 3.0};
     scene.folder = FolderSource{"depth_%d.png", "", "", "", 0, 0};
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, 1, depth_only)), "");
-    auto reader = value_of(open_clip(folder / "clip.mkv"));
+    auto reader = must(open_clip(folder / "clip.mkv"));
     scene.folder.reset();
     EXPECT_EQ(scene_to_json(reader->scene()), scene_to_json(scene));
 }
@@ -132,16 +132,16 @@ TEST_F(Clip, KeepsUnstatedFiltersUnstated) {
     auto pictures = create_image_folder(folder / "clip", described, Existing::keep);
     ASSERT_EQ(message(write_all(std::move(pictures), frames)), "");
     for (const char* name : {"clip.mkv", "clip"}) {
-        auto reader = value_of(open_clip(folder / name));
+        auto reader = must(open_clip(folder / name));
         EXPECT_EQ(reader->unstated_filters(), described.unstated.filters) << name;
-        const auto part = value_of(part_of_clip(std::move(reader), {.first = 1}));
+        const auto part = must(part_of_clip(std::move(reader), {.first = 1}));
         EXPECT_EQ(part->described().unstated, described.unstated) << name;
     }
 }
 
 TEST_F(Clip, ListsItsTracks) {
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30, 12), 1, all_planes)), "");
-    auto reader = value_of(open_clip(folder / "clip.mkv"));
+    auto reader = must(open_clip(folder / "clip.mkv"));
     const auto& tracks = reader->tracks();
     ASSERT_EQ(tracks.size(), 4U);
     const char* expected[][3] = {{"depth", "t3d2", "12 bits"},
@@ -161,7 +161,7 @@ TEST_F(Clip, ListsItsTracks) {
 
 TEST_F(Clip, NotesDefaultsOfDepthAlone) {
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(40, 30), 2, depth_only)), "");
-    auto reader = value_of(open_clip(folder / "clip.mkv"));
+    auto reader = must(open_clip(folder / "clip.mkv"));
     ASSERT_EQ(reader->notes().size(), 1U);
     EXPECT_EQ(reader->notes()[0], "no haptic plane: 0.6 N/mm everywhere, friction 0.4 static, 0.3 dynamic");
 }
@@ -169,12 +169,12 @@ TEST_F(Clip, NotesDefaultsOfDepthAlone) {
 TEST_F(Clip, RewindsFromAnywhere) {
     const Scene scene = small_scene(20, 20, 16);
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, 6, all_planes)), "");
-    auto reader = value_of(open_clip(folder / "clip.mkv"));
+    auto reader = must(open_clip(folder / "clip.mkv"));
     for (int given = 0; given <= 7; ++given) {
         for (int n = 0; n < given; ++n) ASSERT_EQ(message(reader->next()), "");
         ASSERT_EQ(message(reader->rewind()), "");
     }
-    EXPECT_TRUE(same_frames(value_of(read_all(*reader)), test_frames(scene, 6, all_planes)));
+    EXPECT_TRUE(same_frames(must(read_all(*reader)), test_frames(scene, 6, all_planes)));
     EXPECT_FALSE(reader->next()->has_value());  // still the end
 }
 
@@ -191,11 +191,11 @@ TEST_F(Clip, PrefersSceneFile) {
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, 2, depth_only)), "");
     scene.name = "another";
     scene.rate = {60, 1};
-    auto reader = value_of(open_as(folder / "clip.mkv", scene));
+    auto reader = must(open_as(folder / "clip.mkv", scene));
     EXPECT_EQ(reader->scene().name, "another");
     ASSERT_FALSE(reader->notes().empty());
     EXPECT_TRUE(has_words(reader->notes()[0], "played at 60/1"));
-    const auto frames = value_of(read_all(*reader));
+    const auto frames = must(read_all(*reader));
     EXPECT_EQ(frames.at(1).time_ns, 16'666'666);
 }
 
@@ -211,8 +211,8 @@ TEST_F(Clip, FindsMissingFarPlane) {
     scene.depth.invalid_code_count = 1;
     SceneDescription without_far(scene);
     without_far.unstated.far = true;
-    auto reader = value_of(open_as(folder / "clip.mkv", without_far));
-    const auto frames = value_of(read_all(*reader));
+    auto reader = must(open_as(folder / "clip.mkv", without_far));
+    const auto frames = must(read_all(*reader));
     ASSERT_EQ(frames.size(), 3U);  // all of them still to be had
     int deepest = 0;
     for (const RawFrame& frame : frames)
@@ -231,7 +231,7 @@ TEST_F(Clip, ReadsLossyColour) {
     ASSERT_EQ(message(write_clip(folder / "exact.mkv", scene, 4, ramps)), "");
     for (const char* codec : {"mjpeg", "mpeg4"}) {
         remux(folder / "exact.mkv", folder / "lossy.mkv", {.transcoded = {{"colour", codec}}});
-        const auto frames = value_of(read_clip(folder / "lossy.mkv"));
+        const auto frames = must(read_clip(folder / "lossy.mkv"));
         ASSERT_EQ(frames.size(), 4U);
         const RawFrame &lossy = frames.at(3), exact = test_frame(scene, 3, ramps);
         EXPECT_TRUE(same_plane(lossy.depth, exact.depth));
@@ -247,11 +247,11 @@ TEST_F(Clip, ResamplesColourOfAnotherSize) {
         message(write_clip(folder / "exact.mkv", small_scene(64, 48, 16), 2, {true, true, true, false})), "");
     remux(folder / "exact.mkv", folder / "large.mkv",
           {.transcoded = {{"colour", "mjpeg"}}, .transcoded_scale = 2});
-    auto reader = value_of(open_clip(folder / "large.mkv"));
+    auto reader = must(open_clip(folder / "large.mkv"));
     EXPECT_EQ(reader->tracks()[1].width, 128);
     ASSERT_EQ(reader->notes().size(), 1U);
     EXPECT_EQ(reader->notes()[0], "colour is 128x96: resampled to the nearest pixel of depth's 64x48");
-    const auto frames = value_of(read_all(*reader));
+    const auto frames = must(read_all(*reader));
     ASSERT_EQ(frames.size(), 2U);
     EXPECT_EQ(frames.at(1).colour.width, 64);
     EXPECT_EQ(frames.at(1).colour.height, 48);
@@ -286,7 +286,7 @@ TEST(HueClip, RoundTrips) {
     const std::vector<RawFrame> frames{hue_frame(scene, 0), hue_frame(scene, 1), hue_frame(scene, 2)};
     ASSERT_EQ(message(write_all(create_clip(folder / "clip.mkv", scene), frames)), "");
     expect_clip(folder / "clip.mkv", scene, frames);
-    EXPECT_EQ(value_of(open_clip(folder / "clip.mkv"))->scene().depth, scene.depth);
+    EXPECT_EQ(must(open_clip(folder / "clip.mkv"))->scene().depth, scene.depth);
 }
 
 TEST(HueClip, ReadsPngsAsStored) {
@@ -296,7 +296,7 @@ TEST(HueClip, ReadsPngsAsStored) {
     write_bytes(folder / "scene.json", scene_to_json(scene));
     const RawFrame written = hue_frame(scene, 0);
     ASSERT_EQ(message(write_png(folder / "d0.png", written.depth)), "");
-    const auto frames = value_of(read_clip(folder / "scene.json"));
+    const auto frames = must(read_clip(folder / "scene.json"));
     EXPECT_TRUE(same_plane(frames.front().depth, written.depth));
 }
 
@@ -327,9 +327,9 @@ TEST(LeftOutColour, KeepsOtherPlanes) {
     const TemporaryFolder folder;
     const auto file = folder / "clip.mkv";
     ASSERT_EQ(message(write_clip(file, small_scene(40, 30, 16), 6, all_planes)), "");
-    const auto whole = value_of(read_clip(file));
+    const auto whole = must(read_clip(file));
     for (const bool twice : {false, true}) {
-        const auto less = value_of(read_without_colour(file, twice));
+        const auto less = must(read_without_colour(file, twice));
         ASSERT_EQ(less.size(), whole.size());
         for (std::size_t n = 0; n < whole.size(); ++n) {
             RawFrame expected = whole[n], frame = less[n];
@@ -397,7 +397,7 @@ TEST(UnchangedPictures, RoundTripFromAnyFrame) {
             const auto file = partly_still_clip(folder, scene, archive);
             const auto frames = partly_still_frames(scene);
             expect_clip(file, scene, frames);
-            auto reader = value_of(open_clip(file));
+            auto reader = must(open_clip(file));
             for (const int n : {36, 9, 6, 15, 21, 29}) expect_seek_to(*reader, n, frames);
         }
 }
@@ -438,7 +438,7 @@ TEST(UnchangedPictures, AreStoredOncePerGroup) {
 /// A comparison of frames need compare no sample.
 TEST(UnchangedPictures, AreTheSameMemory) {
     const TemporaryFolder folder;
-    const auto all = value_of(read_clip(partly_still_clip(folder, small_scene(24, 16, 16), Archive::fast)));
+    const auto all = must(read_clip(partly_still_clip(folder, small_scene(24, 16, 16), Archive::fast)));
     for (std::size_t n = 1; n < all.size(); ++n) {
         const RawFrame &before = all[n - 1], &now = all[n];
         EXPECT_EQ(now.height.data, before.height.data) << n;
@@ -523,7 +523,7 @@ TEST(CodingChoice, IsSmallestAndExact) {
             ASSERT_EQ(message(write_all(create_clip(folder / "clip.mkv", scene, {one.archive}), frames)), "");
             SCOPED_TRACE(one.codec);
             expect_clip(folder / "clip.mkv", scene, frames);
-            auto reader = value_of(open_clip(folder / "clip.mkv"));
+            auto reader = must(open_clip(folder / "clip.mkv"));
             for (const TrackInfo& track : reader->tracks()) {
                 EXPECT_EQ(track.codec, one.codec) << track.role << ", " << bits;
                 EXPECT_EQ(track.pixel_format == one.format || bits < 16, true) << track.pixel_format;
@@ -545,7 +545,7 @@ TEST(CodingChoice, SeekSkipsEarlierDamage) {
     ASSERT_NE(at, std::string::npos);
     bytes[at + payloads[20].size() / 2] ^= 0x10;
     write_bytes(folder / "damaged.mkv", bytes);
-    auto reader = value_of(open_clip(folder / "damaged.mkv"));
+    auto reader = must(open_clip(folder / "damaged.mkv"));
     EXPECT_EQ(reader->tracks()[0].codec, "t3d2");
     EXPECT_EQ(reader->tracks()[1].codec, "h264");
     ASSERT_EQ(message(reader->seek(25)), "");

@@ -108,7 +108,7 @@ TEST(ContainerEnd, HidesTheRestFromFfmpeg) {
     const std::string clip = clip_bytes(folder);
     auto source = std::make_unique<ZeroTail>(clip);
     const ZeroTail& file = *source;
-    auto demuxer = value_of(Demuxer::open(std::move(source), clip.size(), "NAME", "matroska", "Matroska"));
+    auto demuxer = must(Demuxer::open(std::move(source), clip.size(), "NAME", "matroska", "Matroska"));
     EXPECT_EQ(*count_packets(*demuxer), 3);
     EXPECT_EQ(file.farthest(), clip.size());
 }
@@ -153,8 +153,8 @@ TEST(ContainerEnd, ReportsInterruptedReadAsSuch) {
     const TemporaryFolder folder;
     ASSERT_EQ(message(write_clip(folder / "large.mkv", small_scene(640, 480, 16), 3, {})), "");
     const std::string clip = read_bytes(folder / "large.mkv");
-    auto demuxer = value_of(Demuxer::open(std::make_unique<LostDisk>(clip, clip.size() * 2 / 3), clip.size(),
-                                          "NAME", "matroska", "Matroska"));
+    auto demuxer = must(Demuxer::open(std::make_unique<LostDisk>(clip, clip.size() * 2 / 3), clip.size(),
+                                      "NAME", "matroska", "Matroska"));
     const auto packets = count_packets(*demuxer);
     ASSERT_FALSE(packets);
     EXPECT_EQ(packets.error().kind, ErrorKind::interrupted);
@@ -170,19 +170,19 @@ TEST(ContainerEnd, ReadsClipInLargerFile) {
     ASSERT_EQ(message(write_clip(folder / "silent.mkv", small_scene(40, 30), 3, {})), "");
     const auto heard = tone(440, 0.1);
     write_sounding_clip(folder / "clip.mkv", heard, folder / "silent.mkv");
-    const auto before = value_of(read_clip(folder / "clip.mkv"));
+    const auto before = must(read_clip(folder / "clip.mkv"));
     std::filesystem::resize_file(folder / "clip.mkv", eight_gibibytes);
     alarm(120);  // looking through all of it takes minutes
-    const auto after = value_of(read_clip(folder / "clip.mkv"));
+    const auto after = must(read_clip(folder / "clip.mkv"));
     ASSERT_EQ(after.size(), before.size());
     for (std::size_t k = 0; k < after.size(); ++k) EXPECT_TRUE(same_frame(before[k], after[k]));
-    auto sound = value_of(SoundTrack::open(folder / "clip.mkv"));
+    auto sound = must(SoundTrack::open(folder / "clip.mkv"));
     ASSERT_TRUE(sound);
     std::vector<StereoSample> samples(2 * heard.size());
     sound->read(samples);
     EXPECT_NE(samples[heard.size() / 2].left, 0);
     EXPECT_EQ(samples.back().left, 0);
-    auto stored = value_of(StoredSound::open({folder / "clip.mkv", 0, 1'000'000'000}));
+    auto stored = must(StoredSound::open({folder / "clip.mkv", 0, 1'000'000'000}));
     int packets = 0;
     for (auto packet = stored->next(1000); packet && *packet; packet = stored->next(1000)) ++packets;
     EXPECT_GT(packets, 0);
@@ -207,7 +207,7 @@ TEST(ReservedOutput, KeepsClipOnFullDisk) {
         int written = 0;
         {
             const FullDisk full(room);
-            const auto clip = value_of(create_named_clip(folder / name, scene, storage));
+            const auto clip = must(create_named_clip(folder / name, scene, storage));
             while (!clip->is_full()) {
                 ASSERT_EQ(message(clip->write(test_frame(scene, written, {}))), "") << written;
                 ASSERT_LT(++written, 1000) << "the disk is larger than it is";
@@ -216,7 +216,7 @@ TEST(ReservedOutput, KeepsClipOnFullDisk) {
         }
         EXPECT_LE(fs::file_size(folder / name), room);
         EXPECT_GT(fs::file_size(folder / name), room / 2) << "most of the room is for pictures";
-        EXPECT_TRUE(same_frames(value_of(read_clip(folder / name)), test_frames(scene, written, {})));
+        EXPECT_TRUE(same_frames(must(read_clip(folder / name)), test_frames(scene, written, {})));
     }
 }
 
@@ -237,8 +237,8 @@ constexpr int seek_frames = 40;
 
 /// Reads two frames from each of many places, in an order that goes to and fro; the last place is the end.
 void expect_same_from_everywhere(const std::filesystem::path& file) {
-    auto reader = value_of(open_clip(file));
-    const auto whole = value_of(read_all(*reader));
+    auto reader = must(open_clip(file));
+    const auto whole = must(read_all(*reader));
     ASSERT_EQ(whole.size(), static_cast<std::size_t>(seek_frames));
     for (const int from : {7, 0, 1, 14, 15, 39, 16, 30, 29, 31, 3, 38}) expect_seek_to(*reader, from, whole);
     ASSERT_EQ(message(reader->next()), "");
@@ -275,7 +275,7 @@ TEST_F(Seek, IsExactWithOwnTimes) {
     scene.rate = *rate_of_own_times(times_ns);
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", scene, seek_frames, all_planes)), "");
     expect_same_from_everywhere(folder / "clip.mkv");
-    auto reader = value_of(open_clip(folder / "clip.mkv"));
+    auto reader = must(open_clip(folder / "clip.mkv"));
     EXPECT_EQ(*reader->scene().rate.own_times, times_ns);
     EXPECT_EQ(reader->frame_count(), seek_frames);
     EXPECT_EQ(read_all(*reader)->back().time_ns, times_ns.back());
@@ -310,7 +310,7 @@ TEST_F(Seek, NeedsNoIndex) {
 
 TEST_F(Seek, RejectsFramesBeyondTheClip) {
     ASSERT_EQ(message(write_clip(folder / "clip.mkv", small_scene(16, 16), 20, all_planes)), "");
-    auto reader = value_of(open_clip(folder / "clip.mkv"));
+    auto reader = must(open_clip(folder / "clip.mkv"));
     EXPECT_TRUE(is_refused(reader->seek(21), "has no frame 21: its last is 19"));
     EXPECT_TRUE(is_refused(reader->seek(-1), "frame -1 is before the clip's first"));
     ASSERT_EQ(message(reader->seek(19)), "");
@@ -326,7 +326,7 @@ TEST_F(Seek, SkipsDamageElsewhere) {
     ASSERT_NE(at, std::string::npos);
     bytes[at + payloads[20].size() / 2] ^= 0x10;
     write_bytes(folder / "damaged.mkv", bytes);
-    auto reader = value_of(open_clip(folder / "damaged.mkv"));
+    auto reader = must(open_clip(folder / "damaged.mkv"));
     for (const std::int64_t whole : {19, 30, 2, 39}) {
         ASSERT_EQ(message(reader->seek(whole)), "") << whole;
         EXPECT_EQ((*reader->next())->number, whole);
@@ -339,13 +339,13 @@ TEST(FrameTimesText, RoundTripsToTheNanosecond) {
     const std::vector<std::int64_t> times_ns{0, 1'000'000, 33'366'667, 4'000'000'000'000'001};
     const std::string text = frame_times_text(*rate_of_own_times(times_ns));
     EXPECT_EQ(text, "# timestamp format v2\n0.000000\n1.000000\n33.366667\n4000000000.000001\n");
-    const auto back = value_of(parse_frame_times(text, "x"));
+    const auto back = must(parse_frame_times(text, "x"));
     EXPECT_EQ(*back.own_times, times_ns);
 }
 
 TEST(FrameTimesText, ReadsFilesOfOtherPrograms) {
     const auto rate =
-        value_of(parse_frame_times("# timecode format v2\r\n40\r\n\r\n# cut here\r\n80.5\r\n100", "x"));
+        must(parse_frame_times("# timecode format v2\r\n40\r\n\r\n# cut here\r\n80.5\r\n100", "x"));
     EXPECT_EQ(*rate.own_times, (std::vector<std::int64_t>{0, 40'500'000, 60'000'000}));
 }
 

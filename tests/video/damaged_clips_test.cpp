@@ -85,7 +85,7 @@ TEST(ClipDamage, CutEndsWithLastCluster) {
         before = frames;
         EXPECT_TRUE(
             std::equal(cut.frames.begin(), cut.frames.end(), subject.whole.frames.begin(), same_frame));
-        auto reader = value_of(open_clip(subject.folder / "damaged.mkv"));
+        auto reader = must(open_clip(subject.folder / "damaged.mkv"));
         EXPECT_EQ(reader->frame_count(), std::optional(static_cast<std::int64_t>(frames)));
         const auto& notes = reader->notes();
         const std::string note = "the file is cut: its first " + std::to_string(frames) + " frames are whole";
@@ -130,7 +130,7 @@ TEST(ClipDamage, FindsEveryHarmfulByte) {
 
 TEST(ClipDamage, FindsHarmfulBytesOfSmall) {
     const Subject subject(8, 2, 12, all_planes, {Archive::small, true});
-    auto reader = value_of(open_clip(subject.folder / "whole.mkv"));
+    auto reader = must(open_clip(subject.folder / "whole.mkv"));
     const char* expected[] = {"t3d2", "ffv1", "ffv1", "ffv1"};
     for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(reader->tracks()[k].codec, expected[k]);
     expect_every_change_is_found(subject);
@@ -203,13 +203,13 @@ struct ClipWriting : ::testing::Test {
 TEST_F(ClipWriting, LeavesNothingWithoutFinish) {
     const Scene scene = small_scene(16, 16);
     {
-        auto writer = value_of(create_clip(folder / "clip.mkv", scene));
+        auto writer = must(create_clip(folder / "clip.mkv", scene));
         ASSERT_EQ(message(writer->write(test_frame(scene, 0, {}))), "");
         EXPECT_FALSE(std::filesystem::exists(folder / "clip.mkv"));
     }
     EXPECT_EQ(folder.file_count(), 0U);
     {
-        auto writer = value_of(create_clip(folder / "clip.mkv", scene));
+        auto writer = must(create_clip(folder / "clip.mkv", scene));
         EXPECT_TRUE(is_refused(writer->finish(), "no frame was given"));
     }
     EXPECT_EQ(folder.file_count(), 0U);
@@ -219,7 +219,7 @@ TEST_F(ClipWriting, KeepsOlderFileUntilFinished) {
     const Scene scene = small_scene(16, 16);
     write_bytes(folder / "clip.mkv", "older");
     {
-        auto writer = value_of(create_clip(folder / "clip.mkv", scene));
+        auto writer = must(create_clip(folder / "clip.mkv", scene));
         ASSERT_EQ(message(writer->write(test_frame(scene, 0, {}))), "");
     }
     EXPECT_EQ(read_bytes(folder / "clip.mkv"), "older");

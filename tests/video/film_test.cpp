@@ -18,7 +18,7 @@ Image grey(int width, int height, int level) {
 TEST(Film, ShowsPicturesFromTheirPlaces) {
     for (const char* name : {"film.mp4", "film.mkv"}) {
         const TemporaryFolder folder;
-        auto film = value_of(FilmWriter::create(folder / name, Existing::keep));
+        auto film = must(FilmWriter::create(folder / name, Existing::keep));
         const auto dark = grey(65, 48, 0), light = grey(65, 48, 255), wide = grey(128, 48, 255);
         ASSERT_TRUE(film->add(dark.view(), 0));
         ASSERT_TRUE(film->add(light.view(), 5));
@@ -50,7 +50,7 @@ double loudness(SoundTrack& track, double from_s, double to_s) {
 TEST(Film, PlacesSoundIndependentlyOfPictures) {
     for (const char* name : {"film.mp4", "film.MKV"}) {
         const TemporaryFolder folder;
-        auto film = value_of(FilmWriter::create(folder / name, Existing::keep));
+        auto film = must(FilmWriter::create(folder / name, Existing::keep));
         const auto sound = tone(458.4, 0.2);
         EXPECT_FALSE(film->add_sound(0, sound)) << "before its first picture";
         ASSERT_TRUE(film->add(grey(64, 48, 128).view(), 0));
@@ -88,7 +88,7 @@ void expect_plays_up_to_a_full_disk(const std::string& name, rlim_t room) {
         heard[k].left = heard[k].right = static_cast<float>(k * k % 1009) / 1009.0F;
     {
         const FullDisk full(room);
-        auto film = value_of(FilmWriter::create(folder / name, Existing::keep));
+        auto film = must(FilmWriter::create(folder / name, Existing::keep));
         Result<void> done;
         while (done) {
             ASSERT_LT(shown, 1000) << "the disk is larger than it is";
@@ -122,7 +122,7 @@ TEST(Film, IsKeptOnFullDisk) {
 TEST(Film, IsRemovedWithoutAnyPicture) {
     const TemporaryFolder folder;
     const FullDisk full(1000);
-    auto film = value_of(FilmWriter::create(folder / "film.mkv", Existing::keep));
+    auto film = must(FilmWriter::create(folder / "film.mkv", Existing::keep));
     (void)film->add(noisy_picture(0).view(), 0);
     EXPECT_FALSE(film->finish(3));
     EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
@@ -145,7 +145,7 @@ protected:
     std::filesystem::path file() const { return folder_ / "sound.mkv"; }
     /// `count` samples from `first` on.
     std::vector<StereoSample> heard(std::int64_t first, std::size_t count) const {
-        const auto track = value_of(SoundTrack::open(file()));
+        const auto track = must(SoundTrack::open(file()));
         EXPECT_TRUE(track);
         return track ? heard_in(*track, first, count) : std::vector<StereoSample>(count);
     }
@@ -180,7 +180,7 @@ TEST_F(ClipSound, ReadsFromAnywhere) {
 TEST_F(ClipSound, ReadsOn) {
     const auto sound = tone(300, 1);
     write_sounding_clip(file(), sound);
-    auto track = value_of(SoundTrack::open(file()));
+    auto track = must(SoundTrack::open(file()));
     std::vector<StereoSample> samples(777);
     for (std::int64_t first = 0; first < 50'000; first += 777) {
         track->read(samples);
@@ -208,9 +208,9 @@ TEST_F(ClipSound, BeginsWithTheFirstPicture) {
 TEST_F(ClipSound, DoesNotLengthenTheClip) {
     const auto pictures = mute_clip();
     write_sounding_clip(file(), tone(440, 2), pictures);
-    auto reader = value_of(open_clip(file()));
+    auto reader = must(open_clip(file()));
     EXPECT_EQ(reader->frame_count(), 20);
-    const auto frames = value_of(read_all(*reader));
+    const auto frames = must(read_all(*reader));
     EXPECT_EQ(frames.size(), 20U);
 }
 
@@ -248,7 +248,7 @@ TEST_F(ClipSound, IsSilentWhereCut) {
 /// Frames `first` to `last` of a sounding clip of 30, with their sound.
 void write_stretch(const std::filesystem::path& from, const std::filesystem::path& to, std::int64_t first,
                    std::int64_t last) {
-    const auto frames = value_of(read_clip(from));
+    const auto frames = must(read_clip(from));
     auto reader = open_clip(from);
     const Scene scene = (*reader)->scene();
     const SoundPart sound{from, scene.rate.time_ns(first), scene.rate.time_ns(last + 1)};
@@ -269,9 +269,9 @@ TEST(StoredSound, StaysInStepWithFrames) {
     for (const auto& [first, last] : {std::pair<std::int64_t, std::int64_t>{0, 29}, {12, 23}}) {
         const auto file = folder / ("part" + std::to_string(first) + ".mkv");
         write_stretch(folder / "clip.mkv", file, first, last);
-        const auto frames = value_of(read_clip(file));
+        const auto frames = must(read_clip(file));
         EXPECT_EQ(std::ssize(frames), last - first + 1);
-        auto track = value_of(SoundTrack::open(file));
+        auto track = must(SoundTrack::open(file));
         ASSERT_TRUE(track);
         // All but the packets at the ends, which begin before or end after.
         const auto count = static_cast<std::size_t>((last - first + 1) * SoundTrack::rate / 30);

@@ -234,9 +234,9 @@ TEST_F(Mp4File, GivesFfmpegSceneAsData) {
     }
     const std::string scene_bytes = packets_of(*container, 5)[0];
     EXPECT_EQ(scene_bytes.back(), '\0') << "some decoders do not read the last byte";
-    const auto tree = value_of(mpeg4::decode_scene(mpeg4::Bytes(scene_bytes.begin(), scene_bytes.end()),
-                                                   {.node_id_bits = 1, .prototype_id_bits = 2}));
-    const auto nodes = value_of(mpeg4::clip_nodes_of(tree));
+    const auto tree = must(mpeg4::decode_scene(mpeg4::Bytes(scene_bytes.begin(), scene_bytes.end()),
+                                               {.node_id_bits = 1, .prototype_id_bits = 2}));
+    const auto nodes = must(mpeg4::clip_nodes_of(tree));
     EXPECT_EQ(nodes.depth.url.object, 11);
     EXPECT_EQ(nodes.height->url.object, 13);
     EXPECT_EQ(nodes.near, scene.depth.near);
@@ -275,8 +275,8 @@ TEST_F(Mp4File, SurvivesRemuxByFfmpeg) {
     ASSERT_GE(av_write_trailer(out), 0);
     avio_closep(&out->pb);
     avformat_free_context(out);
-    EXPECT_TRUE(same_frames(value_of(read_clip(folder / "again.mp4")),
-                            test_frames(scene, foreign_frames, all_planes)));
+    EXPECT_TRUE(
+        same_frames(must(read_clip(folder / "again.mp4")), test_frames(scene, foreign_frames, all_planes)));
 }
 
 std::string in_box(const std::string& type, const std::string& content) {
@@ -380,7 +380,7 @@ void expect_fragments(const fs::path& file, const Scene& scene, int frames,
                       const Planes& planes = all_planes) {
     ASSERT_EQ(message(write_fragments(file, scene, frames, planes)), "");
     expect_clip(file, scene, test_frames(scene, frames, planes));
-    EXPECT_TRUE(!planes.haptic || value_of(open_clip(file))->notes().empty());
+    EXPECT_TRUE(!planes.haptic || must(open_clip(file))->notes().empty());
 }
 
 struct Mp4Fragments : ::testing::Test {
@@ -466,7 +466,7 @@ TEST_F(Mp4Fragments, SeekAtAnyRate) {
     for (const FrameRate& rate : {FrameRate{30, 1}, {1000, 1}, *rate_of_own_times(own_times(frames))}) {
         scene.rate = rate;
         expect_fragments(folder / "clip.mp4", scene, frames);
-        auto reader = value_of(open_clip(folder / "clip.mp4"));
+        auto reader = must(open_clip(folder / "clip.mp4"));
         const auto whole = test_frames(scene, frames, all_planes);
         for (const int n : {frames - 1, 0, frames / 2, 3, frames / 2 + 1, 14, 1, frames - 2}) {
             EXPECT_EQ(reader->access_point(n), n - n % 15);
@@ -486,11 +486,11 @@ TEST_F(Mp4Fragments, MayLackTheFirstOnes) {
     ASSERT_EQ(boxes[2].type, "moof");
     file.erase(boxes[2].at, boxes[4].at - boxes[2].at);
     write_bytes(folder / "later.mp4", file);
-    auto reader = value_of(open_clip(folder / "later.mp4"));
+    auto reader = must(open_clip(folder / "later.mp4"));
     EXPECT_EQ(reader->frame_count(), 25);
     for (const int n : {24, 0, 15}) {
         ASSERT_EQ(message(reader->seek(n)), "") << n;
-        const auto frame = value_of(reader->next());
+        const auto frame = must(reader->next());
         const RawFrame exact = test_frame(scene, 15 + n, all_planes);
         EXPECT_TRUE(same_plane(frame->depth, exact.depth) && same_plane(frame->haptic, exact.haptic)) << n;
     }
@@ -511,8 +511,8 @@ TEST_F(Mp4Fragments, KeepSoundInStep) {
     const SoundPart part{folder / "film.mp4", 0, 2'000'000'000};
     ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 60, {}, in_fragments, part)), "");
     expect_clip(folder / "clip.mp4", scene, test_frames(scene, 60, {}));
-    const auto track = value_of(SoundTrack::open(folder / "clip.mp4"));
-    const auto source = value_of(SoundTrack::open(folder / "film.mp4"));
+    const auto track = must(SoundTrack::open(folder / "clip.mp4"));
+    const auto source = must(SoundTrack::open(folder / "film.mp4"));
     ASSERT_TRUE(track && source);
     for (const std::int64_t from : {0, 60'000, 10'000}) {
         constexpr std::size_t count = SoundTrack::rate / 2, packet = 2048;  // one is missing at the beginning
@@ -571,9 +571,9 @@ TEST_F(FfmpegMp4, ReadsTracksBySceneFile) {
           "frag_keyframe+delay_moov", "frag_keyframe+empty_moov+default_base_moof+dash+global_sidx"}) {
         make(std::string("-movflags ") + flags);
         EXPECT_TRUE(has_words(read_bytes(folder / "out.mp4"), "moof"));
-        auto reader = value_of(open());
+        auto reader = must(open());
         EXPECT_EQ(reader->frame_count(), frames);
-        EXPECT_TRUE(same_frames(value_of(read_all(*reader)), made));
+        EXPECT_TRUE(same_frames(must(read_all(*reader)), made));
         if (HasFailure()) FAIL() << flags;
     }
     EXPECT_TRUE(is_refused(open_clip(folder / "out.mp4"), "describe it with a scene file"));
@@ -586,7 +586,7 @@ TEST_F(FfmpegMp4, DescribesItselfByTags) {
         "-movflags frag_keyframe+empty_moov+default_base_moof+use_metadata_tags -metadata T3D_VERSION=2 "
         "-metadata T3D_RATE=30/1 -metadata T3D_SCENE='" +
         json + "'");
-    EXPECT_TRUE(same_frames(value_of(read_clip(folder / "out.mp4")), made));
+    EXPECT_TRUE(same_frames(must(read_clip(folder / "out.mp4")), made));
 }
 
 /// Its tracks end at different frames where it is cut: those that all have are there.
@@ -603,7 +603,7 @@ TEST_F(FfmpegMp4, CutLeavesCommonFrames) {
             continue;
         }
         ++readable;
-        const auto read = value_of(read_all(**reader));
+        const auto read = must(read_all(**reader));
         EXPECT_GE(std::ssize(read), most) << length;
         most = std::ssize(read);
         EXPECT_TRUE(same_frame(read.back(), made.at(read.size() - 1)));
@@ -617,8 +617,8 @@ TEST_F(FfmpegMp4, SeeksInReorderedPictures) {
     for (const char* options :
          {"-movflags frag_keyframe+empty_moov+default_base_moof", "", "-g:v:0 15 -bf:v:3 0"}) {
         make(std::string("-qp 2 -b_strategy 0 ") + options);  // what keeps every value is not reordered
-        auto reader = value_of(open());
-        const auto in_order = value_of(read_all(*value_of(open())));
+        auto reader = must(open());
+        const auto in_order = must(read_all(*must(open())));
         ASSERT_EQ(std::ssize(in_order), frames);
         const bool is_mixed = std::string_view(options).starts_with("-g");
         for (const int n : {9, 39, 8, 19, 21, 29, 1, 38, 10, 11, 30, 0}) {
@@ -661,7 +661,7 @@ TEST_F(Mp4Fragments, CutLeavesWholeFragments) {
         ASSERT_EQ(message(reader), "") << length;
         ++readable;
         EXPECT_EQ((*reader)->frame_count(), there);
-        EXPECT_TRUE(same_frames(value_of(read_all(**reader)), test_frames(scene, there, {}))) << length;
+        EXPECT_TRUE(same_frames(must(read_all(**reader)), test_frames(scene, there, {}))) << length;
         const bool ends_with_a_box =
             std::ranges::any_of(boxes_of(whole), [length](const FoundBox& box) { return box.end == length; });
         const auto& notes = (*reader)->notes();

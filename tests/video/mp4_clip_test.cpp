@@ -46,7 +46,7 @@ TEST_F(Mp4Clip, RoundTripsSizesOfH264) {
     const std::vector<std::uint8_t> row(16384, 77);
     RawFrame frame;
     frame.depth = {row.data(), 0, 16384, 16384, 1, 1};  // every row is the same one
-    auto writer = value_of(create_mp4_clip(folder / "large.mp4", largest));
+    auto writer = must(create_mp4_clip(folder / "large.mp4", largest));
     EXPECT_TRUE(
         is_refused(writer->write(frame), "pictures of 16384x16384 cannot be stored", ErrorKind::usage));
     EXPECT_FALSE(writer->finish());
@@ -80,13 +80,13 @@ TEST_F(Mp4Clip, KeepsUnstatedFiltersUnstated) {
     SceneDescription described(small_scene(40, 30, 12));
     described.unstated.filters = {.median = true, .terraces = true};
     ASSERT_EQ(message(write_mp4(folder / "clip.mp4", described, 1, {})), "");
-    const auto reader = value_of(open_clip(folder / "clip.mp4"));
+    const auto reader = must(open_clip(folder / "clip.mp4"));
     EXPECT_EQ(reader->unstated_filters(), described.unstated.filters);
 }
 
 /// Every frame, in an order that goes to and fro.
 void expect_same_by_any_way(const fs::path& file, const Scene& scene, int frames) {
-    auto reader = value_of(open_clip(file));
+    auto reader = must(open_clip(file));
     const auto whole = test_frames(scene, frames, all_planes);
     std::vector<int> order(whole.size());
     Numbers numbers(11);
@@ -99,7 +99,7 @@ void expect_same_by_any_way(const fs::path& file, const Scene& scene, int frames
         expect_seek_to(*reader, n, whole);
     }
     ASSERT_EQ(message(reader->rewind()), "");
-    EXPECT_EQ(std::ssize(value_of(read_all(*reader))), frames);
+    EXPECT_EQ(std::ssize(must(read_all(*reader))), frames);
     EXPECT_TRUE(is_refused(reader->seek(frames + 1), "has no frame"));
 }
 
@@ -138,7 +138,7 @@ TEST_F(Mp4Clip, IsReproducible) {
 TEST_F(Mp4Clip, GivesStoredColour) {
     const Scene scene = small_scene(63, 47, 16);
     const Planes ramps{true, true, true, false};
-    auto writer = value_of(create_mp4_clip(folder / "clip.mp4", scene, {Archive::fast, false, true}));
+    auto writer = must(create_mp4_clip(folder / "clip.mp4", scene, {Archive::fast, false, true}));
     const auto exact = test_frames(scene, 4, ramps);
     std::vector<std::string> given;
     for (const RawFrame& frame : exact) {
@@ -151,9 +151,9 @@ TEST_F(Mp4Clip, GivesStoredColour) {
                          static_cast<std::size_t>(3 * colour.width));
     }
     ASSERT_EQ(message(writer->finish()), "");
-    auto reader = value_of(open_clip(folder / "clip.mp4"));
+    auto reader = must(open_clip(folder / "clip.mp4"));
     for (const TrackInfo& track : reader->tracks()) EXPECT_EQ(track.lossless, track.role != "colour");
-    const auto frames = value_of(read_all(*reader));
+    const auto frames = must(read_all(*reader));
     ASSERT_EQ(frames.size(), 4U);
     for (std::size_t n = 0; n < 4; ++n) {
         const PlaneView& colour = frames[n].colour;
@@ -183,10 +183,10 @@ std::string with_scene(std::string file, const std::function<mpeg4::Bytes(const 
 std::string with_nodes_changed(const std::string& file,
                                const std::function<void(mpeg4::ClipNodes&)>& change) {
     return with_scene(file, [&](const mpeg4::Bytes& before) {
-        const auto tree = value_of(mpeg4::decode_scene(before, config_of_clips));
-        auto nodes = value_of(mpeg4::clip_nodes_of(tree));
+        const auto tree = must(mpeg4::decode_scene(before, config_of_clips));
+        auto nodes = must(mpeg4::clip_nodes_of(tree));
         change(nodes);
-        auto changed = value_of(mpeg4::encode_scene(mpeg4::scene_of(nodes, 40, 30), config_of_clips));
+        auto changed = must(mpeg4::encode_scene(mpeg4::scene_of(nodes, 40, 30), config_of_clips));
         EXPECT_EQ(changed.size() + 1, before.size());
         return changed;
     });
@@ -201,9 +201,9 @@ TEST_F(Mp4Clip, PrefersEditedSceneOverTag) {
         write_bytes(folder / "edited.mp4", with_nodes_changed(bytes, change));
         return open_clip(folder / "edited.mp4");
     };
-    const auto unchanged = value_of(opened([](mpeg4::ClipNodes&) {}));
+    const auto unchanged = must(opened([](mpeg4::ClipNodes&) {}));
     EXPECT_TRUE(unchanged->notes().empty());
-    const auto edited = value_of(opened([](mpeg4::ClipNodes& nodes) {
+    const auto edited = must(opened([](mpeg4::ClipNodes& nodes) {
         nodes.max_height = 2.5;
         nodes.far = 150;
         nodes.focal_length *= 2;
@@ -231,7 +231,7 @@ TEST_F(Mp4Clip, AppliesSceneFile) {
     Scene scene = scene_with_heights(40, 30, 12, 16);
     ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 2, all_planes)), "");
     scene.name = "another";
-    auto reader = value_of(open_as(folder / "clip.mp4", scene));
+    auto reader = must(open_as(folder / "clip.mp4", scene));
     EXPECT_EQ(reader->scene().name, "another");
     EXPECT_TRUE(same_frame(next_of(*reader), test_frame(scene, 0, all_planes)));
     scene.depth_bits = 16;
@@ -247,7 +247,7 @@ TEST_F(Mp4Clip, FallsBackToMpeg4Scene) {
     scene.haptic.static_friction = {0.2, 0.9};
     ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 20, all_planes)), "");
     write_bytes(folder / "bare.mp4", without_in_movie(read_bytes(folder / "clip.mp4"), {"udta", "meta"}));
-    auto reader = value_of(open_clip(folder / "bare.mp4"));
+    auto reader = must(open_clip(folder / "bare.mp4"));
     const Scene& found = reader->scene();
     EXPECT_EQ(found.depth_bits, 8);
     EXPECT_EQ(reader->access_point(14), 0);
@@ -266,7 +266,7 @@ TEST_F(Mp4Clip, FallsBackToMpeg4Scene) {
         reader->notes()[0],
         "the low bits of depth, in its track depth_low, are left out: no tag T3D_SCENE says what they are");
     EXPECT_TRUE(has_words(reader->notes()[1], "the low bits of height"));
-    const auto frames = value_of(read_all(*reader));
+    const auto frames = must(read_all(*reader));
     ASSERT_EQ(frames.size(), 20U);
     const RawFrame &read = frames[17], exact = test_frame(scene, 17, all_planes);
     EXPECT_TRUE(same_plane(read.haptic, exact.haptic));
@@ -277,7 +277,7 @@ TEST_F(Mp4Clip, FallsBackToMpeg4Scene) {
             ASSERT_EQ(read.height.sample(x, y), exact.height.sample(x, y) >> 8);
         }
     // A scene file says what the tag did.
-    auto told = value_of(open_as(folder / "bare.mp4", scene));
+    auto told = must(open_as(folder / "bare.mp4", scene));
     EXPECT_TRUE(told->notes().empty()) << told->notes()[0];
     EXPECT_TRUE(same_frame(**told->next(), test_frame(scene, 0, all_planes)));
 }
@@ -292,14 +292,14 @@ TEST_F(Mp4Clip, FallsBackToTags) {
         bytes.replace(at, 4, "none");
     }
     write_bytes(folder / "bare.mp4", bytes);
-    EXPECT_TRUE(same_frames(value_of(read_clip(folder / "bare.mp4")), test_frames(scene, 3, all_planes)));
+    EXPECT_TRUE(same_frames(must(read_clip(folder / "bare.mp4")), test_frames(scene, 3, all_planes)));
 }
 
 /// Another scene in place of the file's own; "": bytes that are none.
 std::string with_scene_text(const std::string& file, const std::string& text) {
     return with_scene(file, [&](const mpeg4::Bytes& before) {
         if (text.empty()) return mpeg4::Bytes(before.size(), 0xFF);
-        return value_of(mpeg4::encode_scene(value_of(mpeg4::parse_scene_text(text)), config_of_clips));
+        return must(mpeg4::encode_scene(must(mpeg4::parse_scene_text(text)), config_of_clips));
     });
 }
 
@@ -315,8 +315,8 @@ TEST_F(Mp4Clip, NeedsSceneFileForForeign) {
                             : open_clip(folder / "foreign.mp4");
     };
     for (const char* other : {"Group { children [ Shape { geometry Rectangle {} } ] }", ""}) {
-        const auto described = value_of(opened(with_scene_text(bare, other), true));
-        const auto frames = value_of(read_all(*described));
+        const auto described = must(opened(with_scene_text(bare, other), true));
+        const auto frames = must(read_all(*described));
         ASSERT_EQ(frames.size(), 3U);
         EXPECT_TRUE(same_plane(frames[2].depth, test_frame(scene, 2, {}).depth));
         // A clip of ours has tags, by which a scene file is enough.
@@ -347,21 +347,21 @@ TEST_F(Mp4Clip, ReadsLongMovieBox) {
     file += word(more) + "free";
     file.resize(whole);
     write_bytes(folder / "long.mp4", file);
-    EXPECT_TRUE(same_frames(value_of(read_clip(folder / "long.mp4")), test_frames(scene, 3, all_planes)));
+    EXPECT_TRUE(same_frames(must(read_clip(folder / "long.mp4")), test_frames(scene, 3, all_planes)));
 }
 
 TEST_F(Mp4Clip, KeepsSoundInStep) {
     write_sounding_film(folder / "film.mp4", tone(20, 2.0));
-    const auto source = value_of(SoundTrack::open(folder / "film.mp4"));
+    const auto source = must(SoundTrack::open(folder / "film.mp4"));
     ASSERT_TRUE(source);
     const Scene scene = small_scene(16, 12, 12);
     for (const std::int64_t first : {0, 24}) {  // the film from there on
         const std::int64_t from_ns = scene.rate.time_ns(first);
         const SoundPart part{folder / "film.mp4", from_ns, from_ns + 1'000'000'000};
         ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 30, {}, exact_clip, part)), "");
-        const auto frames = value_of(read_clip(folder / "clip.mp4"));
+        const auto frames = must(read_clip(folder / "clip.mp4"));
         EXPECT_EQ(frames.size(), 30U) << "sound makes a clip no longer";
-        const auto track = value_of(SoundTrack::open(folder / "clip.mp4"));
+        const auto track = must(SoundTrack::open(folder / "clip.mp4"));
         ASSERT_TRUE(track);
         const auto heard = heard_in(*track, 0, SoundTrack::rate);
         const auto wanted = heard_in(*source, first * SoundTrack::rate / 30, SoundTrack::rate);
@@ -425,7 +425,7 @@ TEST(Mp4StillsWriter, WritesPngTrackPerPlane) {
         }
         EXPECT_EQ(handler_of(bytes, tracks[pictures]), "sdsm");
         EXPECT_EQ(handler_of(bytes, tracks[pictures + 1]), "odsm");
-        EXPECT_TRUE(same_frames(value_of(read_clip(file)), test_frames(scene, 1, planes)));
+        EXPECT_TRUE(same_frames(must(read_clip(file)), test_frames(scene, 1, planes)));
     }
 }
 
@@ -439,7 +439,7 @@ TEST(Mp4StillsWriter, WritesOneFrameOnly) {
     EXPECT_EQ(read_bytes(folder / "a.mp4"), bytes);
     EXPECT_EQ(message(write_still(folder / "a.mp4", scene, all_planes, Existing::replace)), "");
     EXPECT_NE(read_bytes(folder / "a.mp4"), bytes);
-    auto writer = value_of(create_mp4_stills(folder / "none.mp4", scene, Existing::keep));
+    auto writer = must(create_mp4_stills(folder / "none.mp4", scene, Existing::keep));
     EXPECT_TRUE(is_refused(writer->finish(), "no frame was given"));
     ASSERT_EQ(message(writer->write(test_frame(scene, 0, {}))), "");
     EXPECT_NE(message(writer->write(test_frame(scene, 1, {}))), "");

@@ -172,9 +172,9 @@ TEST(RankZstd, ReadsGoldenPackets) {
 
 /// The same picture, written by a program that knew no other version.
 TEST(RankZstd, ReadsClipOfFirstVersion) {
-    auto reader = value_of(open_clip(TOUCHABLE_SOURCE_DIR "/tests/data/clip_t3dz.mkv"));
+    auto reader = must(open_clip(TOUCHABLE_SOURCE_DIR "/tests/data/clip_t3dz.mkv"));
     EXPECT_EQ(reader->tracks().at(0).codec, "t3dz");
-    const auto frame = value_of(reader->next());
+    const auto frame = must(reader->next());
     const Wide expected = golden_picture();
     EXPECT_TRUE(same_plane(frame->depth, view_of(expected, golden_width, golden_height)));
 }
