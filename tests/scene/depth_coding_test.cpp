@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/scene/scene.hpp"
-#include "tests/scene/random.hpp"
+#include "tests/scene/scene_texts.hpp"
 
 namespace touchable::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "engine/base/same_bits.hpp"
-#include "tests/scene/random.hpp"
+#include "tests/scene/scene_texts.hpp"
 
 namespace touchable::test {
 namespace {

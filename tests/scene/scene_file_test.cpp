@@ -8,7 +8,6 @@
 
 #include "engine/scene/scene.hpp"
 #include "tests/must.hpp"
-#include "tests/scene/random.hpp"
 #include "tests/scene/scene_texts.hpp"
 #include "tests/temporary_folder.hpp"
 

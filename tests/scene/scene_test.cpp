@@ -9,7 +9,6 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/must.hpp"
-#include "tests/scene/random.hpp"
 #include "tests/scene/scene_texts.hpp"
 #include "tests/sweep.hpp"
 

@@ -3,7 +3,6 @@
 #include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/full_disk.hpp"
-#include "tests/video/film_reader.hpp"
 #include "tests/video/sounding_clip.hpp"
 
 namespace touchable::test {

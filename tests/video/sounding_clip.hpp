@@ -27,4 +27,14 @@ std::vector<StereoSample> heard_in(SoundTrack& track, std::int64_t from, std::si
 double largest_difference(std::span<const StereoSample> heard, std::span<const StereoSample> wanted,
                           std::size_t without_first, std::size_t without_last);
 
+struct SeenPicture {
+    double seconds = 0;
+    int width = 0, height = 0;
+    std::vector<int> luma;  ///< 16 is black, rows one after the other
+    int at(int x, int y) const { return luma[static_cast<std::size_t>(y * width + x)]; }
+};
+
+/// Empty where it cannot be opened or decoded.
+std::vector<SeenPicture> seen_in_film(const std::filesystem::path& file);
+
 }  // namespace touchable::test

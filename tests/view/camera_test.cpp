@@ -15,7 +15,6 @@
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
-#include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable {

@@ -22,7 +22,6 @@
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

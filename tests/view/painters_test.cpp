@@ -21,7 +21,6 @@
 #include "shaders/tile_lists.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/real_data.hpp"
-#include "tests/view/plain_picture.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

@@ -1,4 +1,4 @@
-#include "tests/view/plain_picture.hpp"
+#include "tests/view/shown.hpp"
 
 #include <array>
 #include <cstddef>

@@ -250,4 +250,8 @@ struct ManyColours {
     std::vector<std::uint8_t> bytes;
 };
 
+/// What painters draw, one triangle after the other, pixel by pixel: the definition that they are held
+/// against.
+PicturePlanes plain_picture(const ViewSurface& surface, const ViewCamera& camera);
+
 }  // namespace touchable::test

@@ -23,8 +23,8 @@
 #include "tests/player/recording_bytes.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/video/sounding_clip.hpp"
-#include "tests/window/fingers_over_globe.hpp"
 #include "tests/window/scripted_window.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

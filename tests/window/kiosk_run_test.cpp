@@ -25,8 +25,7 @@
 #include "tests/sweep.hpp"
 #include "tests/video/sounding_clip.hpp"
 #include "tests/window/scripted_window.hpp"
-#include "tests/window/two_surfaces.hpp"
-#include "tests/window/wrapped_screen.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

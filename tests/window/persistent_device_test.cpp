@@ -16,8 +16,8 @@
 #include "player/window/persistent_device.hpp"
 #include "tests/player/standstill.hpp"
 #include "tests/sanitizers.hpp"
-#include "tests/window/fake_hand.hpp"
 #include "tests/window/opened_clip_fixture.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

@@ -2,7 +2,7 @@
 #include <limits>
 #include <string>
 
-#include "tests/window/fingers_over_globe.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

@@ -11,7 +11,7 @@
 #include "engine/picture/image.hpp"
 #include "player/window/screen.hpp"
 #include "tests/window/scripted_window.hpp"
-#include "tests/window/two_surfaces.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

@@ -14,7 +14,7 @@
 #include "player/window/clip_picture.hpp"
 #include "player/window/window_brush.hpp"
 #include "tests/window/opened_clip_fixture.hpp"
-#include "tests/window/two_surfaces.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

@@ -29,9 +29,8 @@
 #include "player/window/play_window.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/player/program.hpp"
-#include "tests/window/fake_hand.hpp"
 #include "tests/window/scripted_window.hpp"
-#include "tests/window/wrapped_screen.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

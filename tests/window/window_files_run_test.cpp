@@ -31,9 +31,9 @@
 #include "player/session/clip_choice.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/player/program.hpp"
-#include "tests/video/film_reader.hpp"
+#include "tests/video/sounding_clip.hpp"
 #include "tests/window/scripted_window.hpp"
-#include "tests/window/two_surfaces.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {
