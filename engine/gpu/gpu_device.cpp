@@ -21,7 +21,7 @@ struct Feature {
 #name, [](GpuFeatures & f) -> VkBool32& { return f.part.name; } \
     }
 
-/// What kernels declare (tests/gpu/features_test.cpp holds both against each other), and what is called.
+/// What kernels declare (tests/gpu/device_test.cpp holds both against each other), and what is called.
 /// Every Vulkan 1.3 has the latter, but wants to be asked.
 constexpr Feature needed_features[] = {
     TOUCHABLE_FEATURE(core.features, shaderInt64), TOUCHABLE_FEATURE(v12, timelineSemaphore),

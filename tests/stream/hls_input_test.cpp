@@ -432,7 +432,7 @@ namespace touchable {
 namespace {
 
 using test::is_refused;
-using test::value_of;
+using test::must;
 
 const std::string web = "http://host:8080/live/clip/master.m3u8?token=1";
 const std::string home = "file:/srv/a b/master.m3u8";

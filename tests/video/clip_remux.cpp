@@ -9,7 +9,7 @@
 namespace touchable::test {
 namespace {
 
-void must(int status, const char* what) {
+void check(int status, const char* what) {
     ASSERT_GE(status, 0) << what << ": " << ffmpeg_text(status);
 }
 
@@ -20,7 +20,7 @@ using Input = std::unique_ptr<AVFormatContext, InputCloser>;
 
 Input open_input(const std::filesystem::path& file) {
     AVFormatContext* container = nullptr;
-    must(avformat_open_input(&container, file_url(file).c_str(), nullptr, nullptr), "open");
+    check(avformat_open_input(&container, file_url(file).c_str(), nullptr, nullptr), "open");
     return Input(container);
 }
 
@@ -35,7 +35,7 @@ public:
     Transcoder(const AVStream& from, const std::string& codec_name, int scale) {
         decoder_.reset(avcodec_alloc_context3(avcodec_find_decoder(from.codecpar->codec_id)));
         avcodec_parameters_to_context(decoder_.get(), from.codecpar);
-        must(avcodec_open2(decoder_.get(), nullptr, nullptr), "open decoder");
+        check(avcodec_open2(decoder_.get(), nullptr, nullptr), "open decoder");
         const AVCodec* codec = avcodec_find_encoder_by_name(codec_name.c_str());
         encoder_.reset(avcodec_alloc_context3(codec));
         encoder_->width = scale * from.codecpar->width;
@@ -45,27 +45,27 @@ public:
         encoder_->gop_size = 1;
         encoder_->flags |= AV_CODEC_FLAG_QSCALE | AV_CODEC_FLAG_GLOBAL_HEADER;
         encoder_->global_quality = 2 * FF_QP2LAMBDA;
-        must(avcodec_open2(encoder_.get(), codec, nullptr), "open encoder");
+        check(avcodec_open2(encoder_.get(), codec, nullptr), "open encoder");
     }
     const AVCodecContext& codec() const { return *encoder_; }
     void transcode(AVPacket& packet) {
         FramePtr in(av_frame_alloc()), out(av_frame_alloc());
-        must(avcodec_send_packet(decoder_.get(), &packet), "decode");
-        must(avcodec_receive_frame(decoder_.get(), in.get()), "decode");
+        check(avcodec_send_packet(decoder_.get(), &packet), "decode");
+        check(avcodec_receive_frame(decoder_.get(), in.get()), "decode");
         out->format = encoder_->pix_fmt;
         out->width = encoder_->width;
         out->height = encoder_->height;
         out->pts = packet.pts;
         out->quality = encoder_->global_quality;
-        must(av_frame_get_buffer(out.get(), 0), "buffer");
+        check(av_frame_get_buffer(out.get(), 0), "buffer");
         const ScalerPtr scaler(sws_getContext(in->width, in->height, static_cast<AVPixelFormat>(in->format),
                                               out->width, out->height, encoder_->pix_fmt,
                                               SWS_BILINEAR | SWS_ACCURATE_RND, nullptr, nullptr, nullptr));
         sws_scale(scaler.get(), in->data, in->linesize, 0, in->height, out->data, out->linesize);
         const std::int64_t pts = packet.pts, duration = packet.duration;
         av_packet_unref(&packet);
-        must(avcodec_send_frame(encoder_.get(), out.get()), "encode");
-        must(avcodec_receive_packet(encoder_.get(), &packet), "encode");
+        check(avcodec_send_frame(encoder_.get(), out.get()), "encode");
+        check(avcodec_receive_packet(encoder_.get(), &packet), "encode");
         packet.pts = packet.dts = pts;
         packet.duration = duration;
         packet.flags |= AV_PKT_FLAG_KEY;
@@ -109,16 +109,16 @@ Track add_track(const AVStream& from, AVFormatContext& out, const Remux& changes
 void remux(const std::filesystem::path& from, const std::filesystem::path& to, const Remux& changes) {
     const Input in = open_input(from);
     AVFormatContext* out = nullptr;
-    must(avformat_alloc_output_context2(&out, nullptr, "matroska", nullptr), "muxer");
+    check(avformat_alloc_output_context2(&out, nullptr, "matroska", nullptr), "muxer");
     av_dict_copy(&out->metadata, in->metadata, 0);
     for (const auto& [name, value] : changes.file_tags)
         av_dict_set(&out->metadata, name.c_str(), value.empty() ? nullptr : value.c_str(), 0);
     std::vector<Track> tracks;
     for (unsigned k = 0; k < in->nb_streams; ++k) tracks.push_back(add_track(*in->streams[k], *out, changes));
-    must(avio_open(&out->pb, file_url(to).c_str(), AVIO_FLAG_WRITE), "create");
+    check(avio_open(&out->pb, file_url(to).c_str(), AVIO_FLAG_WRITE), "create");
     AVDictionary* options = nullptr;
     av_dict_set_int(&options, "write_crc32", changes.checksums ? 1 : 0, 0);
-    must(avformat_write_header(out, &options), "header");
+    check(avformat_write_header(out, &options), "header");
     ASSERT_EQ(av_dict_count(options), 0);
     const PacketPtr packet(av_packet_alloc());
     while (av_read_frame(in.get(), packet.get()) >= 0) {
@@ -126,12 +126,12 @@ void remux(const std::filesystem::path& from, const std::filesystem::path& to, c
         if (track.target >= 0 && !changes.drop(track.role, track.packets)) {
             if (track.transcoder) track.transcoder->transcode(*packet);
             packet->stream_index = track.target;
-            must(av_interleaved_write_frame(out, packet.get()), "write");
+            check(av_interleaved_write_frame(out, packet.get()), "write");
         }
         av_packet_unref(packet.get());
         ++track.packets;
     }
-    must(av_write_trailer(out), "trailer");
+    check(av_write_trailer(out), "trailer");
     avio_closep(&out->pb);
     avformat_free_context(out);
 }
