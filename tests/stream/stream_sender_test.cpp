@@ -394,7 +394,7 @@ namespace touchable {
 namespace {
 
 using test::is_refused;
-using test::value_of;
+using test::must;
 
 constexpr std::chrono::milliseconds long_enough{60'000};
 
