@@ -331,6 +331,21 @@ TEST_F(Control, WhoLetsGoOfTheClutchOutsideStaysWhereItIs) {
     }
 }
 
+// There is no pixel there to come out along, however near the surface is to the camera.
+TEST_F(Control, StaysBehindTheCamera) {
+    const FakeProbe wall = flat_view(0.5);
+    const auto put = [&] {
+        glm::dvec3 out(0, 0, 0.06);
+        control.to_goals(std::span(&out, 1), 0, &wall);
+        return out;
+    };
+    control.hold(true);
+    const glm::dvec3 held = put();
+    ASSERT_GT(held.z, 0);
+    control.hold(false);
+    EXPECT_EQ(put(), held);
+}
+
 TEST(ControlOfTwo, BothComeOutTogetherOfAStep) {
     HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
     const FakeProbe step =

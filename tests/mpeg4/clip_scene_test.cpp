@@ -8,6 +8,8 @@
 namespace touchable::mpeg4 {
 namespace {
 
+using test::must;
+
 /// A clip that nodes describe completely.
 Scene papers_clip() {
     Scene scene;

@@ -11,6 +11,8 @@
 namespace touchable::mpeg4 {
 namespace {
 
+using test::must;
+
 constexpr std::uint64_t moov_at = 5000;
 
 void put_zeros(Bytes& to, std::size_t count) {

@@ -300,6 +300,8 @@ def examine(mutant, tests, programs):
             while some:
                 part, limit = [test for test, _ in some[:800]], 5 + 3 * sum(seconds for _, seconds in some[:800])
                 code, text = run_tests(name, programs[name], limit, part, TOUCHABLE_MUTANT=str(mutant.number))
+                if code is None:  # or the machine was busy
+                    code, text = run_tests(name, programs[name], 4 * limit, part, TOUCHABLE_MUTANT=str(mutant.number))
                 if code == 0:
                     some = some[800:]
                     continue
