@@ -84,7 +84,7 @@ std::string message(const Result<T>& result) {
 }
 
 inline SceneTree scene_from(std::string_view text) {
-    return must(parse_scene_text(text));
+    return test::must(parse_scene_text(text));
 }
 
 inline std::string hex(std::span<const std::uint8_t> bytes) {
