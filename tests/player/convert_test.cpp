@@ -549,7 +549,7 @@ TEST_F(Convert, TakesThePartThatIsAskedFor) {
 TEST_F(Convert, WhatCannotBeIsRefusedAndLeavesNothing) {
     make("globe");
     const std::string clip = at("clip.mkv");
-    expect_refused({clip, at("out/a.avi")}, "is no name of a clip");
+    expect_refused({clip, at("out/a.avi")}, "is not allowed; must be NAME.mkv");
     expect_refused({clip, at("out/a"), "--archive", "small"}, "--archive is for clips");
     expect_refused({clip, at("out/a.png"), "--exact-colour"}, "--exact-colour is for clips");
     expect_refused({clip, at("out/a.png"), "--to", "3"}, "--to is for");

@@ -457,7 +457,7 @@ TEST(SceneRefusal, NamesWrongValuesByPath) {
          "\"hole_stiffness\": \"soft\", \"default_properties\"",
          {"hole_stiffness is \"soft\"", "a number"}},
         {"\"dynamic_friction\": 0.3", "\"dynamic_friction\": 0.5", {"dynamic_friction is 0.5", "0.4"}},
-        {"\"median\": 3", "\"median\": 7", {"filter.median is 7", "0, 3 or 5"}},
+        {"\"median\": 3", "\"median\": 7", {"filter.median is 7", "0 (off), 3 or 5"}},
         {"\"median\": 3", "\"median\": \"3x3\"", {"filter.median is \"3x3\""}},
         {"\"fill_holes\": 1", "\"terraces\": true", {"filter.terraces is true"}},
         {"\"fill_holes\": 1",

@@ -154,8 +154,8 @@ TEST(WindowCommand, ParsesTouchSettings) {
         EXPECT_TRUE(parse_window_command(words)) << words;
     const struct {
         const char *words, *right;
-    } faults[] = {{"median 4", "0, 3 or 5"},
-                  {"median", "0, 3 or 5"},
+    } faults[] = {{"median 4", "0 (off), 3 or 5"},
+                  {"median", "0 (off), 3 or 5"},
                   {"metric metre", "world, pixel or scaled"},
                   {"max-force 21", "0.1 to 20 N"},
                   {"max-force nan", "to 20"},
@@ -387,7 +387,7 @@ TEST_F(SettingsFileTest, ReportsAndIgnoresInvalidValues) {
     right.b.emplace();
     EXPECT_EQ(read.read(), right);
     for (const char* word :
-         {"'sparkle' is unknown", "1 to 5", "0 to 100", "[320, 200]", "0, 3 or 5", "'taste'", "object"})
+         {"'sparkle' is unknown", "1 to 5", "0 to 100", "[320, 200]", "0 (off), 3 or 5", "'taste'", "object"})
         EXPECT_TRUE(contains(read.message(), word));
     EXPECT_EQ(read.message().find('\n'), std::string::npos) << "a warning has one line";
     ASSERT_TRUE(read.write(read.read()));
