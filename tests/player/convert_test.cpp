@@ -1,4 +1,4 @@
-// Clips in other forms: the same to the touch, or what is lost is told.
+// Clips in other forms: the same to the touch, or the program reports the loss.
 
 #include <gtest/gtest.h>
 #include <CLI/CLI.hpp>
@@ -33,9 +33,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Convert : public ::testing::Test {
+class ConvertCommand : public ::testing::Test {
 protected:
-    Convert() { fs::create_directory(folder / "out"); }
+    ConvertCommand() { fs::create_directory(folder / "out"); }
     std::string at(const std::string& name) const { return folder / name; }
     void make(const std::string& scene, const std::vector<std::string>& more = {}) const {
         std::vector<std::string> words{"--size", "64x48", "--frames", "6"};
@@ -110,21 +110,21 @@ bool says(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
-TEST_F(Convert, GlobeOf8BitsFeelsTheSame) {
+TEST_F(ConvertCommand, KeepsForcesAt8Bits) {
     make("globe", {"--bits", "8"});
     expect_same_forces();
 }
-TEST_F(Convert, GlobeOf16BitsFeelsTheSame) {
+TEST_F(ConvertCommand, KeepsForcesAt16Bits) {
     make("globe", {"--bits", "16"});
     expect_same_forces();
 }
-TEST_F(Convert, MovingDepthOf12BitsFeelsTheSame) {
+TEST_F(ConvertCommand, KeepsForcesOfMovingDepth) {
     make("moving", {"--bits", "12"});
     expect_same_forces();
 }
 
 /// The paper's static scene: text and pictures feel as the clip that they were, to the bit.
-TEST_F(Convert, AStaticSceneFeelsTheSame) {
+TEST_F(ConvertCommand, KeepsForcesOfStaticScene) {
     for (const char* bits : {"8", "12", "16"}) {
         make_clip("globe", at("still.mkv"), {"--size", "64x48", "--frames", "1", "--bits", bits});
         const std::string before = hash_of(at("still.mkv")), text = at("s" + std::string(bits) + ".bt");
@@ -146,7 +146,7 @@ TEST_F(Convert, AStaticSceneFeelsTheSame) {
     }
 }
 
-TEST_F(Convert, AStaticSceneIsOfOneFrameAndReplacesNothing) {
+TEST_F(ConvertCommand, StaticSceneTakesOneFrame) {
     make("moving");
     const std::string text = at("out/scene.bt");
     expect_refused(
@@ -172,7 +172,7 @@ TEST_F(Convert, AStaticSceneIsOfOneFrameAndReplacesNothing) {
     EXPECT_NE(file_contents(at("out/scene_depth.png")), depth);
 }
 
-TEST_F(Convert, DepthAsHueFeelsTheSame) {
+TEST_F(ConvertCommand, KeepsForcesOfHueDepth) {
     Scene scene;
     scene.width = 64;
     scene.height = 48;
@@ -202,10 +202,10 @@ TEST_F(Convert, DepthAsHueFeelsTheSame) {
     expect_same_forces();
 }
 
-TEST_F(Convert, AFolderPacksIntoOneClipAndOneMapServesAWholeVideo) {
+TEST_F(ConvertCommand, PacksFolderWithOneMap) {
     make("moving");
     convert({at("clip.mkv"), at("folder")});
-    // Stiffness as somebody paints it.
+    // A painted stiffness map.
     std::vector<std::uint8_t> grey(64 * 48);
     for (std::size_t k = 0; k < grey.size(); ++k) grey[k] = static_cast<std::uint8_t>(k % 64 * 4);
     ASSERT_TRUE(write_png(at("folder/haptic.png"), PlaneView{grey.data(), 64, 64, 48, 1, 1}));
@@ -231,7 +231,7 @@ std::vector<std::string> remarks_of(const std::string& clip) {
     return texts;
 }
 
-TEST_F(Convert, GuessesAreKnownAsSuchEverAfter) {
+TEST_F(ConvertCommand, KeepsGuessesMarked) {
     Image depth{64, 48, 2, 1, {}};
     for (int k = 0; k < 64 * 48; ++k) {
         const unsigned code = k % 64 < 20 ? 700 : k % 64 < 44 ? 720 : 740;
@@ -261,7 +261,7 @@ TEST_F(Convert, GuessesAreKnownAsSuchEverAfter) {
     EXPECT_TRUE(says(run_touchable({"info", at("bare")}).out, "18 % too narrow (--fov DEGREES or --intr"));
 }
 
-TEST_F(Convert, FramesKeepTheirOwnTimesInEveryForm) {
+TEST_F(ConvertCommand, KeepsFrameTimes) {
     make("moving");
     const std::string evenly = hash_of(at("clip.mkv"));
     convert({at("clip.mkv"), at("listed")});
@@ -294,7 +294,7 @@ TEST_F(Convert, FramesKeepTheirOwnTimesInEveryForm) {
 }
 
 /// Nearly even, two, and as close as they may be.
-TEST_F(Convert, AListKeepsTimesThatLookLikeARate) {
+TEST_F(ConvertCommand, KeepsNearlyEvenFrameTimes) {
     make("moving");
     auto whole = open_clip(at("clip.mkv"));
     ASSERT_TRUE(whole) << whole.error().message;
@@ -322,8 +322,8 @@ TEST_F(Convert, AListKeepsTimesThatLookLikeARate) {
     }
 }
 
-/// What a camera's file has in an order of its own comes out as plain codes.
-TEST_F(Convert, WordsThatAreSwappedAreTurnedBackOnce) {
+/// Depth words of a camera's file in swapped byte order come out as plain codes.
+TEST_F(ConvertCommand, UnswapsDepthBytesOnce) {
     make("moving", {"--bits", "16"});
     convert({at("clip.mkv"), at("folder")});
     for (int n = 0; n < 6; ++n) {
@@ -345,7 +345,7 @@ TEST_F(Convert, WordsThatAreSwappedAreTurnedBackOnce) {
     EXPECT_EQ(hash_of(at("pictures")), before);
 }
 
-TEST_F(Convert, SaysWhatColourLosesAndThatNothingElseDoes) {
+TEST_F(ConvertCommand, ReportsColourLossOnly) {
     make("globe", {"--exact-colour"});
     const std::string told = convert({at("clip.mkv"), at("out/seen.mkv")});
     EXPECT_PRED2(says, told, "depth   every value kept");
@@ -357,7 +357,7 @@ TEST_F(Convert, SaysWhatColourLosesAndThatNothingElseDoes) {
     EXPECT_PRED2(says, convert({at("clip.mkv"), at("out/pictures")}), "colour  every value kept");
 }
 
-TEST_F(Convert, OtherSizesAreRefusedUnlessAllowedAndThenSayWhatTheyDoToTheForce) {
+TEST_F(ConvertCommand, ResizingNeedsAllowLossy) {
     make("globe");
     expect_refused({at("clip.mkv"), at("out/half.mkv"), "--size", "32x24"}, "--allow-lossy");
     const std::string told =
@@ -365,12 +365,12 @@ TEST_F(Convert, OtherSizesAreRefusedUnlessAllowedAndThenSayWhatTheyDoToTheForce)
     EXPECT_PRED2(says, told, "depth   LOST");
     EXPECT_PRED2(says, told, "degrees off on average");
     EXPECT_PRED2(says, told, " N, at most ");
-    // What is no change needs no leave.
+    // The same size is no change and needs no --allow-lossy.
     convert({at("clip.mkv"), at("out/whole.mkv"), "--size", "64x48"});
     EXPECT_EQ(hash_of(at("out/whole.mkv")), hash_of(at("clip.mkv")));
 }
 
-TEST_F(Convert, ReadsItsSourceOnceWhateverItSaysOfLosses) {
+TEST_F(ConvertCommand, ReadsSourceOnce) {
     make("globe");
     convert({at("clip.mkv"), at("folder")});
     for (const std::vector<std::string>& how :
@@ -385,7 +385,7 @@ TEST_F(Convert, ReadsItsSourceOnceWhateverItSaysOfLosses) {
 }
 
 /// By quantize_depth of lerobot's datasets/depth_utils.py, of what the clip's pixels are along the axis.
-TEST_F(Convert, DepthForLeRobotIsByItsFormulaAndThenStaysAsItIs) {
+TEST_F(ConvertCommand, LeRobotDepthFollowsFormula) {
     make("globe", {"--bits", "16"});
     expect_refused({at("clip.mkv"), at("robot.mp4"), "--lerobot"}, "--allow-lossy");
     const std::string said = convert({at("clip.mkv"), at("robot.mp4"), "--lerobot", "--allow-lossy"});
@@ -445,7 +445,7 @@ int episode_code(int n, int x, int y) {
 }
 
 /// Its episode tables name an episode's ends by seconds, of which frames of 30 a second have no whole number.
-TEST_F(Convert, AnEpisodeOfLeRobotIsCutByItsTwoTimes) {
+TEST_F(ConvertCommand, CutsLeRobotEpisode) {
     constexpr int width = 64, height = 48;
     ForeignVideo video{"libx265", AV_PIX_FMT_GRAY12, width, height, 8};
     video.tag = MKTAG('h', 'v', 'c', '1');
@@ -488,7 +488,7 @@ TEST_F(Convert, AnEpisodeOfLeRobotIsCutByItsTwoTimes) {
 }
 
 /// Codes of so many metres as 16-bit pictures; the step is LeRobot's own formula's.
-TEST_F(Convert, DepthForLeRobotSaysTheStepThatItHasAndRefusesWhatLeRobotCannotSay) {
+TEST_F(ConvertCommand, LeRobotRefusalNamesStep) {
     Image image{64, 48, 2, 1, {}};
     for (int k = 0; k < 64 * 48; ++k)
         for (const int byte : {(1000 + 10 * k) & 255, (1000 + 10 * k) >> 8})
@@ -519,7 +519,7 @@ TEST_F(Convert, DepthForLeRobotSaysTheStepThatItHasAndRefusesWhatLeRobotCannotSa
     expect_refused(deep, "must be less than 1000000 m");
 }
 
-TEST_F(Convert, TakesThePartThatIsAskedFor) {
+TEST_F(ConvertCommand, ConvertsRequestedPart) {
     make("moving");
     const auto frames_of = [](const std::string& clip) {
         auto reader = open_clip(clip);
@@ -546,7 +546,7 @@ TEST_F(Convert, TakesThePartThatIsAskedFor) {
               }()));
 }
 
-TEST_F(Convert, WhatCannotBeIsRefusedAndLeavesNothing) {
+TEST_F(ConvertCommand, RejectsInvalidOptions) {
     make("globe");
     const std::string clip = at("clip.mkv");
     expect_refused({clip, at("out/a.avi")}, "is not allowed; must be NAME.mkv");
@@ -569,7 +569,7 @@ TEST_F(Convert, WhatCannotBeIsRefusedAndLeavesNothing) {
         convert({clip, at(std::string("s") + small), "--crop", std::string("30,20,") + small});
 }
 
-TEST_F(Convert, NeverReplacesWhatItReadsByAnyName) {
+TEST_F(ConvertCommand, NeverReplacesItsInput) {
     make("globe");
     const std::string clip = at("clip.mkv"), bytes = file_contents(clip);
     fs::create_hard_link(clip, at("hard.mkv"));
@@ -596,7 +596,7 @@ TEST_F(Convert, NeverReplacesWhatItReadsByAnyName) {
                    "which it would replace");
 }
 
-TEST_F(Convert, ReplacesEarlierOutputOnlyWhereItMay) {
+TEST_F(ConvertCommand, OverwritesOnlyWithPermission) {
     make("globe");
     const std::string clip = at("clip.mkv");
     for (const char* name : {"a.mkv", "a.png", "a"}) {
@@ -615,7 +615,7 @@ TEST_F(Convert, ReplacesEarlierOutputOnlyWhereItMay) {
                                         "a_height.png", "clip.mkv", "file", "out"}));
 }
 
-TEST_F(Convert, AsAProgramFeelsTheSame) {
+TEST_F(ConvertCommand, ProgramKeepsForces) {
     make("globe");
     ASSERT_EQ(run_touchable({"convert", at("clip.mkv"), at("folder")}).code, 0);
     ASSERT_EQ(run_touchable({"convert", at("folder"), at("again.mkv")}).code, 0);
@@ -627,7 +627,7 @@ TEST_F(Convert, AsAProgramFeelsTheSame) {
 }
 
 /// A clip of many frames that is quickly made: all are one picture.
-TEST_F(Convert, InterruptedLeavesNothing) {
+TEST_F(ConvertCommand, InterruptLeavesNothing) {
     make_clip("noise", at("one.mkv"), {"--size", "320x240", "--frames", "1", "--bits", "16"});
     convert({at("one.mkv"), at("long")});
     for (int n = 1; n < 2000; ++n) {
@@ -644,7 +644,7 @@ TEST_F(Convert, InterruptedLeavesNothing) {
     }
 }
 
-TEST_F(Convert, FullDiskLeavesNothing) {
+TEST_F(ConvertCommand, FullDiskLeavesNothing) {
     make_clip("noise", at("clip.mkv"), {"--frames", "3"});
     for (const char* name : {"out/a", "out/a.mkv", "out/a.png"})
         for (const bool is_resized : {false, true}) {
@@ -669,7 +669,7 @@ void expect_same_samples(const PlaneView& a, const PlaneView& b) {
     EXPECT_EQ(different, 0);
 }
 
-TEST(Make, SameOptionsGiveTheSameFileByteForByte) {
+TEST(MakeCommand, SameOptionsGiveSameBytes) {
     const TemporaryFolder folder;
     for (const char* name : {"one.mkv", "two.mkv"})
         ASSERT_EQ(run_touchable({"make", "globe", folder / name, "--size", "72x48", "--frames", "3"}).code,
@@ -702,12 +702,12 @@ void expect_generators_frames(const char* archive) {
     EXPECT_FALSE((*reader)->next()->has_value());
 }
 
-TEST(Make, ClipHoldsTheGeneratorsFrames) {
+TEST(MakeCommand, StoresGeneratedFrames) {
     expect_generators_frames("fast");
     expect_generators_frames("small");
 }
 
-TEST(Make, ColourIsExactWhereThatIsAskedFor) {
+TEST(MakeCommand, StoresExactColourOnRequest) {
     const TemporaryFolder folder;
     SceneOptions options;
     options.width = 72;
@@ -724,7 +724,7 @@ TEST(Make, ColourIsExactWhereThatIsAskedFor) {
     expect_same_samples((*(*reader)->next())->colour, (*source)->frame(0).colour);
 }
 
-TEST(Make, RateIsStoredExactly) {
+TEST(MakeCommand, RateIsStoredExactly) {
     const TemporaryFolder folder;
     const std::vector<std::tuple<const char*, std::int64_t, std::int64_t>> rates{
         {"30000/1001", 30000, 1001}, {"29.97", 2997, 100}, {"24", 24, 1}, {"0.5", 1, 2}, {"60.0", 60, 1}};
@@ -749,7 +749,7 @@ TEST(Make, RateIsStoredExactly) {
     }
 }
 
-TEST(Make, UnknownArchiveIsNamed) {
+TEST(MakeCommand, RejectsUnknownArchive) {
     const TemporaryFolder folder;
     const auto refused = run_touchable({"make", "noise", folder / "noise.mkv", "--archive", "tiny"});
     EXPECT_EQ(refused.code, 2);
@@ -757,7 +757,7 @@ TEST(Make, UnknownArchiveIsNamed) {
         << refused.err;
 }
 
-TEST(Make, GlobeIsAPlanetUnlessPlain) {
+TEST(MakeCommand, PlainGlobeHasNoHaptics) {
     const TemporaryFolder folder;
     ASSERT_EQ(run_touchable({"make", "globe", folder / "show.mkv", "--size", "72x48", "--frames", "1"}).code,
               0);
@@ -773,7 +773,7 @@ TEST(Make, GlobeIsAPlanetUnlessPlain) {
     EXPECT_FALSE(has_haptics("plain.mkv"));
 }
 
-TEST(Make, ImpossibleOptionsAreCode2AndLeaveNoFile) {
+TEST(MakeCommand, RejectsInvalidOptions) {
     const TemporaryFolder folder;
     const std::string out = folder / "out.mkv";
     const std::vector<std::vector<std::string>> wrong{
@@ -803,7 +803,7 @@ TEST(Make, ImpossibleOptionsAreCode2AndLeaveNoFile) {
     EXPECT_NE(run_touchable({"make", "teapot", out}).err.find("globe"), std::string::npos);
 }
 
-TEST(Make, OptionThatWouldDoNothingIsRefused) {
+TEST(MakeCommand, RejectsOptionsWithoutEffect) {
     const TemporaryFolder folder;
     for (const auto& [scene, option] : std::vector<std::pair<std::string, std::vector<std::string>>>{
              {"bumps", {"--preset", "A"}},
@@ -818,7 +818,7 @@ TEST(Make, OptionThatWouldDoNothingIsRefused) {
     }
 }
 
-TEST(Make, EarlierFileStaysUnlessItMayBeReplaced) {
+TEST(MakeCommand, OverwritesOnlyWithPermission) {
     const TemporaryFolder folder;
     const std::string out = folder / "out.mkv";
     std::ofstream(out) << "earlier\n";
@@ -833,7 +833,7 @@ TEST(Make, EarlierFileStaysUnlessItMayBeReplaced) {
     EXPECT_TRUE(open_clip(out));
 }
 
-TEST(Make, OtherNamesThanOfMatroskaAndMp4AreCode2) {
+TEST(MakeCommand, RejectsOtherFileExtensions) {
     const TemporaryFolder folder;
     for (const char* name : {"clip.avi", "clip", "clip.mkv.png", "mkv", "mp4"}) {
         const Outcome run =
@@ -847,7 +847,7 @@ TEST(Make, OtherNamesThanOfMatroskaAndMp4AreCode2) {
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"CLIP.MKV", "CLIP.Mp4"}));
 }
 
-TEST(Make, PicturesThatMemoryCannotHoldAreCode3AndSaysSo) {
+TEST(MakeCommand, ReportsInsufficientMemory) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "sanitizers take more address space than this test leaves";
 #endif
@@ -860,14 +860,14 @@ TEST(Make, PicturesThatMemoryCannotHoldAreCode3AndSaysSo) {
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
-TEST(Make, UnwritableFileIsCode3) {
+TEST(MakeCommand, FailsForUnwritableFile) {
     const Outcome run =
         run_touchable({"make", "plane", "/no-such-folder/out.mkv", "--size", "16x12", "--frames", "1"});
     EXPECT_EQ(run.code, 3);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
 }
 
-TEST(Make, FullDiskIsCode3AndLeavesNothing) {
+TEST(MakeCommand, FullDiskLeavesNothing) {
     const TemporaryFolder folder;
     for (const int kibibytes : {0, 40}) {
         const Outcome run = run_on_full_disk(
@@ -878,7 +878,7 @@ TEST(Make, FullDiskIsCode3AndLeavesNothing) {
     }
 }
 
-TEST(Make, InterruptedIsCode130AndLeavesNothing) {
+TEST(MakeCommand, InterruptLeavesNothing) {
     const TemporaryFolder folder;
     const Outcome run = run_interrupted(
         {"make", "noise", folder / "out.mkv", "--size", "640x480", "--frames", "100000"}, folder.path());

@@ -72,7 +72,7 @@ std::vector<std::string> split(const std::string& text) {
 
 class Determinism : public ::testing::TestWithParam<KnownRun> {};
 
-TEST_P(Determinism, ForcesAreTheKnownOnesToTheBit) {
+TEST_P(Determinism, ForcesMatchKnownHash) {
     const KnownRun& known = GetParam();
     const TemporaryFolder folder;
     const std::string clip = folder / "clip.mkv", scene = folder / "scene.json";
@@ -114,8 +114,8 @@ private:
     cpu_set_t before_{};
 };
 
-/// Whatever codec a clip's pictures are stored by, and however many threads decode them.
-TEST(Archives, GiveTheSameForces) {
+/// The forces do not depend on the codec of the clip's pictures nor on the number of decoding threads.
+TEST(Archives, GiveSameForces) {
     const TemporaryFolder folder;
     const std::string hand = zigzag_hand(folder / "zigzag.csv");
     std::string known;
@@ -143,7 +143,7 @@ std::string text_of(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(LinkedRun, GivesTheForcesOfTheProgram) {
+TEST(LinkedRun, MatchesProgramForces) {
     const TemporaryFolder folder;
     const auto clip = folder / "clip.mkv", report = folder / "report.json", hash = folder / "hash";
     ASSERT_EQ(run_touchable({"make", "bumps", clip, "--frames", "2"}).code, 0);
@@ -156,7 +156,7 @@ TEST(LinkedRun, GivesTheForcesOfTheProgram) {
               nlohmann::json::parse(text_of(report)).at("force_hash").get<std::string>() + "\n");
 }
 
-/// What a program tells the loader by name: a sanitized one has hundreds of megabytes besides.
+/// Names that a program tells the loader: a sanitized one has hundreds of megabytes besides.
 std::string loaded_names(const char* program) {
     std::ifstream file(program, std::ios::binary);
     Elf64_Ehdr header{};
@@ -176,7 +176,7 @@ std::string loaded_names(const char* program) {
 }
 
 // A library that a program needs is named in it.
-TEST(LinkedRun, NeedsNoWindowAndNoVulkan) {
+TEST(LinkedRun, NeedsNeitherWindowNorVulkan) {
     const std::string program = loaded_names(TOUCHABLE_LINKED_RUN);
     ASSERT_NE(program.find("libavformat.so"), std::string::npos);
     for (const char* library :
@@ -252,9 +252,9 @@ Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<Surface
     return {figures.force_hash(), feed.frames(), figures.ticks()};
 }
 
-TEST(LostGpu, CostsNeitherFrameNorForce) {
+TEST(LostGpu, KeepsFramesAndForces) {
     const TemporaryFolder folder;
-    // Of a scene whose depth stands still nothing would be asked of the GPU.
+    // A scene whose depth stands still would ask nothing of the GPU.
     make_clip("moving", folder / "clip.mkv", {"--size", "160x120", "--frames", std::to_string(frames)});
     const auto reader = [&] {
         auto opened = open_clip(folder / "clip.mkv", std::nullopt);
@@ -286,7 +286,7 @@ TEST(LostGpu, CostsNeitherFrameNorForce) {
     }
 }
 
-TEST(LostGpu, IsHandedOutToNobodyElse) {
+TEST(LostGpu, IsReplacedOnNextOpen) {
     RunGpu gpu("auto");
     const auto first = gpu.open();
     ASSERT_TRUE(first) << first.error().message;
@@ -299,7 +299,7 @@ TEST(LostGpu, IsHandedOutToNobodyElse) {
     EXPECT_EQ(gpu.name(), (*second)->facts().name);
 }
 
-TEST(LostGpu, ByMeasuringItIsOpenedAnewAndNotMeasuredAgain) {
+TEST(LostGpu, IsNotMeasuredAgain) {
     RunGpu gpu("auto");
     int measured = 0;
     const auto measure = [&](const std::shared_ptr<GpuDevice>& device) {
@@ -320,7 +320,7 @@ TEST(LostGpu, ByMeasuringItIsOpenedAnewAndNotMeasuredAgain) {
 }
 
 /// A software GPU still compiles then, on a thread of the program.
-TEST(LostGpu, GivenUpAtWorkLetsTheProgramEnd) {
+TEST(LostGpu, LetsProgramEndNormally) {
     const TemporaryFolder folder;
     make_clip("moving", folder / "clip.mkv", {"--size", "96x64", "--frames", "3"});
     setenv("LD_PRELOAD", TOUCHABLE_IMPATIENT_GPU, 1);
@@ -367,11 +367,11 @@ void expect_a_picture_by_any_painter(const std::function<void(GpuDevice&)>& spoi
     }
 }
 
-TEST(LostGpu, CostsNoPictureThatAnyPainterMayDraw) {
+TEST(LostGpu, FallsBackToCpuPainter) {
     expect_a_picture_by_any_painter([](GpuDevice& gpu) { gpu.lose(); });
 }
 
-TEST(SmallGpu, CostsNoPictureThatAnyPainterMayDraw) {
+TEST(SmallGpu, FallsBackToCpuPainter) {
     expect_a_picture_by_any_painter(
         [](GpuDevice& gpu) { gpu.vulkan()->facts.limits.max_texel_buffer_elements = 1; });
 }
@@ -421,7 +421,7 @@ std::string test_name(const ::testing::TestParamInfo<const char*>& test) {
 
 class VulkanTouchGenerated : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(VulkanTouchGenerated, HasTheForcesOfTheOtherBuilders) {
+TEST_P(VulkanTouchGenerated, MatchesOtherBuilders) {
     const TemporaryFolder folder;
     make_clip(GetParam(), folder / "clip.mkv", {"--size", "150x90", "--frames", "9"});
     expect_the_same_forces({folder / "clip.mkv"});
@@ -433,7 +433,7 @@ INSTANTIATE_TEST_SUITE_P(, VulkanTouchGenerated,
 
 class VulkanTouchStandIn : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(VulkanTouchStandIn, HasTheForcesOfTheOtherBuilders) {
+TEST_P(VulkanTouchStandIn, MatchesOtherBuilders) {
     const TemporaryFolder folder;
     const std::string scene = write_stand_in(folder.path(), stand_in(GetParam()));
     expect_the_same_forces({folder.path(), "--scene", scene});
@@ -445,7 +445,7 @@ INSTANTIATE_TEST_SUITE_P(, VulkanTouchStandIn,
 
 class VulkanTouchReal : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(VulkanTouchReal, HasTheForcesOfTheOtherBuilders) {
+TEST_P(VulkanTouchReal, MatchesOtherBuilders) {
     const std::string clip = real_data(GetParam());
     TOUCHABLE_NEEDS_DATA(clip);
     Words words{clip};
@@ -461,7 +461,7 @@ INSTANTIATE_TEST_SUITE_P(, VulkanTouchReal,
                                            "depthkit_typing/Test.mov"),
                          test_name);
 
-TEST(VulkanTouch, TheValidationLayerHasNothingToSay) {
+TEST(VulkanTouch, PassesValidationLayer) {
     const TemporaryFolder folder;
     make_clip("noise", folder / "clip.mkv", {"--size", "150x90", "--frames", "9"});
     setenv("TOUCHABLE_VULKAN_VALIDATION", "1", 1);
@@ -472,7 +472,7 @@ TEST(VulkanTouch, TheValidationLayerHasNothingToSay) {
     EXPECT_EQ(run.err, "");
 }
 
-TEST(VulkanTouch, TheReportNamesTheDeviceThatTheSurfaceWasBuiltOn) {
+TEST(VulkanTouch, ReportNamesBuilderDevice) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     const auto device = GpuDevice::open();
@@ -484,7 +484,7 @@ TEST(VulkanTouch, TheReportNamesTheDeviceThatTheSurfaceWasBuiltOn) {
     EXPECT_EQ(on_gpu["cpu_name"], on_cpu["cpu_name"]);
 }
 
-TEST(VulkanTouch, WithoutADriverEndsWithExitCode4AndSaysWhatIsMissing) {
+TEST(VulkanTouch, ReportsMissingDriver) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     const WithoutDriver none;
@@ -494,7 +494,7 @@ TEST(VulkanTouch, WithoutADriverEndsWithExitCode4AndSaysWhatIsMissing) {
     EXPECT_NE(run.err.find("install a driver"), std::string::npos) << run.err;
 }
 
-TEST(VulkanTouch, WhereAutoTookAGpuThatWillNotDoTheCpuBuilderDoesItsWork) {
+TEST(VulkanTouch, AutoFallsBackToCpu) {
     RunGpu none("no such device");
     Scene scene;
     scene.width = 40;
@@ -507,7 +507,7 @@ TEST(VulkanTouch, WhereAutoTookAGpuThatWillNotDoTheCpuBuilderDoesItsWork) {
     EXPECT_EQ((*picked)->name(), "cpu");
 }
 
-TEST(VulkanTouch, ADeviceThatIsNotThereIsRefusedWithThoseThatAre) {
+TEST(VulkanTouch, RejectsUnknownGpu) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     const Outcome run =
@@ -517,7 +517,7 @@ TEST(VulkanTouch, ADeviceThatIsNotThereIsRefusedWithThoseThatAre) {
     EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
 }
 
-TEST(VulkanTouch, AutoMayTakeTheGpuThatIsNamedWhichHasToBeThere) {
+TEST(VulkanTouch, AutoRequiresNamedGpu) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     const Words words{folder / "clip.mkv", "--seconds", "0.1"};
@@ -531,7 +531,7 @@ TEST(VulkanTouch, AutoMayTakeTheGpuThatIsNamedWhichHasToBeThere) {
     EXPECT_TRUE(none.one_line_of_error()) << none.err;
 }
 
-TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
+TEST(VulkanTouch, GpuOptionsNeedVulkanBuilder) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     for (const Words& words :
@@ -548,7 +548,7 @@ TEST(VulkanTouch, GpuOptionsNeedTheVulkanBuilder) {
 
 class Mp4Touch : public ::testing::TestWithParam<int> {};
 
-TEST_P(Mp4Touch, ForcesAreTheSameInMatroskaInMp4AndThereAndBack) {
+TEST_P(Mp4Touch, MatchesMatroskaForces) {
     const TemporaryFolder folder;
     const auto at = [&](const char* name) { return std::string(folder / name); };
     const std::string hand = zigzag_hand(at("zigzag.csv"));
@@ -573,7 +573,7 @@ INSTANTIATE_TEST_SUITE_P(Bits, Mp4Touch, ::testing::Values(8, 10, 12, 16));
 
 class FragmentedTouch : public ::testing::TestWithParam<int> {};
 
-TEST_P(FragmentedTouch, ForcesAreThoseOfTheClipAlsoWhereItIsCut) {
+TEST_P(FragmentedTouch, MatchesClipForces) {
     const TemporaryFolder folder;
     const auto at = [&](const char* name) { return std::string(folder / name); };
     const std::string hand = zigzag_hand(at("zigzag.csv"));
@@ -610,7 +610,7 @@ TEST_P(FragmentedTouch, ForcesAreThoseOfTheClipAlsoWhereItIsCut) {
 
 INSTANTIATE_TEST_SUITE_P(Bits, FragmentedTouch, ::testing::Values(8, 16));
 
-TEST(FragmentedClip, IsAskedForByNamesOfMp4Alone) {
+TEST(FragmentedClip, RequiresMp4Name) {
     const TemporaryFolder folder;
     const std::string clip = folder / "clip.mkv";
     make_clip("globe", clip, {"--size", "64x48", "--frames", "2"});
@@ -624,7 +624,7 @@ TEST(FragmentedClip, IsAskedForByNamesOfMp4Alone) {
     EXPECT_NE(made.err.find("--fragmented is for NAME.mp4"), std::string::npos) << made.err;
 }
 
-TEST(FragmentedClip, SoundThatItCannotHoldIsLostAndThatIsSaid) {
+TEST(FragmentedClip, ReportsLostSound) {
     if (std::system("command -v ffmpeg >/dev/null") != 0)
         GTEST_SKIP() << "there is no program ffmpeg here (Debian: ffmpeg)";
     const TemporaryFolder folder;

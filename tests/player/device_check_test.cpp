@@ -1,4 +1,4 @@
-// What the program says of devices, on machines that may have any or none.
+// The program's words on devices, on machines that may have any or none.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ void write_log(const std::string& file, int seconds) {
             << (tick % 2 == 0 ? "0" : "0.00004") << ",0.01,0,0,0.5,0,0,0,0\n";
 }
 
-TEST(Devices, NamesEveryWordAndHowToBegin) {
+TEST(Devices, ListEveryKind) {
     const Outcome run = run_touchable({"devices"});
     EXPECT_EQ(run.code, 0) << run.err;
     for (const DeviceKind& kind : device_kinds())
@@ -55,7 +55,7 @@ TEST(Devices, NamesEveryWordAndHowToBegin) {
         EXPECT_NE(run.out.find(part), std::string::npos) << part << run.out;
 }
 
-TEST(Devices, SayTheSameAsJson) {
+TEST(Devices, ListKindsAsJson) {
     const Outcome run = run_touchable({"devices", "--json"});
     EXPECT_EQ(run.code, 0) << run.err;
     const auto json = nlohmann::json::parse(run.out, nullptr, false);
@@ -67,13 +67,14 @@ TEST(Devices, SayTheSameAsJson) {
     EXPECT_EQ(json["words"].back()["word"], "simulated");
 }
 
-TEST(Devices, GiveTheRuleFileToWhoHasTheProgramAlone) {
+/// For users who have the program without its source tree.
+TEST(Devices, PrintUdevRules) {
     const Outcome run = run_touchable({"devices", "--udev-rules"});
     EXPECT_EQ(run.code, 0);
     EXPECT_EQ(run.out, file_contents(std::string(TOUCHABLE_SOURCE_DIR) + "/share/udev/70-touchable.rules"));
 }
 
-TEST(DeviceCheck, MeasuresALogAsADevice) {
+TEST(DeviceCheck, MeasuresRecordedLog) {
     const TemporaryFolder folder;
     const std::string log = folder / "trouble.csv", report = folder / "report.txt";
     write_log(log, 8);
@@ -101,14 +102,14 @@ TEST(DeviceCheck, MeasuresALogAsADevice) {
     for (const char* part : {"recorded:trouble.csv:force=4", "touchable ", "Linux ", "reports   ",
                              "age       ", "places    ", "stiffness not tried: it exerts no force"})
         EXPECT_NE(words.find(part), std::string::npos) << part << " in\n" << words;
-    EXPECT_EQ(words.find(folder.path().string()), std::string::npos) << "folders tell who somebody is";
+    EXPECT_EQ(words.find(folder.path().string()), std::string::npos) << "folder names identify a person";
 
     const Outcome again = run_touchable({"check", "--device", "recorded:" + log, "--out", report});
     EXPECT_EQ(again.code, 2) << "the report is there already";
     EXPECT_EQ(file_contents(report), words);
 }
 
-TEST(DeviceCheck, WhatCannotBeOpenedIsCode5InOneLine) {
+TEST(DeviceCheck, ReportsDeviceThatCannotOpen) {
     const Outcome run = run_touchable({"check", "--device", "spacemouse:node=/dev/nonexistent-hidraw"});
     EXPECT_EQ(run.code, 5);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
@@ -117,7 +118,7 @@ TEST(DeviceCheck, WhatCannotBeOpenedIsCode5InOneLine) {
         << run.err;
 }
 
-TEST(DeviceCheck, AFileThatIsNotThereHidesNoMissingDevice) {
+TEST(DeviceCheck, ReportsMissingFileAndDevice) {
     if (!run_touchable({"devices"}).out.starts_with("No device")) GTEST_SKIP() << "a device is connected";
     const TemporaryFolder folder;
     for (const char* device : {"falcon:firmware=", "woodenhaptics:file="}) {
@@ -135,7 +136,7 @@ TEST(DeviceCheck, AFileThatIsNotThereHidesNoMissingDevice) {
         << log.err;
 }
 
-TEST(DeviceCheck, AnUnknownNameIsToldTheNearest) {
+TEST(DeviceCheck, SuggestsNearestDeviceName) {
     const auto refusal = [](const char* name) { return run_touchable({"check", "--device", name}).err; };
     const std::string falco = refusal("falco");
     EXPECT_NE(
@@ -149,7 +150,7 @@ TEST(DeviceCheck, AnUnknownNameIsToldTheNearest) {
         << "none is near";
 }
 
-TEST(DeviceCheck, AHandThatNeverComesIsCode5AndLeavesNoReport) {
+TEST(DeviceCheck, TimesOutWithoutHand) {
     const TemporaryFolder folder;
     const std::string port = std::to_string(unused_port());
     const Outcome run = run_touchable(
@@ -162,7 +163,7 @@ TEST(DeviceCheck, AHandThatNeverComesIsCode5AndLeavesNoReport) {
     EXPECT_EQ(folder.file_count(), 0u);
 }
 
-TEST(DeviceCheck, StopsWhenItIsInterrupted) {
+TEST(DeviceCheck, StopsWhenInterrupted) {
     const Outcome run = run_interrupted_at_once(
         {"check", "--device", "network:port=" + std::to_string(unused_port()), "--wait", "60"});
     EXPECT_EQ(run.code, 130);
@@ -170,7 +171,7 @@ TEST(DeviceCheck, StopsWhenItIsInterrupted) {
 }
 
 /// `check` of a network hand that rests, by a person at a terminal of their own.
-class CheckAtATerminal : public ::testing::Test {
+class TerminalCheck : public ::testing::Test {
 protected:
     /// Types `answer` once it asks for the springs, and plays the hand until it ends.
     void run(const std::string& answer) {
@@ -220,7 +221,7 @@ protected:
             if (answer) largest_ = std::max(largest_, glm::length(answer->vectors[0]));
         }
     }
-    ~CheckAtATerminal() override { close(socket_); }
+    ~TerminalCheck() override { close(socket_); }
 
     const TemporaryFolder folder_;
     int socket_ = -1;
@@ -229,20 +230,20 @@ protected:
     nlohmann::json report_;
 };
 
-TEST_F(CheckAtATerminal, NAndEnterLeavesTheSpringsOut) {
+TEST_F(TerminalCheck, NSkipsSprings) {
     run("n\n");
     EXPECT_EQ(report_["stiffness"]["not_tried"], "it was left out");
-    EXPECT_EQ(largest_, 0) << "a force that nobody agreed to";
+    EXPECT_EQ(largest_, 0) << "a force without consent";
 }
 
-TEST_F(CheckAtATerminal, EnterTriesSprings) {
+TEST_F(TerminalCheck, EnterTriesSprings) {
     run("\n");
     EXPECT_FALSE(report_["stiffness"].contains("not_tried") &&
                  report_["stiffness"]["not_tried"] == "it was left out")
         << report_["stiffness"];
 }
 
-/// Whether it ignores a signal while it waits for a hand.
+/// True where the program ignores a signal while it waits for a hand.
 bool ignores(int signal, const Words& words) {
     Words all{TOUCHABLE_PROGRAM};
     all.insert(all.end(), words.begin(), words.end());
@@ -251,7 +252,7 @@ bool ignores(int signal, const Words& words) {
     argv.push_back(nullptr);
     const pid_t program = fork();
     if (program == 0) {
-        std::signal(signal, SIG_DFL);  // whoever runs these tests may ignore it
+        std::signal(signal, SIG_DFL);  // the parent may ignore it
         const int nowhere = open("/dev/null", O_RDWR);
         for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
         execv(argv[0], argv.data());
@@ -272,7 +273,7 @@ bool ignores(int signal, const Words& words) {
 }
 
 /// By Ctrl-Z, and by terminals that it is in the background of, it would stop with a force on.
-TEST(HeldDevice, NoKeyStopsTheProgramWhileADeviceIsHeld) {
+TEST(HeldDevice, IgnoresTerminalStopSignals) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"}).code, 0);
@@ -286,7 +287,7 @@ TEST(HeldDevice, NoKeyStopsTheProgramWhileADeviceIsHeld) {
     }
 }
 
-TEST(DeviceCheck, QuestionsThatMakeNoSenseAreCode2) {
+TEST(DeviceCheck, RejectsInvalidOptions) {
     for (const Words& words : {Words{"--device", "falconn"},
                                {"--device", "simulated"},
                                {"--device", "network:prot=1"},
@@ -304,9 +305,9 @@ TEST(DeviceCheck, QuestionsThatMakeNoSenseAreCode2) {
     }
 }
 
-class HeldLog : public ::testing::Test {
+class LogDevice : public ::testing::Test {
 protected:
-    HeldLog() {
+    LogDevice() {
         const Outcome made = run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"});
         EXPECT_EQ(made.code, 0) << made.err;
         write_log(log, 1);
@@ -321,7 +322,7 @@ protected:
     const std::string clip = folder / "globe.mkv", log = folder / "trouble.csv", report = folder / "r.json";
 };
 
-TEST_F(HeldLog, EndsTheRunWhereItEnds) {
+TEST_F(LogDevice, EndsRunAtLogEnd) {
     const Outcome run = touch({"--json", report});
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_NE(run.out.find("has ended: nothing holds the handle any more; the run ends there"),
@@ -333,7 +334,7 @@ TEST_F(HeldLog, EndsTheRunWhereItEnds) {
     EXPECT_LT(ticks, 2900) << "not the clip's three seconds, nor for ever";
 }
 
-TEST_F(HeldLog, RunsForAsLongAsItIsTold) {
+TEST_F(LogDevice, RunsForRequestedSeconds) {
     const Outcome run = touch({"--seconds", "1.5", "--json", report});
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_EQ(run.out.find("the run ends there"), std::string::npos) << run.out;
@@ -342,7 +343,7 @@ TEST_F(HeldLog, RunsForAsLongAsItIsTold) {
     EXPECT_LE(facts["ticks"].get<int>(), 1500);
 }
 
-TEST_F(HeldLog, ExertsNoForceWhateverIsAskedFor) {
+TEST_F(LogDevice, ExertsNoForce) {
     for (const Words& more : {Words{"--json", report}, {"--force-on", "--json", folder / "on.json"}}) {
         const Outcome run = touch(more);
         EXPECT_EQ(run.code, 0) << run.err;
@@ -353,7 +354,7 @@ TEST_F(HeldLog, ExertsNoForceWhateverIsAskedFor) {
     }
 }
 
-TEST_F(HeldLog, ThatNobodyCameIsSaidAtTheStartAndInTheEnd) {
+TEST_F(LogDevice, ReportsMissingHand) {
     const std::string port = std::to_string(unused_port());
     const Outcome run = run_touchable(
         {"touch", clip, "--live", "--device", "network:port=" + port, "--seconds", "0.3", "--json", report});
@@ -378,7 +379,7 @@ TEST(DeviceReport, NamesNoFolders) {
     EXPECT_EQ(without_folders("network"), "network");
 }
 
-TEST(DeviceReport, SaysWhatTheSearchFound) {
+TEST(DeviceReport, DescribesStiffnessSearch) {
     DeviceReport report;
     report.capabilities.answers = true;
     report.facts.left_out = 7;

@@ -67,7 +67,7 @@ TEST_F(Export, WritesEveryPlaneExactly) {
     EXPECT_EQ(image_of(out("codes.png")).bytes_per_sample, 2);
 }
 
-TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
+TEST_F(Export, UnfilteredCodesAreStoredValues) {
     make("noise", 1, {"--bits", "8"});
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
     EXPECT_EQ(differing(image_of(out("codes.png")).view(), frame(0).depth), 0);
@@ -79,7 +79,7 @@ TEST_F(Export, CodesOfAnUnfilteredClipAreItsStoredValues) {
 }
 
 // SUN RGB-D rotates the bits of its depth. What is exported are codes, and comes back as they are.
-TEST_F(Export, CodesOfWordsInAnotherOrderAreDescribedAsCodes) {
+TEST_F(Export, WritesRotatedDepthAsCodes) {
     std::vector<std::uint16_t> words(72 * 48);
     for (std::size_t k = 0; k < words.size(); ++k)
         words[k] = static_cast<std::uint16_t>((800 + k % 500) << 3);
@@ -95,7 +95,7 @@ TEST_F(Export, CodesOfWordsInAnotherOrderAreDescribedAsCodes) {
     EXPECT_EQ(file_contents(out("codes.json")).find("rotated"), std::string::npos);
 }
 
-TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
+TEST_F(Export, AppliesFilterOptions) {
     make("noise", 1);
     for (const char* builder : {"cpu", "reference", "vulkan"}) {
         ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "5",
@@ -118,7 +118,7 @@ TEST_F(Export, FilterOptionsReachTheCodesAndTheSceneFile) {
     }
 }
 
-TEST_F(Export, RangeWritesAFolderPerFrame) {
+TEST_F(Export, RangeWritesFolderPerFrame) {
     make("moving", 4);
     const Outcome some = run_touchable({"export", clip(), "--frames", "1-2", "--out", out()});
     ASSERT_EQ(some.code, 0);
@@ -143,7 +143,7 @@ TEST_F(Export, RangeWritesAFolderPerFrame) {
     EXPECT_TRUE(std::filesystem::exists(out("3/mesh.ply")));
 }
 
-TEST_F(Export, FramesBeforeTheOneThatFailsStayAndAreSaidTo) {
+TEST_F(Export, KeepsFramesBeforeFailure) {
     make("moving", 4);
     std::filesystem::create_directory(out());
     std::ofstream(out("2")) << "no folder\n";
@@ -153,7 +153,7 @@ TEST_F(Export, FramesBeforeTheOneThatFailsStayAndAreSaidTo) {
     EXPECT_EQ(names_in(out()), (Words{"0", "1", "2"}));
 }
 
-TEST_F(Export, FrameBeyondTheEndIsCode2AndSaysHowManyThereAre) {
+TEST_F(Export, RejectsFrameBeyondEnd) {
     make("plane", 3);
     for (const auto& words :
          {std::vector<std::string>{"export", clip(), "--frame", "3", "--out", out()},
@@ -165,7 +165,7 @@ TEST_F(Export, FrameBeyondTheEndIsCode2AndSaysHowManyThereAre) {
     }
 }
 
-TEST_F(Export, ImpossibleSettingsAreCode2AndLeaveNothing) {
+TEST_F(Export, RejectsInvalidSettings) {
     make("plane", 1);
     for (const auto& [option, value] : std::vector<std::pair<std::string, std::string>>{
              {"--median", "4"}, {"--fill-holes", "17"}, {"--fill-holes", "-1"}, {"--builder", "fast"}}) {
@@ -178,7 +178,7 @@ TEST_F(Export, ImpossibleSettingsAreCode2AndLeaveNothing) {
         EXPECT_EQ(run_touchable({"export", clip(), "--frames", range, "--out", out()}).code, 2) << range;
 }
 
-TEST_F(Export, FrameThatIsNoNumberIsCode2) {
+TEST_F(Export, RejectsInvalidFrameNumber) {
     make("plane", 1);
     for (const char* frame :
          {"", "-1", "1.5", "0x1", "first", "9223372036854775807", "99999999999999999999"}) {
@@ -190,7 +190,7 @@ TEST_F(Export, FrameThatIsNoNumberIsCode2) {
     }
 }
 
-TEST_F(Export, EarlierFilesStayUnlessTheyMayBeReplaced) {
+TEST_F(Export, OverwritesOnlyWithPermission) {
     make("moving", 3);
     for (const Words& what : {Words{"--frame", "1", "--out", out()}, Words{"--frames", "0-1", "--out", out()},
                               Words{"--frame", "1", "--picture", folder / "p.png"}}) {
@@ -208,7 +208,7 @@ TEST_F(Export, EarlierFilesStayUnlessTheyMayBeReplaced) {
         << "another frame";
 }
 
-TEST_F(Export, CodesWithoutTerracesAreFiner) {
+TEST_F(Export, TerraceRemovalRefinesCodes) {
     ASSERT_EQ(
         run_touchable({"make", "globe", clip(), "--size", "96x64", "--frames", "1", "--bits", "8"}).code, 0);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--terraces", "auto"}).code,
@@ -232,7 +232,7 @@ TEST_F(Export, CodesWithoutTerracesAreFiner) {
               force_hash({clip(), "--terraces", "on", hand[0], hand[1]}));
 }
 
-TEST_F(Export, FolderIsAClipOfThatFrameWhichFeelsTheSame) {
+TEST_F(Export, FolderKeepsFrameForces) {
     make("globe", 1);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out(), "--median", "3"}).code, 0);
     const Words hand{"--hand", zigzag_hand(folder / "zigzag.csv")};
@@ -262,7 +262,7 @@ Image step_in_the_middle(std::uint8_t around) {
 
 // The clip says nothing of the device, so that its frame 0 settles how far one moves. Frame 1 alone, whose
 // median depth is another, would settle something else.
-TEST_F(Export, FrameFeelsAsInItsClipThoughItsOwnDepthSuggestsAnotherScale) {
+TEST_F(Export, KeepsDeviceScaleOfClip) {
     make("plane", 1, {"--bits", "8"});
     auto scene = scene_of(clip());
     scene.erase("device_metres_per_unit");
@@ -294,7 +294,7 @@ TEST_F(Export, FrameFeelsAsInItsClipThoughItsOwnDepthSuggestsAnotherScale) {
     EXPECT_NE(hash(folder / "alone.json"), felt) << "no test of the scale";
 }
 
-TEST_F(Export, FullDiskIsCode3AndLeavesNothing) {
+TEST_F(Export, FullDiskLeavesNothing) {
     make("globe", 1);
     for (const int kibibytes : {0, 8}) {
         for (const Words& what : {Words{"--out", out()}, Words{"--picture", folder / "p.png"}}) {
@@ -308,14 +308,14 @@ TEST_F(Export, FullDiskIsCode3AndLeavesNothing) {
     }
 }
 
-TEST_F(Export, FolderWithoutANameIsCode2) {
+TEST_F(Export, RejectsEmptyFolderName) {
     make("plane", 1);
     const Outcome run = run_touchable({"export", clip(), "--frame", "0", "--out", ""});
     EXPECT_EQ(run.code, 2);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
 }
 
-TEST_F(Export, PlaceThatIsAFileIsCode3AndStaysAsItWas) {
+TEST_F(Export, RejectsFileAsFolder) {
     make("plane", 1);
     const std::string before = file_contents(clip());
     for (const std::string& place : {clip(), clip() + "/deeper"}) {
@@ -327,7 +327,7 @@ TEST_F(Export, PlaceThatIsAFileIsCode3AndStaysAsItWas) {
     EXPECT_EQ(names_in(folder.path()), std::vector<std::string>{"clip.mkv"});
 }
 
-TEST_F(Export, FolderWithoutPermissionIsCode3AndStaysEmpty) {
+TEST_F(Export, FailsForReadOnlyFolder) {
     if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
     make("plane", 1);
     std::filesystem::create_directory(out());
@@ -336,7 +336,7 @@ TEST_F(Export, FolderWithoutPermissionIsCode3AndStaysEmpty) {
     EXPECT_TRUE(names_in(out()).empty());
 }
 
-TEST_F(Export, PlanesOfAnEarlierClipDoNotStayBehind) {
+TEST_F(Export, OverwriteRemovesEarlierPlanes) {
     make("globe", 1);
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", out()}).code, 0);
     make("noise", 1);
@@ -359,7 +359,7 @@ std::string command_of_the_page() {
     return page.substr(from, page.find("\n```", from) - from);
 }
 
-TEST(FfmpegClip, MadeByTheCommandOfThePageHoldsEveryValue) {
+TEST(FfmpegClip, DocumentedCommandKeepsEveryValue) {
     if (std::system("command -v ffmpeg >/dev/null") != 0)
         GTEST_SKIP() << "there is no program ffmpeg here (Debian: ffmpeg)";
     const TemporaryFolder folder;
@@ -390,11 +390,11 @@ TEST(FfmpegClip, MadeByTheCommandOfThePageHoldsEveryValue) {
 
 // Every option and word that names a file to read, given what is none: told at once, in a line.
 
-class GivenFiles : public ::testing::Test {
+class InputFiles : public ::testing::Test {
 protected:
-    GivenFiles() { make_clip("plane", clip, {"--size", "48x32", "--frames", "3"}); }
+    InputFiles() { make_clip("plane", clip, {"--size", "48x32", "--frames", "3"}); }
 
-    /// What stands for a file whose name ends so.
+    /// Paths that stand for a file whose name ends so.
     Words stand_ins(const std::string& ending) const {
         const fs::path pipe = folder / ("pipe" + ending), device = folder / ("zero" + ending),
                        endless = folder / ("large" + ending), files = folder / ("folder" + ending);
@@ -434,7 +434,7 @@ protected:
     const std::string clip = folder / "clip.mkv", out = folder / "out";
 };
 
-TEST_F(GivenFiles, OfWhichAClipIsMade) {
+TEST_F(InputFiles, RejectSpecialFilesAsClip) {
     alarm(600);  // who opens a pipe waits for a writer
     expect_told("", {"info", "@"});
     expect_told(".mkv", {"info", "@"});
@@ -453,7 +453,7 @@ TEST_F(GivenFiles, OfWhichAClipIsMade) {
     alarm(0);
 }
 
-TEST_F(GivenFiles, ThatLeadARun) {
+TEST_F(InputFiles, RejectSpecialFilesAsHand) {
     alarm(600);
     expect_told("", {"touch", clip, "--play", "@", "--seconds", "0.1"});
     expect_told(".csv", {"touch", clip, "--hand", "csv:@:columns=z", "--seconds", "0.1"});
@@ -468,7 +468,7 @@ TEST_F(GivenFiles, ThatLeadARun) {
     alarm(0);
 }
 
-TEST_F(GivenFiles, OfWhichARunIsJudged) {
+TEST_F(InputFiles, RejectSpecialFilesAsForces) {
     alarm(600);
     const std::string forces = folder / "forces.csv";
     ASSERT_EQ(run_touchable({"touch", clip, "--seconds", "0.1", "--forces", forces}).code, 0);

@@ -11,7 +11,7 @@ extern "C" int __cxa_atexit(void (*function)(void*), void* argument, void* libra
 
 namespace {
 
-/// Of no library, and the first: called when every other one has been.
+/// The handler belongs to no library and is the first: it is called after every other one.
 [[gnu::constructor]] void begin() {
     __cxa_atexit([](void*) { std::this_thread::sleep_for(std::chrono::milliseconds(600)); }, nullptr,
                  nullptr);

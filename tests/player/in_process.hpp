@@ -8,7 +8,7 @@
 
 namespace touchable::test {
 
-// What the program does before and after a session, by the rooms of a session alone: so ThreadSanitizer sees
+// The program's steps before and after a session, by the rooms of a session alone: so ThreadSanitizer sees
 // its threads without a build of the program.
 
 /// As `touchable make`: a clip of a generated scene, over an earlier one.

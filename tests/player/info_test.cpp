@@ -25,7 +25,7 @@ nlohmann::json facts_of(const std::vector<std::string>& words) {
     return nlohmann::json::parse(run.out, nullptr, false);
 }
 
-TEST(Info, GlobeOfPresetBHasThePapersFieldsOfView) {
+TEST(Info, GlobeHasPapersFov) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "2"}).code, 0);
@@ -52,7 +52,7 @@ TEST(Info, GlobeOfPresetBHasThePapersFieldsOfView) {
 
 // Preset B at 720x480: fx = 4.7/0.0112, so one pixel at depth d is d 0.0112/4.7 wide; one code is 140/255
 // deep.
-TEST(Info, KappaIsTheStepOfOneCodeOverTheWidthOfAPixel) {
+TEST(Info, KappaIsStepPerPixel) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1", "--bits", "8", "--plain"}).code, 0);
@@ -65,7 +65,7 @@ TEST(Info, KappaIsTheStepOfOneCodeOverTheWidthOfAPixel) {
     }
 }
 
-TEST(Info, AdvisesTerraceRemovalWhereStepsAreSteep) {
+TEST(Info, AdvisesTerraceRemoval) {
     const TemporaryFolder folder;
     for (const auto& [bits, advised] : {std::pair{"8", true}, {"16", false}}) {
         const std::string clip = folder / (std::string(bits) + ".mkv");
@@ -89,7 +89,7 @@ TEST(Info, AdvisesTerraceRemovalWhereStepsAreSteep) {
     }
 }
 
-TEST(Info, TellsAPersonTheSame) {
+TEST(Info, PrintsFactsAsText) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";
     ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "64x48", "--frames", "3"}).code, 0);
@@ -100,7 +100,7 @@ TEST(Info, TellsAPersonTheSame) {
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
 }
 
-TEST(Info, SaysOfWhichStepKappaIsAndWhatDecidesOnAMedian) {
+TEST(Info, ExplainsKappaStep) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1", "--bits", "8", "--plain"}).code, 0);
@@ -117,7 +117,7 @@ TEST(Info, SaysOfWhichStepKappaIsAndWhatDecidesOnAMedian) {
         << levels.out << levels.err;
 }
 
-TEST(Info, EndsWithAVerdict) {
+TEST(Info, EndsWithVerdict) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1", "--bits", "8"}).code, 0);
@@ -133,7 +133,7 @@ TEST(Info, EndsWithAVerdict) {
     EXPECT_NE(text.find("; smooth places lean "), std::string::npos) << "what the filter did";
 }
 
-TEST(Info, OfAGuessedCameraTheVerdictIsToSayWhatItSees) {
+TEST(Info, VerdictAsksForGuessedCamera) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", pictures = folder / "pictures";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--frames", "1"}).code, 0);
@@ -147,7 +147,7 @@ TEST(Info, OfAGuessedCameraTheVerdictIsToSayWhatItSees) {
         << told["verdict"];
 }
 
-TEST(Info, TellsOnceWhatStandsForAHapticPlane) {
+TEST(Info, NamesDefaultStiffnessOnce) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";
     ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "64x48", "--frames", "1"}).code, 0);
@@ -158,7 +158,7 @@ TEST(Info, TellsOnceWhatStandsForAHapticPlane) {
 }
 
 // The example of docs/scene_file.md is what `make globe` writes.
-TEST(Info, GlobesSceneIsTheOneDocumented) {
+TEST(Info, GlobeSceneMatchesDocumentation) {
     const std::string page = file_contents(TOUCHABLE_SOURCE_DIR "/docs/scene_file.md");
     const std::size_t chapter = page.find("## A generated clip"), begin = page.find('{', chapter);
     ASSERT_NE(chapter, std::string::npos);
@@ -187,7 +187,7 @@ TEST(Info, ReadsEveryScene) {
     }
 }
 
-TEST(Info, DamagedClipIsCode3) {
+TEST(Info, RejectsDamagedClip) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", half = folder / "half.mkv", text = folder / "text.mkv";
     ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "72x48", "--frames", "2"}).code, 0);
@@ -203,7 +203,7 @@ TEST(Info, DamagedClipIsCode3) {
 }
 
 // A far plane that is not given is searched in up to 32 frames, which are large here.
-TEST(Info, InterruptedWhileTheFarPlaneIsSearchedIsCode130) {
+TEST(Info, FarPlaneSearchIsInterruptible) {
     const TemporaryFolder folder;
     const std::string clip = folder / "clip.mkv";
     ASSERT_EQ(run_touchable({"make", "noise", clip, "--size", "2048x1536", "--frames", "1"}).code, 0);
@@ -244,7 +244,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(BarePicture, IsTouchedReplayedExportedAndDescribedByItsCamera) {
+TEST_F(BarePicture, WorksWithGivenCamera) {
     const std::string recording = folder / "run.rec", report = folder / "report.json";
     const Outcome touched =
         run({"touch", picture(), "--seconds", "0.5", "--record", recording, "--json", report}, camera);
@@ -260,8 +260,8 @@ TEST_F(BarePicture, IsTouchedReplayedExportedAndDescribedByItsCamera) {
     EXPECT_EQ(exported.code, 0) << exported.err;
 }
 
-/// What a recording says is what was typed: depth along rays is replayed as such.
-TEST_F(BarePicture, DepthIsAlongRaysWhereThatIsSaid) {
+/// A recording keeps the typed option: depth along rays is replayed as such.
+TEST_F(BarePicture, DepthOptionSelectsRayDepth) {
     const std::string recording = folder / "run.rec", out = folder / "out";
     const Outcome touched =
         run({"touch", picture(), "--seconds", "0.1", "--depth", "range", "--record", recording}, camera);
@@ -278,7 +278,7 @@ TEST_F(BarePicture, DepthIsAlongRaysWhereThatIsSaid) {
     EXPECT_EQ(run({"info", picture(), "--depth", "sideways"}, camera).code, 2);
 }
 
-TEST_F(BarePicture, WithoutACameraIsTouchedByWhatIsGuessedAndSaid) {
+TEST_F(BarePicture, GuessesMissingCamera) {
     const std::string recording = folder / "run.rec";
     const Outcome touched = run_touchable({"touch", picture(), "--seconds", "0.1", "--record", recording});
     ASSERT_EQ(touched.code, 0) << touched.err;
@@ -295,7 +295,7 @@ TEST_F(BarePicture, WithoutACameraIsTouchedByWhatIsGuessedAndSaid) {
     EXPECT_EQ(run_touchable({"info", picture(), "--preset", "none"}).code, 2);
 }
 
-TEST_F(BarePicture, CameraFileIsNoGuess) {
+TEST_F(BarePicture, CameraFileReplacesGuess) {
     std::ofstream(folder / "camera.json")
         << R"({"width": 120, "height": 80, "fx": 100, "fy": 100, "cx": 59.5, "cy": 39.5})";
     const std::string own = "the camera is that of camera.json (--intrinsics FX,FY,CX,CY says otherwise)\n",
@@ -362,13 +362,13 @@ TEST_F(BarePicture, VerdictWeighsEveryGuess) {
     const std::string turned = verdict(floats, {"--depth", "planar"});
     begins(turned, "may be inside out (values are lengths, though they are larger in the lower third");
     ends(turned, " --preset relative-inverse; guessed too: the camera, the unit");
-    // Of every second pixel three times as deep nothing is a surface.
+    // With every second pixel three times as deep there is no surface.
     write_floats(floats, 0, 3);
     begins(verdict(floats, {}),
            "hardly depth: 100 % of neighbouring pixels differ by more than a factor of two");
 }
 
-TEST_F(BarePicture, VerdictOnAConvertedClipNamesItsSceneFile) {
+TEST_F(BarePicture, VerdictSuggestsSceneFile) {
     const std::string clip = folder / "clip.mkv";
     ASSERT_EQ(run({"convert", picture(), clip}, {"--depth-unit", "0.001"}).code, 0);
     const auto told = nlohmann::json::parse(run_touchable({"info", clip, "--json"}).out, nullptr, false);
@@ -379,7 +379,7 @@ TEST_F(BarePicture, VerdictOnAConvertedClipNamesItsSceneFile) {
             clip + " writes a scene file to say it in");
 }
 
-TEST_F(BarePicture, FramesOfTwoKindsInTurnAreSaid) {
+TEST_F(BarePicture, ReportsAlternatingFrames) {
     std::filesystem::create_directory(folder / "mixed");
     for (int n = 0; n < 4; ++n) {
         Image image{60, 40, 2, 1, {}};
@@ -434,7 +434,7 @@ TEST_F(BarePicture, ImplausibleUnitIsDoubted) {
 }
 
 // As much as the pixels of one frame need, twice as much to be touched.
-TEST_F(BarePicture, OfManyPixelsTakesMemoryForThemAlone) {
+TEST_F(BarePicture, MemoryScalesWithPixels) {
     constexpr int side = 6000;
     [[maybe_unused]] constexpr double mebibytes = 128 + 5.0 * side * side / (1 << 20);
     Image image{side, side, 2, 1, {}};
@@ -456,7 +456,7 @@ TEST_F(BarePicture, OfManyPixelsTakesMemoryForThemAlone) {
 #endif
 }
 
-TEST_F(BarePicture, ASceneFileToBeginWithIsWritten) {
+TEST_F(BarePicture, InitSceneWritesSceneFile) {
     const Outcome written = run_touchable({"init-scene", picture(), "--fov", "70"});
     ASSERT_EQ(written.code, 0) << written.err;
     EXPECT_NE(written.out.find("my.json"), std::string::npos);
@@ -475,7 +475,7 @@ TEST_F(BarePicture, ASceneFileToBeginWithIsWritten) {
     EXPECT_NE(run_touchable({"formats"}).out.find("--preset NAME"), std::string::npos);
 }
 
-TEST_F(BarePicture, PackedHasItsSceneWrittenToBeChanged) {
+TEST_F(BarePicture, InitSceneDescribesPackedClip) {
     const std::string clip = folder / "my clip.mkv";
     const std::string as_typed = "'" + clip + "'";
     ASSERT_EQ(run_touchable({"convert", picture(), clip}).code, 0);
@@ -506,14 +506,14 @@ TEST_F(BarePicture, PackedHasItsSceneWrittenToBeChanged) {
     EXPECT_EQ(nlohmann::json::parse(changed.out)["camera"]["fx"], 77);
 }
 
-TEST_F(BarePicture, ASceneFileForWhichThereIsNoRoomSaysSo) {
+TEST_F(BarePicture, InitSceneReportsFullDisk) {
     const Outcome full = run_on_full_disk({"init-scene", picture()}, 0);
     EXPECT_EQ(full.code, 3);
     EXPECT_NE(full.err.find("my.json: cannot be written: File too large"), std::string::npos) << full.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "my.json"));
 }
 
-TEST_F(BarePicture, CommasForPointsInACameraAreRefused) {
+TEST_F(BarePicture, RejectsDecimalCommasInCamera) {
     for (const char* text : {"525,5,525,5", "525,5", "5,525", "525,-200"}) {
         const Outcome told = run_touchable({"info", picture(), "--intrinsics", text});
         EXPECT_EQ(told.code, 2) << text;
@@ -532,7 +532,7 @@ TEST_F(BarePicture, CommasForPointsInACameraAreRefused) {
               std::string::npos);
 }
 
-TEST_F(BarePicture, ACameraThatIsNoneIsCode2) {
+TEST_F(BarePicture, RejectsInvalidCamera) {
     for (const char* text : {"", "50", "50,50,3", "50,fifty", "50,50,1,2,3", "50,nan", "0,50", "50,50,"})
         EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", text}).code, 2) << text;
     EXPECT_EQ(run_touchable({"info", picture(), "--fov", "180"}).code, 2);
@@ -540,7 +540,7 @@ TEST_F(BarePicture, ACameraThatIsNoneIsCode2) {
     EXPECT_EQ(run_touchable({"info", picture(), "--intrinsics", "50,50", "--depth-unit", "0"}).code, 2);
 }
 
-// One map of touch for a whole clip, from the command line: the same forces by every way it comes in.
+// A map of touch for a whole clip, from the command line: the same forces by every way it comes in.
 
 class StillMap : public ::testing::Test {
 protected:
@@ -564,7 +564,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(StillMap, IsFeltTheSameByEveryWayIn) {
+TEST_F(StillMap, GivesSameForcesEverywhere) {
     const std::string plain = hash(clip()), felt = hash(clip(), {"--haptic", map()});
     EXPECT_NE(plain, felt);
     const std::vector<std::string> convert{"convert", clip(), folder / "out.mkv", "--haptic", map()};
@@ -578,7 +578,7 @@ TEST_F(StillMap, IsFeltTheSameByEveryWayIn) {
     EXPECT_EQ(hash(folder / "out"), felt);
 }
 
-TEST_F(StillMap, IsKeptByARecordingAndNeverWrittenOver) {
+TEST_F(StillMap, IsKeptInRecording) {
     const std::string recording = folder / "run.rec";
     const std::vector<std::string> maps{"--haptic", map(), "--height", folder / "s.png"};
     EXPECT_NE(hash(clip(), {"--height", folder / "s.png"}), hash(clip()));
@@ -637,7 +637,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Picture, IsDrawnOfTheSizeAskedFor) {
+TEST_F(Picture, HasRequestedSize) {
     const Outcome done = touch({"--picture-size", "96x54", "--verbose"});
     EXPECT_EQ(done.code, 0) << done.err;
     EXPECT_EQ(image().width, 96);
@@ -645,7 +645,7 @@ TEST_F(Picture, IsDrawnOfTheSizeAskedFor) {
     EXPECT_NE(done.out.find("picture: " + file()), std::string::npos) << done.out;
 }
 
-TEST_F(Picture, IsTheSameFromRunToRunAndWhenReplayed) {
+TEST_F(Picture, IsRepeatable) {
     ASSERT_EQ(touch({"--picture-size", "96x54", "--record", folder / "run.rec"}).code, 0);
     const std::string first = file_contents(file());
     ASSERT_EQ(touch({"--picture-size", "96x54"}).code, 0);
@@ -657,7 +657,7 @@ TEST_F(Picture, IsTheSameFromRunToRunAndWhenReplayed) {
     EXPECT_EQ(file_contents(file()), first);
 }
 
-TEST_F(Picture, IsTheSameByCpuAndCompute) {
+TEST_F(Picture, MatchesAcrossPainters) {
     ASSERT_EQ(draw({"--painter", "cpu", "--picture-size", "96x54"}).code, 0);
     const Image cpu = image();
     for (const char* painter : {"raster", "mesh"}) {
@@ -670,7 +670,7 @@ TEST_F(Picture, IsTheSameByCpuAndCompute) {
     }
 }
 
-TEST_F(Picture, IsTheSameOfFramesThatAreOnTheGpuAlready) {
+TEST_F(Picture, MatchesWithFramesOnGpu) {
     const std::vector<std::string> uploaded{"--painter", "raster"};
     const std::vector<std::string> there{"--painter", "raster", "--builder", "vulkan"};
     ASSERT_EQ(touch(uploaded).code, 0);
@@ -683,7 +683,7 @@ TEST_F(Picture, IsTheSameOfFramesThatAreOnTheGpuAlready) {
     EXPECT_EQ(file_contents(file()), drawn);
 }
 
-TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
+TEST_F(Picture, UsesRequestedGpu) {
     const Outcome done = touch({"--painter", "raster", "--gpu", "0", "--verbose"});
     EXPECT_EQ(done.code, 0) << done.err;
     const auto gpus = list_gpus();
@@ -700,7 +700,7 @@ TEST_F(Picture, IsDrawnOnTheGpuAskedFor) {
         expect_refused(touch({"--painter", painter, "--gpu", "no such device"}), 4, "no such device");
 }
 
-TEST_F(Picture, ShowsTheMomentAskedFor) {
+TEST_F(Picture, ShowsRequestedMoment) {
     ASSERT_EQ(touch({"--picture-at", "0.3"}).code, 0);
     const std::string usual_moment = file_contents(file());  // 60 % of half a second
     ASSERT_EQ(touch({}).code, 0);
@@ -709,14 +709,14 @@ TEST_F(Picture, ShowsTheMomentAskedFor) {
     EXPECT_NE(file_contents(file()), usual_moment);
 }
 
-TEST_F(Picture, ShowsTheViewAskedFor) {
+TEST_F(Picture, ShowsRequestedView) {
     ASSERT_EQ(draw({}).code, 0);
     const std::string usual = file_contents(file());
     ASSERT_EQ(draw({"--view", "own"}).code, 0);
     EXPECT_NE(file_contents(file()), usual);
 }
 
-TEST_F(Picture, ShowsWhatTheSurfaceIsMadeOf) {
+TEST_F(Picture, ShowsEveryOverlay) {
     std::set<std::string> pictures;
     for (const char* what : {"colour", "depth", "stiffness", "friction", "dynamic-friction", "height",
                              "normals", "tiles", "validity"}) {
@@ -724,18 +724,18 @@ TEST_F(Picture, ShowsWhatTheSurfaceIsMadeOf) {
         EXPECT_TRUE(pictures.insert(file_contents(file())).second) << what << " looks like another";
     }
     ASSERT_EQ(draw({"--painter", "cpu", "--picture-size", "96x54"}).code, 0);
-    EXPECT_TRUE(pictures.contains(file_contents(file()))) << "colour, where nobody says";
+    EXPECT_TRUE(pictures.contains(file_contents(file()))) << "colour is the default";
     EXPECT_EQ(touch({"--show", "depth"}).code, 0);
 }
 
-TEST_F(Picture, OfAFrameNeedsNoFolder) {
+TEST_F(Picture, ExportNeedsNoFolder) {
     ASSERT_EQ(draw({}).code, 0);
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"clip.mkv", "scene.png"}));
     ASSERT_EQ(draw({"--out", folder / "out"}).code, 0);
     EXPECT_EQ(names_in(folder.path()), (std::vector<std::string>{"clip.mkv", "out", "scene.png"}));
 }
 
-TEST_F(Picture, OfManyFramesIsRefused) {
+TEST_F(Picture, RejectsSeveralFrames) {
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"export", clip(), "--frames", "0-2", "--picture", file()},
           std::vector<std::string>{"export", clip(), "--picture", file()}})
@@ -743,7 +743,7 @@ TEST_F(Picture, OfManyFramesIsRefused) {
     expect_refused(run_touchable({"export", clip(), "--frame", "0"}), 2, "--out FOLDER, or --picture FILE");
 }
 
-TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
+TEST_F(Picture, RejectsInvalidOptionsBeforeRun) {
     expect_refused(touch({"--view", "above"}), 2,
                    "--view 'above' is not allowed; must be own, or orbit such");
     expect_refused(touch({"--view", "orbit:az=1,el=2,az=3"}), 2, "az is given twice");
@@ -766,7 +766,7 @@ TEST_F(Picture, RefusesWhatItCannotDrawBeforeTheRun) {
     EXPECT_EQ(run_touchable({"touch", clip(), "--picture-at", "1"}).code, 2);
 }
 
-TEST_F(Picture, RefusesAMomentAfterTheEnd) {
+TEST_F(Picture, RejectsMomentAfterEnd) {
     expect_refused(touch({"--picture-at", "0.5"}), 2, "beyond the run's end");
 }
 

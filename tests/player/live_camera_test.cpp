@@ -35,7 +35,7 @@ protected:
     const std::string clip = folder / "moving.mkv";
 };
 
-TEST_F(LiveCamera, ASessionReplaysToItsHash) {
+TEST_F(LiveCamera, SessionReplaysToSameHash) {
     const std::string camera = "replay:" + clip + ",fps=100,jitter=4,drop=0.3";
     for (const Words& filter : {Words{}, Words{"--temporal", "5"}}) {
         Words words{"--live", "--camera", camera, "--seconds", "0.4", "--fingers", "2", "--record", record};
@@ -58,7 +58,7 @@ TEST_F(LiveCamera, ASessionReplaysToItsHash) {
     }
 }
 
-TEST_F(LiveCamera, ThatIsStalledIsFeltNoMoreWhereItsAgeCounts) {
+TEST_F(LiveCamera, StalledSurfaceGoesStale) {
     const std::string camera = "replay:" + clip + ",fps=100,stall=0.05";
     const Words words{"--live",        "--camera", camera,     "--seconds", "0.4",
                       "--stale-after", "20",       "--record", record};
@@ -73,7 +73,7 @@ TEST_F(LiveCamera, ThatIsStalledIsFeltNoMoreWhereItsAgeCounts) {
     EXPECT_NE(refused.err.find("--camera"), std::string::npos) << refused.err;
 }
 
-TEST_F(LiveCamera, ThatIsStalledKeepsNobodyFromEnding) {
+TEST_F(LiveCamera, StallDoesNotBlockEnd) {
     const std::string camera = "replay:" + clip + ",fps=100,stall=0.05";
     const auto live = touch({"--live", "--camera", camera, "--seconds", "0.2", "--record", record,
                              "--picture", folder / "p.png", "--picture-size", "64x48", "--painter", "cpu"});
@@ -86,7 +86,7 @@ TEST_F(LiveCamera, ThatIsStalledKeepsNobodyFromEnding) {
     EXPECT_NE(ended.err.find("what was asked for is written"), std::string::npos) << ended.err;
 }
 
-TEST(LiveCameraWords, AreReadOrRefused) {
+TEST(LiveCameraWords, ParseOrNameTheFault) {
     const auto camera = read_live_camera("replay:a/b.mkv,fps=29.97,jitter=2.5,drop=0.1,stall=2,resume=3.5");
     ASSERT_EQ(message(camera), "");
     EXPECT_EQ(camera->recording, "a/b.mkv");
@@ -117,7 +117,7 @@ TEST(LiveCameraWords, AreReadOrRefused) {
     }
 }
 
-TEST(LiveCameraWords, AreRefusedWhereNoCameraCanBe) {
+TEST(LiveCameraWords, ConflictWithOtherOptions) {
     for (const auto& [words, fragment] : std::vector<std::pair<Words, const char*>>{
              {{"--live", "--camera", "replay:a,fps=no"}, "fps=no is not allowed"},
              {{"--live", "--camera", "replay:a", "a"}, "CLIP and --camera are two things to touch"},
@@ -136,7 +136,7 @@ TEST(LiveCameraWords, AreRefusedWhereNoCameraCanBe) {
     EXPECT_EQ(run_touchable({"touch", "--live", "--camera", "replay:no.mkv"}).code, 3);
 }
 
-TEST_F(LiveCamera, FramesThatWereReadAheadAreNotGivenBeforeTheirTime) {
+TEST_F(LiveCamera, PrefetchedFramesWaitTheirTime) {
     auto recording = open_clip(clip);
     ASSERT_EQ(message(recording), "");
     auto camera = make_replay_camera(std::move(*recording), {.rate = FrameRate{1000, 1}});
@@ -229,7 +229,7 @@ protected:
     mutable std::string said;
 };
 
-TEST_F(PluggedCamera, ASessionReplaysWithoutItToItsHash) {
+TEST_F(PluggedCamera, SessionReplaysWithoutCamera) {
     for (const bool temporal : {false, true}) {
         plug_in([](std::uint32_t n) {
             if (n % 7 == 3) return Fate::lost;
@@ -271,7 +271,7 @@ TEST_F(PluggedCamera, ASessionReplaysWithoutItToItsHash) {
 }
 
 /// The last frame stands still, the hand goes on, and no force jumps.
-TEST_F(PluggedCamera, ThatIsUnpluggedIsFeltToTheEnd) {
+TEST_F(PluggedCamera, UnplugKeepsLastFrame) {
     plug_in([](std::uint32_t n) { return n == 200 ? Fate::unplugged : Fate::good; });
     const auto lived = touch(live(2.5));
     EXPECT_GE(lived["ticks"].get<int>() + lived["skipped_ticks"].get<int>(), 2500);
@@ -283,7 +283,7 @@ TEST_F(PluggedCamera, ThatIsUnpluggedIsFeltToTheEnd) {
 
 /// The camera is felt to the end of the run; film and recording end with the last frame for which there was
 /// room.
-TEST_F(PluggedCamera, AFilmWhoseDiskBecomesFullReplaysUpToThere) {
+TEST_F(PluggedCamera, FullDiskKeepsPlayableFilm) {
     plug_in(good);
     TouchOptions options = live(1.2);
     options.json = report;
@@ -309,7 +309,7 @@ TEST_F(PluggedCamera, AFilmWhoseDiskBecomesFullReplaysUpToThere) {
     EXPECT_LE(std::filesystem::file_size(film), 200 * 1024U);
 }
 
-TEST_F(PluggedCamera, AFilmThatIsAnothersOrInTheWayIsRefused) {
+TEST_F(PluggedCamera, RejectsForeignFilm) {
     plug_in(good);
     (void)touch(live(0.1));
     write_bytes(film, "something else");
@@ -333,7 +333,7 @@ TEST_F(PluggedCamera, AFilmThatIsAnothersOrInTheWayIsRefused) {
 }
 
 /// A film is given up where its recording has ended before it began: the recording keeps what it has.
-TEST_F(PluggedCamera, InAWindowARecordingThatIsFullKeepsWhatItHas) {
+TEST_F(PluggedCamera, FullRecordingKeepsItsTicks) {
     plug_in(good).paint = [](std::uint32_t) { return ball(0); };  // which takes no room in the film
     PlayOptions options;
     options.record = record;
@@ -366,7 +366,7 @@ TEST_F(PluggedCamera, InAWindowARecordingThatIsFullKeepsWhatItHas) {
 }
 
 /// Settings are changed while the camera goes on: it is opened once, and each part has a film of its own.
-TEST_F(PluggedCamera, InAWindowGoesOnWithOtherSettings) {
+TEST_F(PluggedCamera, SettingsChangeKeepsCameraOpen) {
     // The newest picture that the driver took, by its own count, which goes on through both sessions.
     const auto taken = std::make_shared<std::atomic<std::int64_t>>(0);
     plug_in(good).sequence = [taken](std::uint32_t number) {
@@ -418,7 +418,7 @@ TEST_F(PluggedCamera, InAWindowGoesOnWithOtherSettings) {
     EXPECT_NE(said.find("every force is as recorded, to the bit in all 2 parts"), std::string::npos) << said;
 }
 
-TEST(PluggedCameraWords, AreReadOrRefused) {
+TEST(PluggedCameraWords, ParseOrNameTheFault) {
     const auto camera = read_live_camera("v4l2:/dev/video4,size=848x480,fps=60,colour=/dev/video6");
     ASSERT_EQ(message(camera), "");
     ASSERT_TRUE(camera->plugged);
@@ -479,21 +479,21 @@ protected:
     }
 };
 
-TEST_F(SenderCamera, RealSenseIsTouched) {
+TEST_F(SenderCamera, TouchesRealSense) {
     is_touched("realsense", "0.0001");
 }
-TEST_F(SenderCamera, AzureKinectIsTouched) {
+TEST_F(SenderCamera, TouchesAzureKinect) {
     is_touched("azure_kinect", "0.001");
 }
-TEST_F(SenderCamera, OakIsTouched) {
+TEST_F(SenderCamera, TouchesOak) {
     is_touched("oak", "0.001");
 }
-TEST_F(SenderCamera, Ros2IsTouched) {
+TEST_F(SenderCamera, TouchesRos2) {
     is_touched("ros2", "0.001");
 }
 
 /// The block of Python in docs/streaming.md.
-TEST_F(SenderCamera, TheDocumentedOneIsTouched) {
+TEST_F(SenderCamera, TouchesDocumentedSender) {
     std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/docs/streaming.md");
     std::string line;
     while (std::getline(in, line) && line != "```python") {
@@ -513,7 +513,7 @@ TEST_F(SenderCamera, TheDocumentedOneIsTouched) {
     EXPECT_EQ(file_contents(started), starts) << "what a recording says is not started";
 }
 
-TEST_F(SenderCamera, ThatHasNoModuleSaysSo) {
+TEST_F(SenderCamera, ReportsMissingModule) {
     const std::string script = std::string(TOUCHABLE_SOURCE_DIR) + "/examples/senders/realsense.py";
     const Outcome outcome =
         run_touchable({"touch", "--live", "--camera", "pipe:PYTHONPATH= exec python3 -S '" + script + "'"});
@@ -524,7 +524,7 @@ TEST_F(SenderCamera, ThatHasNoModuleSaysSo) {
         << outcome.err;
 }
 
-TEST_F(SenderCamera, ItsColourIsShownOnDepthsPixels) {
+TEST_F(SenderCamera, AlignsColourWithDepth) {
     for (const char* name : {"realsense", "azure_kinect"}) {
         auto camera = read_live_camera(sender(name));
         ASSERT_EQ(message(camera), "");
@@ -541,21 +541,21 @@ TEST_F(SenderCamera, ItsColourIsShownOnDepthsPixels) {
     }
 }
 
-TEST_F(SenderCamera, ARunEndsWhenItIsInterrupted) {
+TEST_F(SenderCamera, StopsWhenInterrupted) {
     const Outcome ended = run_interrupted_while_live(
         {"touch", "--live", "--camera", sender("oak"), "--record", record, "--json", report, "--overwrite"});
     EXPECT_EQ(ended.code, 130) << ended.err;
     EXPECT_NE(ended.err.find("what was asked for is written"), std::string::npos) << ended.err;
 }
 
-TEST_F(SenderCamera, OneThatIsSilentKeepsNobodyFromEnding) {
+TEST_F(SenderCamera, SilentSenderIsInterruptible) {
     const Outcome ended = run_interrupted_at_once({"touch", "--live", "--camera", "pipe:exec sleep 1000"});
     EXPECT_EQ(ended.code, 130) << ended.err;
     EXPECT_TRUE(ended.one_line_of_error()) << ended.err;
 }
 
 /// The last frame stands still, and is felt to the run's end.
-TEST_F(SenderCamera, ThatEndsIsFeltToTheEnd) {
+TEST_F(SenderCamera, EndKeepsLastFrame) {
     // 6244 bytes a frameset: 8 to find out what it is, 2 of before, 20 of the run.
     const std::string camera = "pipe:(" + sender("oak").substr(5) + ") | head -c 187320";
     const auto lived =
@@ -566,7 +566,7 @@ TEST_F(SenderCamera, ThatEndsIsFeltToTheEnd) {
     EXPECT_EQ(touch({"--replay", record})["force_hash"], lived["force_hash"]);
 }
 
-TEST_F(SenderCamera, ThatEndsEndsServe) {
+TEST_F(SenderCamera, EndOfSenderEndsServe) {
     const std::string camera = "pipe:(" + sender("oak").substr(5) + ") | head -c 187320";
     const Outcome sent =
         run_touchable({"serve", "--camera", camera, "tcp://127.0.0.1:0", "--json", report, "--overwrite"});
@@ -577,7 +577,7 @@ TEST_F(SenderCamera, ThatEndsEndsServe) {
     EXPECT_GT(nlohmann::json::parse(file_contents(report), nullptr, false)["framesets"], 0);
 }
 
-TEST(SenderWords, AreReadOrRefusedAndStartNothing) {
+TEST(SenderWords, ParseWithoutStartingCommand) {
     const TemporaryFolder folder;
     const std::string made = folder / "made";
     const auto pipe = read_live_camera("pipe:touch " + made + "; a,b=c");

@@ -55,7 +55,7 @@ private:
     const PulledOut& port_;
 };
 
-TEST(LiveSession, SaysOfTwoFaultsTheOneThatEndedIt) {
+TEST(LiveSession, ReportsFaultThatEndedIt) {
     const TemporaryFolder folder;
     const std::string clip = folder / "clip.mkv";
     ASSERT_TRUE(write_generated_clip("globe", clip, {.width = 32, .height = 24, .properties = true}, 30));
@@ -75,7 +75,7 @@ TEST(LiveSession, SaysOfTwoFaultsTheOneThatEndedIt) {
     EXPECT_EQ(session.facts().failure->kind, ErrorKind::device) << session.facts().failure->message;
 }
 
-// Tracks of large pictures are decoded on threads of their own: whoever reads may be slow, fast, or gone.
+// Tracks of large pictures are decoded on threads of their own: the reader may be slow, fast, or gone.
 
 constexpr Planes ramps{true, false, false, false};
 constexpr int clip_frames = 17;
@@ -105,7 +105,7 @@ protected:
     Scene scene_;
 };
 
-TEST_P(DecodingThreads, GiveTheSameToASlowReaderAndToAFastOne) {
+TEST_P(DecodingThreads, ServeSlowAndFastReaders) {
     const auto fast = open(), slow = open();
     ASSERT_TRUE(fast && slow);
     expect_frames(*fast, 0, clip_frames);
@@ -120,7 +120,7 @@ TEST_P(DecodingThreads, EndWithTheirReader) {
     for (int read = 0; read < 4; ++read) expect_frames(*open(), 0, read);
 }
 
-TEST_P(DecodingThreads, StartAgainWhereTheyAreSent) {
+TEST_P(DecodingThreads, RestartAfterSeek) {
     const auto reader = open();
     for (const int from : {12, 3, 14, 0}) {
         ASSERT_EQ(message(reader->seek(from)), "");
@@ -128,7 +128,7 @@ TEST_P(DecodingThreads, StartAgainWhereTheyAreSent) {
     }
 }
 
-TEST_P(DecodingThreads, TellDamageOfTheFrameThatHasIt) {
+TEST_P(DecodingThreads, ReportDamagedFrame) {
     std::string bytes = read_bytes(file());
     bytes[bytes.size() * 9 / 10] ^= 0x08;
     write_bytes(file(), bytes);
@@ -170,7 +170,7 @@ private:
     std::vector<std::string> notes_;
 };
 
-TEST(FeedThreads, MemoryThatIsGoneIsSaidWithoutMoreOfIt) {
+TEST(FeedThreads, ReportExhaustedMemory) {
     auto reader = std::make_unique<Insatiable>();
     const Scene scene = reader->scene();
     SurfaceFeed feed(std::move(reader), make_reference_builder(scene), scene);
@@ -224,7 +224,7 @@ private:
     std::int64_t number_ = 0;
 };
 
-TEST(SurfaceFeed, MemoryDoesNotGrowWithTheRun) {
+TEST(SurfaceFeed, MemoryStaysConstant) {
     constexpr std::int64_t some = 1000, frames = 60'000;  // half an hour
     auto reader = std::make_unique<Numbered>(frames);
     const Scene scene = reader->scene();
@@ -245,9 +245,9 @@ TEST(SurfaceFeed, MemoryDoesNotGrowWithTheRun) {
 }
 
 /// A hand that the test moves from tick to tick, in a loop of frames 3 to 6.
-class Guided : public testing::Test {
+class LoopedFeed : public testing::Test {
 protected:
-    Guided() {
+    LoopedFeed() {
         log->take(0);
         go_to(0);
         EXPECT_TRUE(threads.start());
@@ -258,7 +258,7 @@ protected:
         board.set(clock.state_at(tick));
         threads.look_at_commands();
     }
-    /// What the hand holds, once it is that.
+    /// Waits until the hand holds these frames.
     void expect_held(std::uint64_t epoch, std::int64_t prev, std::int64_t next) {
         FramePair pair;
         for (int k = 0; k < 20000; ++k) {
@@ -293,7 +293,7 @@ private:
     std::int64_t tick_ = 0;
 };
 
-TEST_F(Guided, GoesRoundALoop) {
+TEST_F(LoopedFeed, LoopsFrames) {
     for (const auto& [tick, epoch, prev, next] : {std::array{0, 0, 0, 1},
                                                   {150, 0, 4, 5},
                                                   {199, 0, 5, 6},
@@ -305,7 +305,7 @@ TEST_F(Guided, GoesRoundALoop) {
     }
 }
 
-TEST_F(Guided, GoesOnBeyondALoopWhoseWayBackWasReadAlready) {
+TEST_F(LoopedFeed, UnloopDiscardsPrefetchedLoopStart) {
     go_to(150);
     expect_held(0, 4, 5);
     expect_way_back_read();
@@ -317,7 +317,7 @@ TEST_F(Guided, GoesOnBeyondALoopWhoseWayBackWasReadAlready) {
     EXPECT_EQ(feed.dropped_frames(), 0);
 }
 
-TEST_F(Guided, GoesElsewhereThanToTheWayBackThatWasRead) {
+TEST_F(LoopedFeed, SeekDiscardsPrefetchedLoopStart) {
     go_to(150);
     expect_held(0, 4, 5);
     expect_way_back_read();
@@ -329,7 +329,7 @@ TEST_F(Guided, GoesElsewhereThanToTheWayBackThatWasRead) {
     for (const FrameRun& run : feed.built()) EXPECT_TRUE(run.first == 0 || run.first >= 20) << run.first;
 }
 
-TEST_F(Guided, OfTheLastFrameAloneThereIsAnEnd) {
+TEST_F(LoopedFeed, SeeksToLastFrame) {
     ASSERT_TRUE(log->ask(PlaybackVerb::pause, 0, 0));
     ASSERT_TRUE(log->ask(PlaybackVerb::seek, 1999 * ms, 0));
     go_to(50);
@@ -340,7 +340,7 @@ TEST_F(Guided, OfTheLastFrameAloneThereIsAnEnd) {
 }
 
 // The haptic thread's part.
-TEST_F(Guided, CommandsAreTakenWithoutAllocation) {
+TEST_F(LoopedFeed, TakesCommandsWithoutAllocation) {
     for (const auto verb : {PlaybackVerb::seek, PlaybackVerb::step, PlaybackVerb::unloop})
         ASSERT_TRUE(log->ask(verb, 0, 0));
     const std::size_t before = allocations();
@@ -356,10 +356,10 @@ TEST_F(Guided, CommandsAreTakenWithoutAllocation) {
 
 constexpr std::int64_t shared_frames = 200;
 
-/// What became of a clip's frames.
+/// The fate of a clip's frames.
 struct ReadFrames {
     int opened = 0;
-    std::map<std::int64_t, int> times;  ///< that each was read
+    std::map<std::int64_t, int> times;  ///< reads of each frame
     std::vector<std::weak_ptr<const void>> storages;
     std::int64_t fails_at = -1;
 
@@ -393,7 +393,7 @@ public:
         if (number_ == shared_frames) return std::optional<RawFrame>();
         if (stop_requested()) return interrupted_error();
         if (number_ == read_.fails_at) {
-            number_ = -1;  // nobody knows where
+            number_ = -1;  // the position is unknown
             return input_error("frame " + std::to_string(read_.fails_at) + " is damaged");
         }
         ++read_.times[number_];
@@ -414,7 +414,7 @@ private:
     std::int64_t number_ = 0;
 };
 
-class Shared : public testing::Test {
+class ClipSharing : public testing::Test {
 protected:
     std::unique_ptr<ClipReader> reader(int width = 1) {
         auto opened = shared_->open([this, width]() -> Result<std::unique_ptr<ClipReader>> {
@@ -437,7 +437,7 @@ protected:
     std::shared_ptr<SharedClip> shared_ = std::make_shared<SharedClip>();
 };
 
-TEST_F(Shared, ARunThatBeginsWhereAnotherOneIsReadsNothingAgain) {
+TEST_F(ClipSharing, SecondRunReusesDecodedFrames) {
     auto before = reader();
     expect_frames(*before, 0, 60);
     auto next = reader();
@@ -456,9 +456,9 @@ TEST_F(Shared, ARunThatBeginsWhereAnotherOneIsReadsNothingAgain) {
     EXPECT_FALSE(next->seek(-1));
 }
 
-// What a run reads is the other's too: a clip that was left in the middle of a frame would be damaged for
+// Both runs share the decoded frames: a clip that was left in the middle of a frame would be damaged for
 // both.
-TEST_F(Shared, AFrameIsReadToItsEndThoughItsRunIsGivenUp) {
+TEST_F(ClipSharing, CancelledRunFinishesItsFrame) {
     const auto other = reader();
     auto run = reader();
     std::stop_source given_up;
@@ -467,7 +467,7 @@ TEST_F(Shared, AFrameIsReadToItsEndThoughItsRunIsGivenUp) {
     expect_frames(*run, 0, 5);
 }
 
-TEST_F(Shared, EachRunHasItsFramesWhereverTheOtherReads) {
+TEST_F(ClipSharing, ReadersSeekIndependently) {
     std::vector<std::unique_ptr<ClipReader>> readers;
     std::vector<std::int64_t> at{0, 0, 0};
     for (std::size_t k = 0; k < at.size(); ++k) readers.push_back(reader());
@@ -484,7 +484,7 @@ TEST_F(Shared, EachRunHasItsFramesWhereverTheOtherReads) {
     }
 }
 
-TEST_F(Shared, KeepsTheFirstFramesForASurveyUntilItIsMade) {
+TEST_F(ClipSharing, KeepsFirstFramesForSurvey) {
     auto before = reader();
     expect_frames(*before, 0, 100);
     expect_frames(*reader(), 0, DepthEstimator::frames);
@@ -496,7 +496,7 @@ TEST_F(Shared, KeepsTheFirstFramesForASurveyUntilItIsMade) {
     EXPECT_EQ(read_.most(), 2);
 }
 
-TEST_F(Shared, KeepsAFewFramesThoughTheyAreLargeAndNeverMoreThanSome) {
+TEST_F(ClipSharing, LimitsFramesInMemory) {
     expect_frames(*reader(), 0, 150);
     EXPECT_EQ(read_.in_memory(), 32 + DepthEstimator::frames);
     for (const auto& [bytes, kept] :
@@ -510,7 +510,7 @@ TEST_F(Shared, KeepsAFewFramesThoughTheyAreLargeAndNeverMoreThanSome) {
 
 // Otherwise the run before and the one that takes its place, by a filter that remembers, take turns at one
 // decoder, each by a seek.
-TEST_F(Shared, OfAFullHdClipTwoRunsReadEachFrameOnceThoughOneOfThemFiltersFromSixteenFramesBefore) {
+TEST_F(ClipSharing, DecodesEachFrameOnce) {
     constexpr int with_all_planes = 1920 * 1080 * (2 + 3 + 3 + 1);
     auto before = reader(with_all_planes);
     expect_frames(*before, 0, 60);
@@ -523,7 +523,7 @@ TEST_F(Shared, OfAFullHdClipTwoRunsReadEachFrameOnceThoughOneOfThemFiltersFromSi
     EXPECT_EQ(read_.most(), 1);
 }
 
-TEST_F(Shared, AfterDamageItIsKnownAgainWhereTheClipIs) {
+TEST_F(ClipSharing, SeeksPastDamage) {
     read_.fails_at = 20;
     auto before = reader();
     expect_frames(*before, 0, 20);
@@ -538,14 +538,14 @@ TEST_F(Shared, AfterDamageItIsKnownAgainWhereTheClipIs) {
     expect_frames(*next, 21, 30);
 }
 
-TEST_F(Shared, OpensAgainWhereItCouldNotBeOpened) {
+TEST_F(ClipSharing, RetriesFailedOpen) {
     const auto refused =
         shared_->open([]() -> Result<std::unique_ptr<ClipReader>> { return input_error("not there yet"); });
     ASSERT_FALSE(refused);
     expect_frames(*reader(), 0, 3);
 }
 
-TEST_F(Shared, IsReadByTwoThreads) {
+TEST_F(ClipSharing, ServesTwoThreads) {
     auto a = reader(), b = reader();
     std::thread beside([&] { expect_frames(*b, 0, shared_frames); });
     expect_frames(*a, 0, shared_frames);

@@ -32,9 +32,9 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-class Live : public ::testing::Test {
+class LiveRun : public ::testing::Test {
 protected:
-    Live() {
+    LiveRun() {
         const Outcome made = run_touchable({"make", "moving", clip, "--size", "64x48", "--frames", "12"});
         EXPECT_EQ(made.code, 0) << made.err;
     }
@@ -54,7 +54,7 @@ protected:
     std::string clip = folder / "moving.mkv";
 };
 
-TEST_F(Live, ASessionReplaysToItsHashWithEveryBuilder) {
+TEST_F(LiveRun, ReplaysWithEveryBuilder) {
     const auto live =
         touch({clip, "--live", "--fingers", "3", "--seconds", "0.6", "--record", folder / "live.rec"});
     EXPECT_EQ(live["clock"], "wall");
@@ -77,7 +77,7 @@ TEST_F(Live, ASessionReplaysToItsHashWithEveryBuilder) {
 }
 
 // Which frames were there when an epoch was wanted is a matter of the moment, and part of the recording.
-TEST_F(Live, ASessionOfPausesSeeksLoopsAndOtherSpeedsReplaysToItsHash) {
+TEST_F(LiveRun, ReplaysPlaybackCommands) {
     const std::string play = folder / "play.txt";
     std::ofstream(play) << "0.05 pause\n0.1 step\n0.15 play\n0.2 rate 2\n0.25 loop 0.1 0.25\n0.5 seek 0.3\n"
                            "0.5 unloop\n0.52 seek 0\n0.521 seek 0.2\n0.6 rate 0.2\n";
@@ -101,7 +101,7 @@ TEST_F(Live, ASessionOfPausesSeeksLoopsAndOtherSpeedsReplaysToItsHash) {
 }
 
 // A live session's threads read ahead of the hand; a replay reads no more than it needs.
-TEST_F(Live, AReplayThatDiffersBlamesTheClipOnlyForAnotherClip) {
+TEST_F(LiveRun, ReplayBlamesOnlyChangedClip) {
     touch({clip, "--live", "--seconds", "0.2", "--record", folder / "live.rec"});
     RecordingBytes raw(file_contents(folder / "live.rec"));
     const std::size_t at = raw.force_at(raw.ticks() - 1, 0);
@@ -118,7 +118,7 @@ TEST_F(Live, AReplayThatDiffersBlamesTheClipOnlyForAnotherClip) {
     EXPECT_NE(different.err.find(blame), std::string::npos) << different.err;
 }
 
-TEST_F(Live, ASessionReplaysToItsHashOnVulkan) {
+TEST_F(LiveRun, ReplaysOnVulkan) {
     TOUCHABLE_SKIP_UNDER_THREAD_SANITIZER("ThreadSanitizer does not see into the GPU driver");
     const auto live = touch({clip, "--live", "--seconds", "0.3", "--record", folder / "live.rec"});
     EXPECT_EQ(touch({"--replay", folder / "live.rec", "--builder", "vulkan"})["force_hash"],
@@ -127,7 +127,7 @@ TEST_F(Live, ASessionReplaysToItsHashOnVulkan) {
 
 // A thousand frames a second, each far more work than a millisecond.
 /// A clip that no machine keeps up with, 60 frames in 60 ms: what has passed is not decoded any more.
-TEST_F(Live, FramesThatNobodyWouldFeelAreLeftOut) {
+TEST_F(LiveRun, DropsFramesAlreadyPast) {
     const std::string hard = folder / "hard.mkv", run = folder / "run.rec";
     ASSERT_EQ(run_touchable({"make", "moving", hard, "--size", "100x76", "--frames", "60"}).code, 0);
     ASSERT_EQ(run_touchable({"export", hard, "--frame", "0", "--out", folder / "frame"}).code, 0);
@@ -148,7 +148,7 @@ TEST_F(Live, FramesThatNobodyWouldFeelAreLeftOut) {
     }
 }
 
-TEST_F(Live, FramesThatComeTooLateAreCounted) {
+TEST_F(LiveRun, CountsLateFrames) {
     TOUCHABLE_SKIP_UNDER_THREAD_SANITIZER(
         "every frame comes too late when everything takes ten times as long");
     const std::string hard = folder / "hard.mkv";
@@ -175,14 +175,14 @@ TEST_F(Live, FramesThatComeTooLateAreCounted) {
     EXPECT_TRUE(strict.out.starts_with("  warning ")) << strict.out;
 }
 
-TEST_F(Live, ATickIsRunOrCountedAsSkipped) {
+TEST_F(LiveRun, CountsSkippedTicks) {
     const auto live = touch({clip, "--live", "--seconds", "0.3"});
     const auto run = live["ticks"].get<int>(), skipped = live["skipped_ticks"].get<int>();
     EXPECT_GE(run + skipped, 300);
     EXPECT_GE(skipped, live["late_ticks"].get<int>());
 }
 
-TEST_F(Live, ASessionWithASimulatedDeviceReplaysWithoutOne) {
+TEST_F(LiveRun, ReplaysWithoutSimulatedDevice) {
     const auto live = touch({clip, "--live", "--device", "simulated:hand=0.2", "--hand", "press:depth=4",
                              "--seconds", "0.8", "--record", folder / "live.rec"});
     EXPECT_EQ(live["device"], "simulated:hand=0.2");
@@ -191,7 +191,7 @@ TEST_F(Live, ASessionWithASimulatedDeviceReplaysWithoutOne) {
     EXPECT_EQ(replay["force_hash"], live["force_hash"]);
 }
 
-TEST_F(Live, TheGuardKeepsToTheDevicesLimitsWhateverIsAskedFor) {
+TEST_F(LiveRun, GuardEnforcesDeviceLimits) {
     const Words press{clip,         "--live",        "--device",  "simulated:force=0.3,hand=2",
                       "--hand",     "press:depth=6", "--seconds", "0.8",
                       "--max-force"};
@@ -208,7 +208,7 @@ TEST_F(Live, TheGuardKeepsToTheDevicesLimitsWhateverIsAskedFor) {
 }
 
 // A hand that begins inside, comes out within 0.2 s, and goes in again.
-TEST_F(Live, AFingerThatBeginsInsideFeelsNothingUntilItHasBeenFree) {
+TEST_F(LiveRun, BuriedFingerWaitsUntilFree) {
     std::ofstream(folder / "inside.csv") << "t_s,in\n0,0.02\n0.2,0\n0.4,0.02\n";
     const std::string hand = "csv:" + (folder / "inside.csv").string() + ":columns=in,contact=0.2";
     const Words inside{clip, "--hand", hand, "--record", folder / "live.rec"};
@@ -231,7 +231,7 @@ TEST_F(Live, AFingerThatBeginsInsideFeelsNothingUntilItHasBeenFree) {
     EXPECT_NE(offline.err.find("--live"), std::string::npos) << offline.err;
 }
 
-TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5AndLosesNothing) {
+TEST_F(LiveRun, UnplugEndsSessionWithoutLoss) {
     const std::string json = folder / "r.json", record = folder / "live.rec";
     const Outcome outcome = run_touchable({"touch", clip, "--live", "--device", "simulated:unplug=0.2",
                                            "--seconds", "5", "--json", json, "--record", record});
@@ -246,8 +246,8 @@ TEST_F(Live, ADeviceThatIsUnpluggedEndsTheSessionWithCode5AndLosesNothing) {
     EXPECT_EQ(touch({"--replay", record})["force_hash"], report["force_hash"]);
 }
 
-// That is how people end a live run.
-TEST_F(Live, AnInterruptCompletesEveryFileAndSaysHowLongItRan) {
+// People end a live run by an interrupt.
+TEST_F(LiveRun, InterruptCompletesEveryFile) {
     const std::string json = folder / "r.json", forces = folder / "f.csv", record = folder / "live.rec",
                       picture = folder / "p.png";
     const Outcome outcome = run_interrupted_while_live(
@@ -273,7 +273,7 @@ TEST_F(Live, AnInterruptCompletesEveryFileAndSaysHowLongItRan) {
     EXPECT_EQ(names_in(folder.path()).size(), 6U) << "and the clip, and the replay's report";
 }
 
-TEST_F(Live, OnATerminalALineMoves) {
+TEST_F(LiveRun, ShowsProgressOnTerminal) {
     EXPECT_EQ(run_touchable({"touch", clip, "--live", "--seconds", "0.6"}).err, "") << "for a terminal alone";
     const Outcome seen = run_on_terminal({"touch", clip, "--live", "--seconds", "60"},
                                          [](const std::string& shown) { return moments_shown(shown) > 2; });
@@ -286,14 +286,14 @@ TEST_F(Live, OnATerminalALineMoves) {
     EXPECT_EQ(seen.err.substr(gone + 4, 23), "touchable: interrupted ") << seen.err;
 }
 
-TEST_F(Live, NohupIsHeeded) {
+TEST_F(LiveRun, HonoursNohup) {
     const Outcome outcome =
         run_under_nohup({"touch", clip, "--live", "--seconds", "0.4", "--json", folder / "r.json"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(folder / "r.json"));
 }
 
-TEST_F(Live, AThreadThatCannotStartIsOneLineOfError) {
+TEST_F(LiveRun, ReportsThreadStartFailure) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "sanitizers take more address space than this test leaves";
 #endif
@@ -307,7 +307,7 @@ TEST_F(Live, AThreadThatCannotStartIsOneLineOfError) {
     }
 }
 
-TEST_F(Live, ADeviceIsRefusedWhereItCannotBe) {
+TEST_F(LiveRun, RejectsInvalidDevice) {
     for (const auto& [words, fragment] : std::vector<std::pair<Words, const char*>>{
              {{"--device", "simulated"}, "--live"},
              {{"--live", "--device", "falkon"}, "simulated"},
@@ -320,7 +320,7 @@ TEST_F(Live, ADeviceIsRefusedWhereItCannotBe) {
     }
 }
 
-// Outputs of a live run that cannot be written: a disk that is full, a pipe that nobody reads. The others are
+// Outputs of a live run that cannot be written: a disk that is full, a pipe that is not read. The others are
 // complete, and the run ends by itself.
 
 namespace fs = std::filesystem;
@@ -351,7 +351,7 @@ protected:
                       report = folder / "r.json";
 };
 
-TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheRecordingKeepsTheForcesAndTheRecordingSoFar) {
+TEST_F(SpoiltOutput, FullDiskKeepsPartialRecording) {
     constexpr std::uintmax_t kibibytes = 64;
     const Outcome live = run_on_full_disk(
         {"touch", clip, "--live", "--seconds", "2.5", "--record", record, "--forces", "-", "--json", report},
@@ -380,7 +380,7 @@ TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheRecordingKeepsTheForcesAndTheRecordi
     expect_replayed(live.err);
 }
 
-TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheForcesKeepsTheRecordingAndWholeRows) {
+TEST_F(SpoiltOutput, FullDiskKeepsWholeRows) {
     Outcome live;
     nlohmann::json figures;
     for (int go = 0; go == 0 || (stood_still(figures) && go < most_standstills); ++go) {
@@ -401,7 +401,7 @@ TEST_F(SpoiltOutput, ADiskThatIsFullUnderTheForcesKeepsTheRecordingAndWholeRows)
     expect_replayed(live.err);
 }
 
-TEST_F(SpoiltOutput, StandardOutputOnAFullDiskIsToldBeforeTheRun) {
+TEST_F(SpoiltOutput, ReportsFullStandardOutputFirst) {
     const Outcome live = run_with_full_output(
         {"touch", clip, "--live", "--seconds", "600", "--record", record, "--forces", "-"});
     EXPECT_EQ(live.code, 3) << live.err;
@@ -410,7 +410,7 @@ TEST_F(SpoiltOutput, StandardOutputOnAFullDiskIsToldBeforeTheRun) {
     EXPECT_FALSE(fs::exists(record));
 }
 
-TEST_F(SpoiltOutput, APipeThatNobodyReadsEndsALiveRunWithItsNameAndKeepsTheRest) {
+TEST_F(SpoiltOutput, UnreadForcesPipeEndsRun) {
     const Outcome live =
         run_unread({"touch", clip, "--live", "--seconds", "600", "--record", record, "--forces", "-"});
     EXPECT_EQ(live.code, 3) << live.err;
@@ -424,7 +424,7 @@ TEST_F(SpoiltOutput, APipeThatNobodyReadsEndsALiveRunWithItsNameAndKeepsTheRest)
     expect_replayed(live.err);
 }
 
-TEST_F(SpoiltOutput, APipeThatNobodyReadsEndsALiveRunsReport) {
+TEST_F(SpoiltOutput, UnreadReportPipeEndsRun) {
     const Outcome live =
         run_unread({"touch", clip, "--live", "--seconds", "0.2", "--record", record, "--json", "-"});
     EXPECT_EQ(live.code, 3) << live.err;
@@ -432,12 +432,12 @@ TEST_F(SpoiltOutput, APipeThatNobodyReadsEndsALiveRunsReport) {
     expect_replayed(live.err);
 }
 
-TEST_F(SpoiltOutput, WhatWaitsForAReaderEndsWhenItIsAskedTo) {
+TEST_F(SpoiltOutput, UnreadPipeIsInterruptible) {
     const Outcome offline = run_unread({"touch", clip, "--seconds", "100000", "--forces", "-"}, true);
     EXPECT_EQ(offline.code, 130) << offline.err;
 }
 
-TEST_F(SpoiltOutput, OfflineItLeavesNothingAndTheOthersAreComplete) {
+TEST_F(SpoiltOutput, OfflineRunKeepsOtherOutputs) {
     const Outcome run = run_on_full_disk(
         {"touch", clip, "--seconds", "1", "--record", record, "--forces", forces, "--json", report}, 150);
     EXPECT_EQ(run.code, 3) << run.err;
@@ -450,9 +450,8 @@ TEST_F(SpoiltOutput, OfflineItLeavesNothingAndTheOthersAreComplete) {
     expect_replayed(run.err);
 }
 
-// What the hand is left with while the program is stopped, when it is ended with all that was started with
-// it, when only the process beside it is ended, and when the program waits for somebody. By order, not by
-// time.
+// The hand's last force while the program is stopped, when it is ended with all that was started with it,
+// when only the process beside it is ended, and when the program waits for output. By order, not by time.
 
 using std::chrono::milliseconds;
 
@@ -461,7 +460,7 @@ class GlobeHand {
 public:
     explicit GlobeHand(std::uint16_t port) : peer_(port) {}
 
-    /// One packet out, and what has come by a millisecond later: the newest; nothing.
+    /// Sends a packet; gives the newest answer that has come a millisecond later, or nothing.
     std::optional<NetworkPacket> step() {
         peer_.say({0, 0, place_});
         usleep(1000);
@@ -485,7 +484,7 @@ public:
         return packet;
     }
 
-    /// Likewise, while it goes on: of one that falls silent the program parts by itself.
+    /// As hears(), but keeps sending: the program drops a hand that falls silent.
     std::optional<NetworkPacket> hears_while_it_goes_on(bool NetworkPacket::*flag) {
         for (int steps = 0; steps < 20'000; ++steps)
             if (const auto answer = step(); answer && (*answer).*flag) return answer;
@@ -563,7 +562,7 @@ protected:
     pid_t program_ = 0;
 };
 
-TEST_F(UnpoweredHand, WhileTheProgramIsStoppedAndIsAnsweredAfterwards) {
+TEST_F(UnpoweredHand, RecoversAfterStoppedProgram) {
     start();
     GlobeHand hand(port_);
     ASSERT_TRUE(hand.feels_something()) << said();
@@ -583,7 +582,7 @@ TEST_F(UnpoweredHand, WhileTheProgramIsStoppedAndIsAnsweredAfterwards) {
     EXPECT_TRUE(is_answered);
 }
 
-TEST_F(UnpoweredHand, WhenAllOfTheProgramsGroupIsKilled) {
+TEST_F(UnpoweredHand, FollowsKilledProcessGroup) {
     start();
     GlobeHand hand(port_);
     ASSERT_TRUE(hand.feels_something()) << said();
@@ -594,7 +593,7 @@ TEST_F(UnpoweredHand, WhenAllOfTheProgramsGroupIsKilled) {
 }
 
 /// `pkill -9 touchable` and `pkill -9 -f touchable` end the program alone.
-TEST_F(UnpoweredHand, TheProcessBesideTheProgramHasAnotherName) {
+TEST_F(UnpoweredHand, WatchdogHasAnotherName) {
     start();
     GlobeHand hand(port_);
     ASSERT_TRUE(hand.feels_something()) << said();
@@ -607,7 +606,7 @@ TEST_F(UnpoweredHand, TheProcessBesideTheProgramHasAnotherName) {
 class UnpoweredHandWithoutWatchdog : public UnpoweredHand,
                                      public ::testing::WithParamInterface<std::pair<int, const char*>> {};
 
-TEST_P(UnpoweredHandWithoutWatchdog, IsLimpAndTheProgramEndsAndSaysWhy) {
+TEST_P(UnpoweredHandWithoutWatchdog, EndsProgramWithReason) {
     const auto [signal, what] = GetParam();
     start();
     GlobeHand hand(port_);
@@ -631,9 +630,9 @@ INSTANTIATE_TEST_SUITE_P(Signals, UnpoweredHandWithoutWatchdog,
                          ::testing::Values(std::pair{SIGKILL, "is gone"},
                                            std::pair{SIGSTOP, "stands still"}));
 
-/// Whoever asks it to stop by Ctrl-C has an unpowered hand, whatever the program waits for: a terminal that
-/// is held by Ctrl-S takes not even the line that says how it goes, and never answers.
-TEST_F(UnpoweredHand, AtCtrlCBeforeAnythingIsWaitedFor) {
+/// Ctrl-C leaves the hand unpowered, whatever the program waits for: a terminal that is held by Ctrl-S takes
+/// not even the line that says how it goes, and never answers.
+TEST_F(UnpoweredHand, CtrlCUnpowersBeforeWaiting) {
     TOUCHABLE_SKIP_UNDER_THREAD_SANITIZER(
         "a signal does not reach its handler while the thread hangs in write(2)");
     int keyboard = -1, terminal = -1;

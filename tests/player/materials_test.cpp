@@ -65,7 +65,7 @@ protected:
         EXPECT_EQ(done.code, 0) << done.err;
         return done;
     }
-    /// Of the file's bytes: two that differ are told apart without a page of them.
+    /// A hash of the file's bytes: a failure prints two numbers and not two files.
     std::uint64_t bytes(const std::string& name) const {
         const std::string all = file_contents(at(name));
         EXPECT_FALSE(all.empty()) << name;
@@ -88,7 +88,7 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(Materials, OfSeveralClipsGoIntoAFolder) {
+TEST_F(Materials, WriteSeveralClipsToFolder) {
     fs::copy_file(at("wall.mkv"), at("other.mkv"));
     const Words several{"materials", at("wall.mkv"), at("other.mkv"), at("out") + "/"};
     ASSERT_EQ(run_touchable(several).code, 0);
@@ -98,7 +98,7 @@ TEST_F(Materials, OfSeveralClipsGoIntoAFolder) {
     const Outcome refused = run_touchable(saved);
     EXPECT_EQ(refused.code, 2);
     EXPECT_NE(refused.err.find("--save is one file"), std::string::npos) << refused.err;
-    // One clip that is there already would be left out, and nothing saved.
+    // A clip that is there already would be left out, and nothing saved.
     const Outcome one =
         run_touchable({"materials", at("wall.mkv"), at("out") + "/", "--save", at("names.json")});
     EXPECT_EQ(one.code, 2);
@@ -106,7 +106,7 @@ TEST_F(Materials, OfSeveralClipsGoIntoAFolder) {
 }
 
 /// A wall that is cut across, and of which two parts are one thing again.
-TEST_F(Materials, WhatIsCutAndJoinedIsSavedSo) {
+TEST_F(Materials, SaveCutsAndJoins) {
     std::ofstream(at("cut.json")) << R"({"touchable_segments": 1,
         "cuts": [{"frame": 3, "stroke": [[4, 30], [40, 30]]}, {"frame": 0, "stroke": [[60, 40], [90, 40]]}],
         "segments": [
@@ -127,7 +127,7 @@ TEST_F(Materials, WhatIsCutAndJoinedIsSavedSo) {
         << refused.err;
 }
 
-TEST_F(Materials, SayWhereHeightsMayBeScaledTwice) {
+TEST_F(Materials, WarnAboutTwiceScaledHeights) {
     ASSERT_EQ(run_touchable({"relief", at("wall.mkv"), at("rough.mkv")}).code, 0);
     const auto scaled = [&](const std::string& clip, const std::string& out) {
         const Outcome done = run_touchable({"materials", at(clip), at(out), "--scale-relief"});
@@ -139,7 +139,7 @@ TEST_F(Materials, SayWhereHeightsMayBeScaledTwice) {
 }
 
 /// Dragged over both, a finger slides with the friction of each: the force leans by it.
-TEST_F(Materials, AreFeltByADraggedFinger) {
+TEST_F(Materials, AreFeltByDraggedFinger) {
     run("felt.mkv", wood_and_foam);
     std::ofstream(at("hand.csv")) << "t_s,x,y,z\n0,-80,0,-950\n0.3,-80,0,-1004\n1.9,80,0,-1004\n";
     touch({at("felt.mkv"), "--hand", "csv:" + at("hand.csv") + ":columns=x+y+z,space=scene", "--forces",
@@ -165,7 +165,7 @@ TEST_F(Materials, AreFeltByADraggedFinger) {
     EXPECT_GT(foam.slides, 100);
 }
 
-TEST_F(Materials, LeaveAllElseToTheBitAndOpenAsAnyClipDoes) {
+TEST_F(Materials, KeepOtherPlanesUnchanged) {
     const Outcome done = run("felt.mkv", wood_and_foam);
     for (const char* said : {"colour  every value kept", "haptic  every value kept", "table: 2 N/mm",
                              "mat: 0.22 N/mm", "steady   0.000 %", "frames/s"})
@@ -190,7 +190,7 @@ TEST_F(Materials, LeaveAllElseToTheBitAndOpenAsAnyClipDoes) {
     EXPECT_EQ(packets(at("other.mkv")).size(), after.size());
 }
 
-TEST_F(Materials, AreTheSameBytesAgainAndFromWhatWasSaved) {
+TEST_F(Materials, ReproduceSameBytes) {
     run("once.mkv", wood_and_foam);
     run("twice.mkv", wood_and_foam);
     EXPECT_EQ(bytes("once.mkv"), bytes("twice.mkv"));
@@ -198,7 +198,7 @@ TEST_F(Materials, AreTheSameBytesAgainAndFromWhatWasSaved) {
     run("read.mkv", {"--segments", at("names.json")});
     EXPECT_EQ(bytes("saved.mkv"), bytes("read.mkv"));
     EXPECT_NE(bytes("saved.mkv"), bytes("once.mkv"));
-    // What it holds as guesses, a person may say.
+    // The command line may replace the saved guesses.
     run("said.mkv", {"--segments", at("names.json"), "--material", "mat=foam", "--at", "80,20"});
     EXPECT_EQ(bytes("said.mkv"), bytes("once.mkv"));
     // The same by a map: values of grey here, a palette's indices elsewhere.
@@ -214,7 +214,7 @@ TEST_F(Materials, AreTheSameBytesAgainAndFromWhatWasSaved) {
     EXPECT_EQ(bytes("found.mkv"), bytes("mapped.mkv"));
 }
 
-TEST_F(Materials, BecomeAMapOfOneFrameThatLiesUnderTheClip) {
+TEST_F(Materials, WriteMapOfOneFrame) {
     const Outcome done =
         run("map.png", {"--frame", "1", "--material", "mat=carpet", "--at", "80,20", "--otherwise", "stone"});
     EXPECT_NE(done.out.find("static friction 1.34 becomes 1"), std::string::npos) << done.out;
@@ -238,7 +238,7 @@ TEST_F(Materials, BecomeAMapOfOneFrameThatLiesUnderTheClip) {
               force_hash({at("wall.mkv"), "--seconds", "0.5"}));
 }
 
-TEST_F(Materials, AreToldWithoutAnythingWritten) {
+TEST_F(Materials, ListWithoutWriting) {
     const auto before = names_in(at(""));
     const Outcome told = run_touchable({"materials", at("wall.mkv")});
     EXPECT_EQ(told.code, 0) << told.err;
@@ -251,7 +251,7 @@ TEST_F(Materials, AreToldWithoutAnythingWritten) {
     EXPECT_EQ(names_in(at("")), before);
 }
 
-TEST_F(Materials, NeedNoColourWhereNothingIsGuessed) {
+TEST_F(Materials, NeedColourOnlyForGuesses) {
     make_clip("bumps", at("grey.mkv"), {"--size", "48x32", "--frames", "2"});
     const Outcome guessed = run_touchable({"materials", at("grey.mkv"), at("out.mkv")});
     EXPECT_EQ(guessed.code, 3) << guessed.err;
@@ -266,7 +266,7 @@ TEST_F(Materials, NeedNoColourWhereNothingIsGuessed) {
 
 /// A finger rests while what it rests on changes from foam to wood and back with every frame: neither its
 /// stiffness nor its force jumps.
-TEST_F(Materials, ThatChangeUnderARestingFingerDoNotKickIt) {
+TEST_F(Materials, ChangeWithoutKickingRestingFinger) {
     run("wood.png", {"--otherwise", "wood", "--frame", "0"});
     run("foam.png", {"--otherwise", "foam", "--frame", "0"});
     for (int n = 0; n < frames; ++n)
@@ -291,14 +291,14 @@ TEST_F(Materials, ThatChangeUnderARestingFingerDoNotKickIt) {
             }
             before = force;
         }
-        // Of 0.44 N on foam and 4 N on wood a tick is not to get more than its share of a frame.
+        // The force is 0.44 N on foam and 4 N on wood; a tick may add no more than its share of a frame.
         EXPECT_GT(most, least + 0.1);
         EXPECT_LT(rise, 3.6 / 33 + 0.02);
         EXPECT_LT(held ? 0 : fall, 3.6 / 33 + 0.02);  // what becomes soft at once may fall at once
     }
 }
 
-TEST_F(Materials, StoppedLeaveNothing) {
+TEST_F(Materials, LeaveNothingWhenInterrupted) {
     make_clip("globe", at("long.mkv"), {"--size", "320x240", "--frames", "30"});
     const auto before = names_in(at(""));
     const Outcome stopped = run_interrupted(
@@ -307,7 +307,7 @@ TEST_F(Materials, StoppedLeaveNothing) {
     EXPECT_EQ(names_in(at("")), before);
 }
 
-TEST_F(Materials, RefuseWhatCannotBe) {
+TEST_F(Materials, RejectInvalidOptions) {
     std::ofstream(at("bad.json")) << R"({"touchable_segments": 1, "segments": [
         {"name": "a", "material": "gold", "at": [20, 40]}]})";
     std::ofstream(at("hole.json")) << R"({"touchable_segments": 1, "segments": [
@@ -400,7 +400,7 @@ private:
     TemporaryFolder folder_;
 };
 
-TEST(MakeGlobe, OfMapsHasAllPlanesAndSaysWhatItFound) {
+TEST(GlobeMaps, GiveAllPlanes) {
     for (const bool white : {true, false}) {
         const MapsInAFolder maps(64, white);
         const Outcome run = run_touchable(maps.words({"--longitude", "0", "--rate", "24", "--bits", "12"}));
@@ -423,7 +423,7 @@ TEST(MakeGlobe, OfMapsHasAllPlanesAndSaysWhatItFound) {
     }
 }
 
-TEST(MakeGlobe, SameMapsGiveTheSameFileByteForByte) {
+TEST(GlobeMaps, GiveSameBytesAgain) {
     const MapsInAFolder maps;
     ASSERT_EQ(run_touchable(maps.words()).code, 0);
     const std::string first = file_contents(maps / "out.mkv");
@@ -431,14 +431,14 @@ TEST(MakeGlobe, SameMapsGiveTheSameFileByteForByte) {
     EXPECT_EQ(file_contents(maps / "out.mkv"), first);
 }
 
-TEST(MakeGlobe, SeaLevelThatIsToldIsTakenAndSaid) {
+TEST(GlobeMaps, UseGivenSeaLevel) {
     const MapsInAFolder maps;
     const Outcome run = run_touchable(maps.words({"--sea-level", "8123.5"}));
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_NE(run.out.find("sea level 8123.5, as told;"), std::string::npos) << run.out;
 }
 
-TEST(MakeGlobe, WithoutAMaskSeaIsWhereElevationIsLeast) {
+TEST(GlobeMaps, UseLeastElevationWithoutMask) {
     const MapsInAFolder maps;
     auto words = maps.words();
     words.resize(words.size() - 2);
@@ -463,7 +463,7 @@ TEST(MakeGlobe, WithoutAMaskSeaIsWhereElevationIsLeast) {
     EXPECT_NE(dry.err.find("--sea-level leaves only land"), std::string::npos) << dry.err;
 }
 
-TEST(MakeGlobe, HapticMapIsTakenCodeByCode) {
+TEST(GlobeMaps, KeepHapticMapCodes) {
     const MapsInAFolder maps;
     Image touch{32, 16, 1, 3, {}};
     for (int n = 0; n < 32 * 16; ++n)
@@ -480,7 +480,7 @@ TEST(MakeGlobe, HapticMapIsTakenCodeByCode) {
     }
 }
 
-TEST(MakeGlobe, EachMapIsReadIntoItsOwnPlaceWhicheverAreThere) {
+TEST(GlobeMaps, AreReadIntoTheirPlaces) {
     const MapsInAFolder maps;
     GlobeMapFiles files;
     files.elevation = maps / "elevation.png";
@@ -497,7 +497,7 @@ TEST(MakeGlobe, EachMapIsReadIntoItsOwnPlaceWhicheverAreThere) {
     EXPECT_EQ((*read)->maps.haptic.at(32, 16, 1), 90);
 }
 
-TEST(MakeGlobe, WhiteIsTheLargestCodeOfAMapsOwnBits) {
+TEST(GlobeMaps, ScaleWhiteByBitDepth) {
     const MapsInAFolder maps;
     GlobeMapFiles files;
     files.elevation = maps / "elevation.png";
@@ -523,7 +523,7 @@ void expect_refusal(const MapsInAFolder& maps, const std::vector<std::string>& w
     for (const std::string& name : names_in(maps.folder().path())) EXPECT_NE(name, "out.mkv");
 }
 
-TEST(MakeGlobe, MapsThatWillNotDoAreRefused) {
+TEST(GlobeMaps, RejectInvalidMaps) {
     const MapsInAFolder maps;
     const auto with = [&](const std::string& option, const std::string& file) {
         std::vector<std::string> words = maps.words();
@@ -553,7 +553,7 @@ TEST(MakeGlobe, MapsThatWillNotDoAreRefused) {
     expect_refusal(maps, grey_touch, 3, "the haptic map is grey");
 }
 
-TEST(MakeGlobe, OptionsThatDoNothingOrAreNotAllThereAreRefused) {
+TEST(GlobeMaps, RejectUselessOrIncompleteOptions) {
     const MapsInAFolder maps;
     const std::string out = maps / "out.mkv", colour = maps / "colour.png";
     expect_refusal(maps, {"make", "globe", out, "--colour", colour}, 2, "--elevation is missing");
@@ -583,7 +583,7 @@ TEST(MakeGlobe, OptionsThatDoNothingOrAreNotAllThereAreRefused) {
         expect_refusal(maps, maps.words({option, value}), 2, option);
 }
 
-TEST(MakeGlobe, NoMapIsOverwritten) {
+TEST(GlobeMaps, AreNeverOverwritten) {
     const MapsInAFolder maps;
     std::vector<std::string> words = maps.words({"--overwrite"});
     std::ofstream(maps / "map.mkv") << "anything";
@@ -593,7 +593,7 @@ TEST(MakeGlobe, NoMapIsOverwritten) {
     EXPECT_EQ(file_contents(maps / "map.mkv"), "anything");
 }
 
-TEST(MakeGlobe, MapsThatMemoryCannotHoldAreCode3) {
+TEST(GlobeMaps, ReportInsufficientMemory) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "sanitizers take more address space than this test leaves";
 #endif
@@ -608,7 +608,7 @@ TEST(MakeGlobe, MapsThatMemoryCannotHoldAreCode3) {
     EXPECT_NE(run.err.find("memory"), std::string::npos) << run.err;
 }
 
-TEST(MakeGlobe, InterruptedIsCode130AndLeavesNoClip) {
+TEST(GlobeMaps, LeaveNoClipWhenInterrupted) {
     const MapsInAFolder maps;
     const TemporaryFolder out;
     std::vector<std::string> words = maps.words();
@@ -619,7 +619,7 @@ TEST(MakeGlobe, InterruptedIsCode130AndLeavesNoClip) {
     EXPECT_TRUE(names_in(out.path()).empty());
 }
 
-TEST(MakeGlobe, TheEarthsMapsAgreeAndHaveTheHimalaya) {
+TEST(GlobeMaps, ShowHimalayaOfRealEarth) {
     const auto earth = real_data("earth");
     TOUCHABLE_NEEDS_DATA(earth);
     const TemporaryFolder folder;

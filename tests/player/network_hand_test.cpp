@@ -1,4 +1,4 @@
-// A program of somebody else's as the hand: from its datagrams to forces and back. No test depends on a
+// Another program as the hand: from its datagrams to forces and back. No test depends on a
 // deadline.
 
 #include <fcntl.h>
@@ -38,7 +38,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// What a command says on standard output, and its exit code behind it.
+/// Output of a command, and its exit code behind it.
 std::string said_by(const std::string& command) {
     std::string said;
     FILE* pipe = popen((command + " 2>&1; echo exit $?").c_str(), "r");
@@ -68,7 +68,7 @@ class PressingHand {
 public:
     explicit PressingHand(std::uint16_t port) : peer_(port) {}
 
-    /// One packet out; the newest answer that has come within a moment.
+    /// Sends a packet; gives the newest answer that has come within a moment.
     NetworkPacket rest_at(double place) {
         place_ = place;
         way_ = 0;
@@ -90,7 +90,7 @@ public:
     }
     double place() const { return place_; }
     void go_out() { way_ = 0.0005; }  ///< and come again
-    /// What has been answered until now counts no more.
+    /// Discards all earlier answers.
     void forget() {
         hear(20);
         newest_ = {};
@@ -109,7 +109,7 @@ private:
     NetworkPacket newest_;
 };
 
-/// Of a row of a device's log, newtons.
+/// The force in a row of a device's log, newtons.
 std::array<double, 3> sent_of(const std::string& row) {
     std::array<double, 11> cells{};
     std::istringstream in(row);
@@ -150,7 +150,7 @@ protected:
     const std::uint16_t port = unused_port();
 };
 
-TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
+TEST_F(NetworkTouch, PythonExampleFeelsAndReplays) {
     nlohmann::json facts;
     std::string said;
     Outcome live;
@@ -197,7 +197,7 @@ TEST_F(NetworkTouch, ThePythonExampleFeelsTheGlobeAndTheSessionReplays) {
     double most = 0;
     for (; std::getline(rows, row); ++count) {
         ASSERT_LT(count, told.size());
-        // What is told of a tick is what was sent in it.
+        // The row of a tick has the force that was sent in it.
         const std::array<double, 3> sent = sent_of(row), of_it = told[count].vector("force");
         for (std::size_t axis = 0; axis < 3; ++axis) ASSERT_NEAR(of_it[axis], sent[axis], 1e-12) << row;
         most = std::max(most, length(sent));
@@ -228,7 +228,7 @@ std::string with(std::string text, const std::string& word, const std::string& o
     return text.replace(std::min(text.find(word), text.size()), word.size(), other);
 }
 
-TEST_F(NetworkTouch, TheDocumentedHandFeelsTheGlobe) {
+TEST_F(NetworkTouch, DocumentedHandFeelsGlobe) {
     const std::string script = with(documented_hand(), "5710", std::to_string(port));
     std::string said;
     for (int ticks = 3000; ticks == 3000 || (felt_force(said) == 0 && ticks < 200'000); ticks *= 2) {
@@ -247,7 +247,7 @@ TEST_F(NetworkTouch, TheDocumentedHandFeelsTheGlobe) {
     EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
 }
 
-TEST_F(NetworkTouch, TheExampleSaysThatNobodyAnswersIt) {
+TEST_F(NetworkTouch, ExampleReportsMissingAnswer) {
     const std::string example = "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py ";
     const std::string alone = said_by(example + "0.05 " + std::to_string(port));
     EXPECT_NE(alone.find("no answer from UDP 127.0.0.1:" + std::to_string(port) + ": nobody listens there"),
@@ -264,11 +264,11 @@ TEST_F(NetworkTouch, TheExampleSaysThatNobodyAnswersIt) {
     EXPECT_NE(help.find("exit 0"), std::string::npos) << help;
 }
 
-TEST_F(NetworkTouch, AReaderThatSleepsIsNamedWithWhatItMissed) {
+TEST_F(NetworkTouch, ReportsSlowLogReader) {
     const std::string command =
         std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip + " --live --device " +
         device() + " --seconds 8 --device-log - | (IFS= read -r header; sleep 9; cat > " + log + ")";
-    // Where the machine stood still there were too few ticks to be too many.
+    // A machine that stood still makes too few ticks to overflow the queue.
     std::string said;
     for (int go = 0; go < most_standstills && said.find("exit 3") == std::string::npos; ++go) {
         said = said_by("bash -c '" + command + "'");
@@ -282,7 +282,7 @@ TEST_F(NetworkTouch, AReaderThatSleepsIsNamedWithWhatItMissed) {
     EXPECT_NE(said.find("exit 3"), std::string::npos) << said;
 }
 
-TEST_F(NetworkTouch, ThePlotKeepsUpAndEndsWithItsInput) {
+TEST_F(NetworkTouch, LivePlotEndsWithInput) {
     const std::string picture = (folder / "live.png").string();
     const std::string command = std::string("set -o pipefail; ") + TOUCHABLE_PROGRAM + " touch " + clip +
                                 " --live --device " + device() +
@@ -294,7 +294,7 @@ TEST_F(NetworkTouch, ThePlotKeepsUpAndEndsWithItsInput) {
     EXPECT_EQ(file_contents(picture).substr(1, 3), "PNG");
 }
 
-TEST_F(NetworkTouch, ThatNobodyAskedForForcesHasNone) {
+TEST_F(NetworkTouch, ForcesAreOffUntilRequested) {
     Outcome live;
     nlohmann::json facts;
     for (int go = 0; go == 0 || (stood_still(facts) && go < most_standstills); ++go) {
@@ -326,7 +326,7 @@ TEST_F(NetworkTouch, ThatNobodyAskedForForcesHasNone) {
     }
 }
 
-TEST_F(NetworkTouch, AFingerThatIsInsideIsToldToComeOut) {
+TEST_F(NetworkTouch, AsksBuriedFingerToLift) {
     const std::string told = "forces on; lift the finger off the surface", felt = "; forces on\033[K";
     for (const auto& [place, is_inside] : {std::pair{0.0, false}, std::pair{-0.04, true}}) {
         Outcome live;
@@ -345,7 +345,7 @@ TEST_F(NetworkTouch, AFingerThatIsInsideIsToldToComeOut) {
     }
 }
 
-/// The program, with the device and forces from the start, until it is told to end.
+/// The program, with the device and forces from the start, until it is asked to end.
 class RunningProgram {
 public:
     RunningProgram(const std::string& clip, const std::string& device, const std::string& record)
@@ -378,7 +378,7 @@ private:
 };
 
 /// A program that was stopped, as by a debugger or a machine that swaps, may find any hand anywhere.
-TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
+TEST_F(NetworkTouch, StandstillRequiresFreeFinger) {
     std::optional<RunningProgram> program(std::in_place, clip, device(), record);
     PressingHand hand(port);
     for (const bool goes_in_meanwhile : {false, true}) {
@@ -414,7 +414,7 @@ TEST_F(NetworkTouch, AfterAStandstillForceReturnsOnlyToAFingerThatHasBeenFree) {
 }
 
 /// docs/devices.md: after more than 50 ms, which a slow machine only makes longer.
-TEST_F(NetworkTouch, ForceAfterSilenceNeedsFreeFinger) {
+TEST_F(NetworkTouch, SilenceRequiresFreeFinger) {
     const RunningProgram program(clip, device(), record);
     PressingHand hand(port);
     ASSERT_TRUE(hand.feels_something());
@@ -435,7 +435,7 @@ TEST_F(NetworkTouch, ForceAfterSilenceNeedsFreeFinger) {
     EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
 }
 
-TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {
+TEST_F(NetworkTouch, AnyExitUnpowersHand) {
     for (const int signal : {SIGKILL, SIGSEGV, SIGABRT, SIGTERM}) {
         // Another each time: the guardian of the program before may hold its own for a while.
         const std::uint16_t own_port = unused_port();
@@ -456,13 +456,13 @@ TEST_F(NetworkTouch, HoweverTheProgramEndsTheHandIsLeftLimp) {
             << "it is gone before signal " << signal << ": " << file_contents(said);
         kill(program, signal);
         const NetworkPacket last = hand.hear(5000);
-        EXPECT_TRUE(last.last) << "nobody told the hand, after signal " << signal;
+        EXPECT_TRUE(last.last) << "no last packet for the hand, after signal " << signal;
         EXPECT_EQ(last.vectors[0], glm::dvec3(0));
         waitpid(program, nullptr, 0);
     }
 }
 
-TEST_F(NetworkTouch, WhatCannotBeIsOneLine) {
+TEST_F(NetworkTouch, RejectsInvalidOptions) {
     const std::vector<std::pair<Words, std::string>> refused{
         {{"--device", device()}, "--live"},
         {{"--live", "--device", "network:port=0"}, "1 to 65535"},
@@ -510,7 +510,7 @@ protected:
                           "\r\nConnection: close\r\n\r\n" + bytes.substr(from));
         });
     }
-    /// As often as somebody connects, in pieces, over and over.
+    /// Sends the clip to every connection, in pieces, over and over.
     std::unique_ptr<LoopbackSender> paced_sender() const {
         return std::make_unique<LoopbackSender>([this](const LoopbackSender::Listener& to, int) {
             constexpr std::size_t pieces = 60;
@@ -525,7 +525,7 @@ protected:
     std::string bytes;
 };
 
-TEST_F(StreamedClip, FeelsAsItsFileDoes) {
+TEST_F(StreamedClip, MatchesFileForces) {
     const auto felt = touch({clip, "--fingers", "2"});
     const LoopbackSender sender(bytes);
     const auto server = web_server();
@@ -544,7 +544,7 @@ TEST_F(StreamedClip, FeelsAsItsFileDoes) {
     }
 }
 
-TEST_F(StreamedClip, ALiveRunReplaysToItsHashWithoutIt) {
+TEST_F(StreamedClip, LiveRunReplaysWithoutStream) {
     std::string url;
     nlohmann::json lived;
     {
@@ -565,14 +565,14 @@ TEST_F(StreamedClip, ALiveRunReplaysToItsHashWithoutIt) {
     EXPECT_EQ(said.find("not the recorded ones"), std::string::npos) << said;
 }
 
-TEST_F(StreamedClip, AFileOnAServerIsAClipAlsoInALiveRun) {
+TEST_F(StreamedClip, ServedFileIsNoCamera) {
     const auto server = web_server();
     const auto lived = touch({"--live", server->url("http", "/moving.mkv"), "--seconds", "0.3"});
     EXPECT_FALSE(lived.contains("camera"));
     EXPECT_TRUE(lived.contains("late_frames"));
 }
 
-TEST_F(StreamedClip, WhatWillNotDoIsRefused) {
+TEST_F(StreamedClip, RejectsInvalidOptions) {
     const LoopbackSender sender(bytes);
     for (const auto& [words, code, fragment] : std::vector<std::tuple<Words, int, std::string>>{
              {{"touch", clip, "--latency", "5"}, 2, "--latency is for a stream"},
@@ -589,7 +589,7 @@ TEST_F(StreamedClip, WhatWillNotDoIsRefused) {
     }
 }
 
-TEST_F(StreamedClip, OneThatIsSilentKeepsNobodyFromEnding) {
+TEST_F(StreamedClip, SilentStreamIsInterruptible) {
     const LoopbackSender silent(
         [](const LoopbackSender::Listener& to, int) { (void)to.wait(std::chrono::hours(1)); });
     for (const Words& words : {Words{"touch", silent.url()}, Words{"touch", "--live", silent.url()}}) {

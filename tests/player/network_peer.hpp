@@ -18,7 +18,7 @@
 
 namespace touchable::test {
 
-/// Whoever speaks with `--device network:port=PORT`: one finger, packet by packet, by a socket that is made
+/// The peer of `--device network:port=PORT`: one finger, packet by packet, by a socket that is made
 /// by other means than the driver's.
 class NetworkPeer {
 public:
@@ -46,7 +46,7 @@ public:
         std::byte room[1024];
         while (poll(&waited_for, 1, static_cast<int>(patience.count())) == 1) {
             const auto came = recv(socket_, room, sizeof room, 0);
-            // That nobody listens any more comes before what was said last.
+            // The error of a closed port comes before the last packet.
             if (came < 0 && errno == ECONNREFUSED) continue;
             if (came < 0) break;
             const auto packet = decode_network_packet(std::span(room).first(static_cast<std::size_t>(came)));

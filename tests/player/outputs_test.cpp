@@ -1,4 +1,4 @@
-// What a run writes: never over what it reads, never two in one, whole or not at all.
+// Outputs of a run: never over its input, never two in one, whole or not at all.
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
@@ -41,13 +41,13 @@ protected:
 };
 
 /// A folder of pictures that is a clip; its files stay as they are.
-class OutputsOfAFolder : public Outputs {
+class FolderOutputs : public Outputs {
 protected:
-    OutputsOfAFolder() {
+    FolderOutputs() {
         EXPECT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", pictures()}).code, 0);
         for (const std::string& name : names_in(pictures())) before.push_back(read(name));
     }
-    ~OutputsOfAFolder() override {
+    ~FolderOutputs() override {
         std::size_t k = 0;
         for (const std::string& name : names_in(pictures())) EXPECT_EQ(read(name), before.at(k++)) << name;
         EXPECT_EQ(k, before.size());
@@ -57,7 +57,7 @@ protected:
     std::vector<std::string> before;
 };
 
-TEST_F(OutputsOfAFolder, NeverReplaceAFileOfTheClip) {
+TEST_F(FolderOutputs, NeverReplaceClipFiles) {
     for (const std::string& input : {pictures(), pictures() + "/scene.json"})
         for (const char* name : {"scene.json", "depth.png", "colour.png", "haptic.png", "height.png"})
             expect_refused(run_touchable({"touch", input, "--seconds", "0.1", "--overwrite", "--json",
@@ -74,7 +74,7 @@ TEST_F(OutputsOfAFolder, NeverReplaceAFileOfTheClip) {
         "is also a file of the clip");
 }
 
-TEST_F(OutputsOfAFolder, NeverReplaceAnInputByAnotherName) {
+TEST_F(FolderOutputs, NeverReplaceLinkedInput) {
     fs::create_hard_link(pictures() + "/depth.png", folder / "hard.png");
     fs::create_symlink(pictures() + "/depth.png", folder / "soft.png");
     for (const char* name : {"hard.png", "soft.png"})
@@ -83,7 +83,7 @@ TEST_F(OutputsOfAFolder, NeverReplaceAnInputByAnotherName) {
             "is also a file of the clip");
 }
 
-TEST_F(Outputs, NeverReplaceAHandWhoseNameHoldsWhatBeginsItsKeys) {
+TEST_F(Outputs, NeverReplaceOddlyNamedHand) {
     for (const char* name : {"x=1.csv", "a:b=2.csv"}) {
         const std::string file = folder / name;
         std::ofstream(file) << "t_s,z\n0,0\n1,0.01\n";
@@ -95,7 +95,7 @@ TEST_F(Outputs, NeverReplaceAHandWhoseNameHoldsWhatBeginsItsKeys) {
     }
 }
 
-TEST_F(Outputs, TwoNamesOfOneFileAreRefused) {
+TEST_F(Outputs, RejectTwoNamesOfFile) {
     fs::create_directory_symlink(folder / "out", folder / "link");
     std::ofstream(out("there.csv")) << "earlier\n";
     fs::create_hard_link(out("there.csv"), out("also.csv"));
@@ -113,7 +113,7 @@ TEST_F(Outputs, TwoNamesOfOneFileAreRefused) {
     }
 }
 
-TEST_F(Outputs, ALinkToNowhereIsAFileThatIsThereAlready) {
+TEST_F(Outputs, TreatDanglingLinkAsFile) {
     fs::create_symlink(folder / "nowhere", out("r.json"));
     const Words words{"touch", clip(), "--seconds", "0.1", "--json", out("r.json")};
     expect_refused(run_touchable(words), "--overwrite");
@@ -124,7 +124,7 @@ TEST_F(Outputs, ALinkToNowhereIsAFileThatIsThereAlready) {
     EXPECT_TRUE(nlohmann::json::accept(file_contents(out("r.json"))));
 }
 
-TEST_F(Outputs, AReaderThatGoesAwayTakesNoFileWithIt) {
+TEST_F(Outputs, SurviveClosedStandardOutput) {
     const Outcome run = run_unheard({"touch", clip(), "--seconds", "0.1", "--json", out("r.json"), "--forces",
                                      out("f.csv"), "--picture", out("p.png")});
     EXPECT_EQ(run.code, 0) << run.err;
@@ -136,7 +136,7 @@ TEST_F(Outputs, AReaderThatGoesAwayTakesNoFileWithIt) {
         EXPECT_EQ(run_unheard(words).code, 0);
 }
 
-TEST_F(Outputs, StandardOutputGetsWhatAFileWould) {
+TEST_F(Outputs, MatchFilesOnStandardOutput) {
     const Words run{"touch", clip(), "--seconds", "0.1", "--fingers", "2"};
     const auto with = [&](const Words& more) {
         Words words = run;
@@ -161,14 +161,14 @@ TEST_F(Outputs, StandardOutputGetsWhatAFileWould) {
     EXPECT_TRUE(fs::exists(folder / "-"));
 }
 
-TEST_F(Outputs, APictureIsAPngByItsNameToo) {
+TEST_F(Outputs, PictureNameMustBePng) {
     for (const char* name : {"p.jpg", "p", ".png"})
         expect_refused(run_touchable({"touch", clip(), "--picture", out(name)}), "does not end in .png");
     EXPECT_EQ(run_touchable({"export", clip(), "--frame", "0", "--picture", out("P.PNG")}).code, 0);
 }
 
-// What is not complete has no name, so that not even a kill leaves anything.
-TEST_F(Outputs, AKilledRunLeavesNothing) {
+// An incomplete file has no name, so that not even a kill leaves anything.
+TEST_F(Outputs, KilledRunLeavesNothing) {
     const Words runs[] = {{"touch", clip(), "--seconds", "100000", "--json", out("r.json"), "--forces",
                            out("f.csv"), "--record", out("r.rec"), "--picture", out("p.png")},
                           {"make", "noise", out("clip.mkv"), "--size", "640x480", "--frames", "100000"}};
@@ -178,7 +178,7 @@ TEST_F(Outputs, AKilledRunLeavesNothing) {
     }
 }
 
-TEST_F(Outputs, AreWholeOnFileSystemsThatNameEveryFile) {
+TEST_F(Outputs, AreWholeWithoutUnnamedFiles) {
     ASSERT_EQ(run_with_named_files({"make", "plane", out("c.mkv"), "--size", "16x12", "--frames", "1"}).code,
               0);
     ASSERT_EQ(run_with_named_files({"touch", clip(), "--seconds", "0.1", "--json", out("r.json")}).code, 0);
@@ -190,7 +190,7 @@ TEST_F(Outputs, AreWholeOnFileSystemsThatNameEveryFile) {
     EXPECT_EQ(names_in(out()), (Words{"c.mkv", "frame", "r.json"}));
 }
 
-TEST_F(Outputs, AFolderThatCannotBeReplacedWholeStaysAsItWas) {
+TEST_F(Outputs, FailedReplacementKeepsFolder) {
     const std::string frame = out("frame");
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", frame}).code, 0);
     fs::remove(frame + "/codes.png");
@@ -209,7 +209,7 @@ TEST_F(Outputs, AFolderThatCannotBeReplacedWholeStaysAsItWas) {
     EXPECT_TRUE(fs::exists(frame + "/codes.png/mine"));
 }
 
-TEST(NewFile, KeepsAFileThatCameMeanwhile) {
+TEST(NewFile, KeepsFileCreatedMeanwhile) {
     const TemporaryFolder folder;
     NewFile file(folder / "a", Existing::keep);
     std::ofstream(file.path()) << "ours";
@@ -222,7 +222,7 @@ TEST(NewFile, KeepsAFileThatCameMeanwhile) {
     EXPECT_EQ(names_in(folder.path()), Words{"a"});
 }
 
-TEST(NewFile, ReplacesALinkAndNotWhatItLeadsTo) {
+TEST(NewFile, ReplacesLinkNotItsTarget) {
     const TemporaryFolder folder;
     std::ofstream(folder / "theirs") << "theirs";
     fs::create_symlink(folder / "theirs", folder / "a");
@@ -235,12 +235,12 @@ TEST(NewFile, ReplacesALinkAndNotWhatItLeadsTo) {
     EXPECT_EQ(names_in(folder.path()), (Words{"a", "theirs"}));
 }
 
-TEST(NewFile, HiddenNamesAreNotForeseen) {
+TEST(NewFile, HiddenNamesDiffer) {
     EXPECT_NE(hidden_name("folder"), hidden_name("folder"));
     EXPECT_EQ(hidden_name("folder").parent_path(), "folder");
 }
 
-TEST(Check, FindsThisMachineReady) {
+TEST(CheckCommand, FindsMachineReady) {
     const Outcome run = run_touchable({"check", "--json"});
     EXPECT_EQ(run.code, 0) << run.err;
     const auto facts = nlohmann::json::parse(run.out, nullptr, false);
@@ -258,7 +258,7 @@ TEST(Check, FindsThisMachineReady) {
     }
 }
 
-TEST(Check, ReportsTheVulkanDeviceAndThatItComputes) {
+TEST(CheckCommand, ReportsWorkingVulkanDevice) {
     const auto facts = nlohmann::json::parse(run_touchable({"check", "--json"}).out, nullptr, false);
     ASSERT_TRUE(facts.is_object());
     const auto& vulkan = facts["vulkan"];
@@ -272,7 +272,7 @@ TEST(Check, ReportsTheVulkanDeviceAndThatItComputes) {
     EXPECT_GT(device["limits"]["max_storage_buffer_range"].get<std::uint64_t>(), 0U);
 }
 
-TEST(Check, WithoutADriverTheMachineIsReadyForTheCpuAlone) {
+TEST(CheckCommand, IsReadyWithoutVulkanDriver) {
     for (const char* name : {"VK_ICD_FILENAMES", "VK_DRIVER_FILES"})
         setenv(name, "/nonexistent/driver.json", 1);
     const Outcome run = run_touchable({"check"});
@@ -282,21 +282,21 @@ TEST(Check, WithoutADriverTheMachineIsReadyForTheCpuAlone) {
     EXPECT_NE(run.out.find("verdict   ready, without Vulkan"), std::string::npos) << run.out;
 }
 
-TEST(Check, StopsWhenItIsInterrupted) {
+TEST(CheckCommand, StopsWhenInterrupted) {
     const Outcome run = run_interrupted_once_it_speaks({"check"});
     EXPECT_EQ(run.code, 130) << run.err;
     EXPECT_EQ(run.out.find("verdict"), std::string::npos) << run.out;
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
 }
 
-TEST(Check, TellsAPersonTheVerdict) {
+TEST(CheckCommand, PrintsVerdict) {
     const Outcome run = run_touchable({"check"});
     EXPECT_EQ(run.code, 0);
     for (const char* fact : {"cpu", "SCHED_FIFO", "ffmpeg", "vulkan", "the same bits", "verdict   ready\n"})
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact;
 }
 
-TEST(Check, AnswersWhetherTheMachineCan) {
+TEST(CheckCommand, JudgesRequestedLoad) {
     const Outcome easy = run_touchable({"check", "--size", "64x48", "--fingers", "2", "--rate", "1"});
     EXPECT_EQ(easy.code, 0) << easy.err;
     EXPECT_EQ(easy.out.rfind("yes: 64x48 at 1 frames/s with 2 fingers; ", 0), 0U) << easy.out;
@@ -319,7 +319,7 @@ TEST(Check, AnswersWhetherTheMachineCan) {
     EXPECT_GT(facts["cpu_ms_per_second"].get<double>(), 0);
 }
 
-TEST(Check, LeavesNoFileOfItsTrialBehind) {
+TEST(CheckCommand, RemovesTrialFiles) {
     const TemporaryFolder folder;
     setenv("TMPDIR", folder.path().c_str(), 1);
     const Outcome run = run_touchable({"check", "--size", "64x48", "--rate", "1"});
@@ -330,7 +330,7 @@ TEST(Check, LeavesNoFileOfItsTrialBehind) {
     EXPECT_EQ(folder.file_count(), 0U);
 }
 
-TEST(Check, QuestionsThatMakeNoSenseAreCode2) {
+TEST(CheckCommand, RejectsInvalidOptions) {
     for (const std::vector<std::string>& words : {std::vector<std::string>{"--size", "big"},
                                                   {"--size", "8x8"},
                                                   {"--fingers", "0"},
@@ -343,7 +343,7 @@ TEST(Check, QuestionsThatMakeNoSenseAreCode2) {
     }
 }
 
-// What differs between two runs of the same hand.
+// Differences between two runs of the same hand.
 
 /// A finger that presses with this force in every tick.
 template <class ForceAt>
@@ -356,7 +356,7 @@ ForceTable pressing(std::size_t ticks, ForceAt force_at) {
     return table;
 }
 
-TEST(CompareForces, ARunIsTheSameAsItself) {
+TEST(ForceComparison, FindsNoDifferenceToItself) {
     const ForceTable a = pressing(600, [](double t) { return glm::dvec3(0, t, 1); });
     const auto same = compare_forces(a, a);
     ASSERT_TRUE(same);
@@ -367,7 +367,7 @@ TEST(CompareForces, ARunIsTheSameAsItself) {
     EXPECT_TRUE(same->worst.empty());
 }
 
-TEST(CompareForces, DirectionAndLengthAreToldApart) {
+TEST(ForceComparison, SeparatesDirectionFromLength) {
     const double turned = 10 * std::numbers::pi / 180;
     const ForceTable a = pressing(300, [](double) { return glm::dvec3(0, 0, 2); });
     const ForceTable b =
@@ -383,7 +383,7 @@ TEST(CompareForces, DirectionAndLengthAreToldApart) {
     EXPECT_EQ(c->worst[1].tick, 50);
 }
 
-TEST(CompareForces, AHumIsFoundInItsBand) {
+TEST(ForceComparison, FindsHumInItsBand) {
     const ForceTable quiet = pressing(1024, [](double) { return glm::dvec3(0, 0, 1); });
     for (const auto& [hz, band] : {std::pair{12.0, 0U}, {50.0, 1U}, {150.0, 2U}, {400.0, 3U}}) {
         const ForceTable humming = pressing(1024, [hz = hz](double t) {
@@ -400,7 +400,7 @@ TEST(CompareForces, AHumIsFoundInItsBand) {
     }
 }
 
-TEST(CompareForces, WhoTouchesIsCounted) {
+TEST(ForceComparison, CountsContactOfEachRun) {
     ForceTable a = pressing(4, [](double) { return glm::dvec3(0, 0, 1); }), b = a;
     a.samples[1] = b.samples[2] = {{1, 2, -1}, {}, false};
     a.samples[2].goal = b.samples[2].goal;
@@ -415,7 +415,7 @@ TEST(CompareForces, WhoTouchesIsCounted) {
     EXPECT_EQ(c->noise_windows, 0);
 }
 
-TEST(CompareForces, RunsThatHaveNothingInCommonAreRefused) {
+TEST(ForceComparison, RejectsUnrelatedRuns) {
     const ForceTable a = pressing(3, [](double) { return glm::dvec3(0, 0, 1); });
     ForceTable other = a, two = a;
     for (ForceTable::Sample& sample : other.samples) sample.goal.x = 7;
@@ -424,7 +424,7 @@ TEST(CompareForces, RunsThatHaveNothingInCommonAreRefused) {
     EXPECT_EQ(compare_forces(a, two).error().kind, ErrorKind::usage);
 }
 
-TEST(Compare, RefusesWhatIsNoForcesFile) {
+TEST(CompareCommand, RejectsInvalidForcesFile) {
     const TemporaryFolder folder;
     const std::string good = folder / "a.csv", bad = folder / "b.csv";
     const std::string header = "tick,finger,goal_x,goal_y,goal_z,force_x,force_y,force_z,contact\n";
@@ -445,7 +445,7 @@ TEST(Compare, RefusesWhatIsNoForcesFile) {
 }
 
 /// Two fingers over a globe of few bits, and the same goals with a filter and without.
-TEST(Compare, AFilterIsJudgedByTheVeryGoalsOfARecording) {
+TEST(CompareCommand, ComparesFiltersOnRecordedGoals) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", rec = "rec:" + (folder / "a.rec").string();
     const std::string a = folder / "a.csv", b = folder / "b.csv", again = folder / "again.csv";
@@ -472,7 +472,7 @@ TEST(Compare, AFilterIsJudgedByTheVeryGoalsOfARecording) {
         EXPECT_NE(table.out.find(word), std::string::npos) << table.out;
 }
 
-TEST(Compare, ARecordedHandIsRefusedWhereItCannotBe) {
+TEST(CompareCommand, RejectsInvalidRecordedHand) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", rec = "rec:" + (folder / "a.rec").string();
     make_clip("globe", clip, {"--size", "80x60", "--frames", "3"});
@@ -523,7 +523,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Plot, DrawsForcesAndWays) {
+TEST_F(Plot, DrawsForcesAndPaths) {
     ASSERT_EQ(run_touchable({"plot", forces(), picture()}).code, 0);
     const auto over_time = read_image(picture());
     ASSERT_TRUE(over_time);
@@ -538,7 +538,7 @@ TEST_F(Plot, DrawsForcesAndWays) {
 }
 
 /// As a window records them: five fingers, of which one was led.
-TEST_F(Plot, LeavesOutFingersThatNobodyLed) {
+TEST_F(Plot, LeavesOutIdleFingers) {
     const auto write = [&](const std::string& file, int fingers) {
         std::ofstream out(folder / file);
         out << "tick,time_s,finger,goal_x,goal_y,goal_z,force_x,force_y,force_z,contact,pixel_x,pixel_y,"
@@ -559,14 +559,14 @@ TEST_F(Plot, LeavesOutFingersThatNobodyLed) {
     EXPECT_EQ(one->samples, five->samples);
 }
 
-TEST_F(Plot, KeepsWhatIsThere) {
+TEST_F(Plot, KeepsExistingFile) {
     std::ofstream(picture()) << "mine";
     expect_refused({"plot", forces(), picture()}, 2, "--overwrite");
     EXPECT_EQ(file_contents(picture()), "mine");
     expect_refused({"plot", forces(), forces(), "--overwrite"}, 2, ".png");
 }
 
-TEST_F(Plot, SaysWhatIsWrongWithItsInputOnOneLine) {
+TEST_F(Plot, ReportsInvalidInput) {
     expect_refused({"plot", folder / "none.csv", picture()}, 3, "none.csv");
     expect_refused({"plot", clip(), picture()}, 3, "clip.mkv: holds bytes that are no text");
     std::ofstream(folder / "half.csv") << file_contents(forces()).substr(0, 700);
@@ -574,8 +574,7 @@ TEST_F(Plot, SaysWhatIsWrongWithItsInputOnOneLine) {
     expect_refused({"plot", forces(), picture(), "--over", folder / "nothing"}, 3, "scene.json");
 }
 
-// What should worry a person stands first in the table, and with --strict in the exit code. Of live runs:
-// live_test.cpp.
+// Warnings stand first in the table, and with --strict in the exit code. Those of live runs: live_test.cpp.
 
 class Warnings : public ::testing::Test {
 protected:
@@ -590,7 +589,8 @@ protected:
         EXPECT_TRUE(write_png(folder / "flat.png", flat.view()));
         return folder / "scene.json";
     }
-    /// Of an offline run, as the report has them; the table begins with them, and --strict minds them.
+    /// The warnings of an offline run, as the report has them; the table begins with them, and --strict minds
+    /// them.
     Words warnings(Words words) const {
         words.insert(words.begin(), {"touch", "--overwrite", "--json", folder / "r.json"});
         const Outcome run = run_touchable(words);
@@ -614,17 +614,17 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Warnings, ARunAsItWasMeantHasNone) {
+TEST_F(Warnings, AreAbsentFromGoodRun) {
     EXPECT_EQ(warnings({flat_still({0}), "--hand", "press", "--seconds", "0.8"}), Words());
 }
 
-TEST_F(Warnings, AHandThatTouchesNothing) {
+TEST_F(Warnings, ReportHandWithoutContact) {
     const Words told = warnings({flat_still({0}), "--hand", "press", "--seconds", "0.05"});
     ASSERT_EQ(told.size(), 1U);
     EXPECT_EQ(told[0], "no finger touched anything");
 }
 
-TEST_F(Warnings, AClipWithoutASurfaceWhoeverBuildsIt) {
+TEST_F(Warnings, ReportClipWithoutSurface) {
     const std::string scene = flat_still({7});
     for (const char* builder : {"cpu", "lazy", "reference"}) {
         const Words told = warnings({scene, "--builder", builder, "--seconds", "0.05"});
@@ -633,7 +633,7 @@ TEST_F(Warnings, AClipWithoutASurfaceWhoeverBuildsIt) {
     }
 }
 
-TEST_F(Warnings, OfAReplay) {
+TEST_F(Warnings, AppearInReplay) {
     const std::string scene = flat_still({0}), record = folder / "run.rec";
     touch({scene, "--hand", "press", "--seconds", "0.05", "--record", record});
     EXPECT_EQ(warnings({"--replay", record}).size(), 1U);

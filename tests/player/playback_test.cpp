@@ -138,8 +138,8 @@ double spring_at(std::int64_t media_ns) {
     return 0.6 * (205 - Pumping::depth(1e-9 * static_cast<double>(media_ns)));
 }
 
-/// Of the largest jump, 6 mm, with a fifth for fades that overlap; and what the wall moves in a tick at
-/// rate 8.
+/// N a tick: the fade of the largest jump, 6 mm, with a fifth for fades that overlap, and the wall's motion
+/// in a tick at rate 8.
 constexpr double steepest_fade = 1.2 * 0.6 * 6 * 1.5 / JumpCancellation::fade_ticks + 0.6 * 0.048 + 1e-4;
 
 struct ScriptCase {
@@ -149,7 +149,7 @@ struct ScriptCase {
 };
 
 // Each of them moves the surface under the finger; without what keeps jumps away it would be up to 3.6 N.
-TEST(Playback, WhateverIsAskedOfTheClockNoForceRisesFasterThanAFade) {
+TEST(Playback, CommandsFadeForceChanges) {
     for (const auto& [script, jumps, epochs] :
          {ScriptCase{"0.5 seek 1\n0.8 seek 0", 2, 2}, ScriptCase{"0.2 loop 0 0.95", 1, 1},
           ScriptCase{"0.3 pause\n0.5 seek 1\n0.6 seek 1.4\n0.7 seek 0.2", 3, 3},
@@ -172,14 +172,14 @@ TEST(Playback, WhateverIsAskedOfTheClockNoForceRisesFasterThanAFade) {
     }
 }
 
-TEST(Playback, OfHeldFramesASeekIsAFadeToo) {
+TEST(Playback, SeekFadesBetweenHeldFrames) {
     const auto ticks = pressed("0.5 seek 1\n0.8 seek 0", 700, FrameInterpolation::hold);
     for (std::size_t k = 101; k < ticks.size(); ++k)
         ASSERT_LE(ticks[k].force - ticks[k - 1].force, 0.6 * 0.2 + steepest_fade) << k;
     EXPECT_TRUE(ticks[500].jumped);
 }
 
-TEST(Playback, APausedSurfaceStandsStill) {
+TEST(Playback, PausedSurfaceStandsStill) {
     const auto ticks = pressed("0.7 pause\n1.1 play", 1200);
     for (std::size_t k = 701; k < 1100; ++k) ASSERT_EQ(ticks[k].force, ticks[700].force);
     EXPECT_GT(ticks[1150].force, ticks[700].force + 0.1);
@@ -193,9 +193,9 @@ std::vector<std::uint16_t> codes_at(SurfaceFeed& feed, const MediaMoment& moment
     return {frame.codes.data(), frame.codes.data() + frame.codes.size()};
 }
 
-class AverageOverTime : public testing::Test {
+class TemporalAverage : public testing::Test {
 protected:
-    AverageOverTime() {
+    TemporalAverage() {
         scene.filter.temporal = true;
         scene.filter.temporal_noise = {2, 0};
     }
@@ -204,7 +204,7 @@ protected:
             std::make_unique<Pumping>(900),
             reference ? make_reference_builder(scene) : make_cpu_builder(scene), scene);
     }
-    /// Of frames `first` to `last`, by hand.
+    /// The average of frames `first` to `last`, by hand.
     std::vector<std::uint16_t> averaged(std::int64_t first, std::int64_t last) const {
         Pumping reader(900);
         const auto builder = make_reference_builder(scene);
@@ -222,7 +222,7 @@ protected:
     Scene scene = pumping_scene();
 };
 
-TEST_F(AverageOverTime, OfAnEpochIsThatOfTheSixteenFramesBeforeItAndItsOwn) {
+TEST_F(TemporalAverage, StartsSixteenFramesBeforeEpoch) {
     ASSERT_NE(averaged(14, 30), averaged(13, 30)) << "the noise is not what tells them apart";
     const auto played = feed(), fresh = feed(), other = feed(true);
     for (const std::int64_t n : {0, 10, 21}) EXPECT_EQ(codes_at(*played, at(0, n, 0)), averaged(0, n)) << n;
@@ -251,7 +251,7 @@ protected:
     std::string clip = folder / "clip.mkv";
 };
 
-TEST_F(PlayedClip, ReplaysToItsHashWithEveryBuilder) {
+TEST_F(PlayedClip, ReplaysWithEveryBuilder) {
     make();
     const std::string play = script(
         "0.1 pause\n0.2 step   # a comment\n\n0.3 seek 1.2\n0.35 play\n0.4 rate 3\n0.5 loop 0.2 0.6\n"
@@ -274,7 +274,7 @@ TEST_F(PlayedClip, ReplaysToItsHashWithEveryBuilder) {
 }
 
 // At rate 1 a clip from a second on is what is left of it; in a loop it has no end of its own.
-TEST_F(PlayedClip, OptionsSayWhereItBeginsHowFastItIsAndWhereItGoesBack) {
+TEST_F(PlayedClip, OptionsMatchScript) {
     make();
     const Words hand{"--hand", "wander", "--seconds", "0.3"};
     const auto hash = [&](Words words) {
@@ -291,7 +291,7 @@ TEST_F(PlayedClip, OptionsSayWhereItBeginsHowFastItIsAndWhereItGoesBack) {
     EXPECT_EQ(touch({clip, "--start", "1"})["ticks"], 3000) << "no run is shorter";
 }
 
-TEST_F(PlayedClip, WhatCannotBePlayedIsRefusedAndSaysWhatCould) {
+TEST_F(PlayedClip, RejectsInvalidOptions) {
     make();
     const std::pair<Words, const char*> wrong[] = {
         {{"--start", "-1"}, "--start"},
@@ -320,7 +320,7 @@ TEST_F(PlayedClip, WhatCannotBePlayedIsRefusedAndSaysWhatCould) {
     EXPECT_EQ(file_contents(play), "0 rate 2\n");
 }
 
-TEST(PlaybackScript, RefusesALineByItsNumber) {
+TEST(PlaybackScript, RejectsLineByNumber) {
     const std::pair<const char*, const char*> wrong[] = {
         {"soon play", "line 1: \"soon\" must be a time"},
         {"1 play\n\n-1 pause", "line 3: \"-1\" must be a time"},
@@ -358,7 +358,7 @@ void expect_at(PlaybackClock& clock, std::int64_t tick, std::uint64_t epoch, std
     EXPECT_EQ(moment.time_ns, time_ns) << "tick " << tick;
 }
 
-TEST(PlaybackClock, WithoutCommandsATickIsAMillisecond) {
+TEST(PlaybackClock, TickIsOneMillisecond) {
     PlaybackClock clock = clock_of({});
     for (const std::int64_t tick : {0LL, 1LL, 999LL, 1'000'000'000LL}) expect_at(clock, tick, 0, tick * ms);
     EXPECT_FALSE(clock.next_epoch());
@@ -366,7 +366,7 @@ TEST(PlaybackClock, WithoutCommandsATickIsAMillisecond) {
     EXPECT_GT(clock.at(std::int64_t{1} << 62).time_ns, 0) << "no overflow";
 }
 
-TEST(PlaybackClock, PauseAndRateAreTheSameEpoch) {
+TEST(PlaybackClock, PauseAndRateKeepEpoch) {
     PlaybackClock clock = clock_of({{10, Verb::pause, 0, 0},
                                     {20, Verb::play, 0, 0},
                                     {30, Verb::rate, 333, 0},
@@ -383,7 +383,7 @@ TEST(PlaybackClock, PauseAndRateAreTheSameEpoch) {
     EXPECT_TRUE(clock.plays_to_the_end());
 }
 
-TEST(PlaybackClock, ASeekIsAnEpochAndKeepsThePause) {
+TEST(PlaybackClock, SeekKeepsPause) {
     PlaybackClock clock = clock_of({{5, Verb::pause, 0, 0},
                                     {7, Verb::seek, 400 * ms, 0},
                                     {9, Verb::seek, 2 * ms, 0},
@@ -396,7 +396,7 @@ TEST(PlaybackClock, ASeekIsAnEpochAndKeepsThePause) {
     EXPECT_EQ(clock.at(11).start_ns, 2 * ms);
 }
 
-TEST(PlaybackClock, AStepGoesToTheNextFrameAndPauses) {
+TEST(PlaybackClock, StepPausesAtNextFrame) {
     PlaybackClock clock = clock_of({{40, Verb::step, 0, 0}, {50, Verb::step, 0, 0}, {51, Verb::step, 0, 0}});
     expect_at(clock, 39, 0, 39 * ms);
     expect_at(clock, 40, 0, 66'666'666);
@@ -408,7 +408,7 @@ TEST(PlaybackClock, AStepGoesToTheNextFrameAndPauses) {
 }
 
 // At rate 3 a tick may come 2 ms beyond the loop's end; they are not lost.
-TEST(PlaybackClock, ALoopsWayBackIsAnEpoch) {
+TEST(PlaybackClock, LoopRestartBeginsEpoch) {
     PlaybackClock clock =
         clock_of({{0, Verb::rate, 3000, 0}, {0, Verb::loop, 10 * ms, 110 * ms}, {100, Verb::unloop, 0, 0}});
     expect_at(clock, 36, 0, 108 * ms);
@@ -421,7 +421,7 @@ TEST(PlaybackClock, ALoopsWayBackIsAnEpoch) {
     EXPECT_TRUE(clock.plays_to_the_end());
 }
 
-TEST(PlaybackClock, WhoIsFarBeyondALoopsEndBeginsWithIt) {
+TEST(PlaybackClock, LoopBehindClockStartsOver) {
     PlaybackClock clock = clock_of({{500, Verb::loop, 0, 100 * ms}});
     expect_at(clock, 499, 0, 499 * ms);
     expect_at(clock, 500, 1, 0);
@@ -476,7 +476,7 @@ void expect_pure(const std::vector<PlaybackCommand>& commands, Random& random) {
     }
 }
 
-TEST(PlaybackClock, IsAFunctionOfTheTickAndKnowsItsEpochsAhead) {
+TEST(PlaybackClock, PredictsEpochsFromTick) {
     Random random(41);
     for (int run = 0; run < 100; ++run) {
         SCOPED_TRACE(run);
@@ -484,7 +484,7 @@ TEST(PlaybackClock, IsAFunctionOfTheTickAndKnowsItsEpochsAhead) {
     }
 }
 
-TEST(PlaybackClock, RefusesWhatIsNoCommand) {
+TEST(PlaybackClock, RejectsInvalidCommands) {
     const std::pair<PlaybackCommand, const char*> wrong[] = {
         {{-1, Verb::play, 0, 0}, "tick -1"},
         {{4, Verb::play, 0, 0}, "is before 5"},
@@ -512,7 +512,7 @@ struct Answer {
     std::string text;
 };
 
-/// What `./run` with these words says where no other programs are than those in `path`.
+/// The answer of `./run` with these words where no other programs are than those in `path`.
 Answer run_script(const std::string& words, const fs::path& path, const std::string& through = "") {
     const std::string command = "PATH='" + path.string() + "' " + through + " '" + (path / "bash").string() +
                                 "' '" TOUCHABLE_SOURCE_DIR "/run' " + words + " 2>&1";
@@ -524,7 +524,7 @@ Answer run_script(const std::string& words, const fs::path& path, const std::str
     return answer;
 }
 
-TEST(RunScript, NamesTheProgramsThatAreMissing) {
+TEST(RunScript, NamesMissingPrograms) {
     const TemporaryFolder path;
     for (const char* name : {"bash", "dirname", "nproc"}) {
         fs::path program = fs::path("/usr/bin") / name;
@@ -544,7 +544,7 @@ TEST(RunScript, NamesTheProgramsThatAreMissing) {
     EXPECT_EQ(run_script("build --no-install", path.path()).text.find("cmake"), std::string::npos);
 }
 
-TEST(RunScript, AWindowWithoutADisplayIsRefusedBeforeAnythingIsBuilt) {
+TEST(RunScript, RejectsWindowWithoutDisplay) {
     const Answer answer =
         run_script("demo --window --no-install", "/usr/bin", "env -u DISPLAY -u WAYLAND_DISPLAY");
     EXPECT_EQ(answer.code, 2) << answer.text;
@@ -558,7 +558,7 @@ void put_script(const fs::path& path, const std::string& text) {
     fs::permissions(path, fs::perms::owner_all);
 }
 
-TEST(RunScript, APersonWhomSudoRefusesIsAskedOnceAndGetsTheLineForRoot) {
+TEST(RunScript, PrintsRootCommandWithoutSudo) {
     const TemporaryFolder path;
     for (const char* name : {"bash", "dirname", "nproc"})
         fs::create_symlink(fs::path("/usr/bin") / name, path / name);
@@ -620,12 +620,12 @@ TEST(RunScript, DemoFingersStayOnGlobe) {
     }
 }
 
-// What a hand got of the energy that the guard's books have.
+// The hand's part of the energy that the guard's books have.
 
 /// A finger that goes into a wall at 0, 1 N/mm, and out of it again; scene units are metres.
-class SentBooks : public ::testing::Test {
+class SentEnergyBooks : public ::testing::Test {
 protected:
-    SentBooks() {
+    SentEnergyBooks() {
         settings_.ramp_in_ticks = 0;
         guard_.emplace(settings_, 1.0);
     }
@@ -664,7 +664,7 @@ protected:
     TouchFigures::SentEnergy sent_;
 };
 
-TEST_F(SentBooks, AllOfItIsTheGuardsToTheBit) {
+TEST_F(SentEnergyBooks, MatchGuardAtFullShare) {
     stroke([](int) { return 1.0; });
     ASSERT_GT(guarded_.bound, 0);
     const EnergyFigures& sent = sent_.figures();
@@ -673,7 +673,7 @@ TEST_F(SentBooks, AllOfItIsTheGuardsToTheBit) {
         EXPECT_EQ(sent.*figure, guarded_.*figure);
 }
 
-TEST_F(SentBooks, NothingOfItIsNothing) {
+TEST_F(SentEnergyBooks, AreZeroAtZeroShare) {
     stroke([](int) { return 0.0; });
     ASSERT_GT(guarded_.created, 0);
     const EnergyFigures& sent = sent_.figures();
@@ -683,7 +683,7 @@ TEST_F(SentBooks, NothingOfItIsNothing) {
     EXPECT_NEAR(sent.surface, 0, 1e-15);
 }
 
-TEST_F(SentBooks, WorkIsThatOfTheForcesThatWereSent) {
+TEST_F(SentEnergyBooks, CountWorkOfSentForces) {
     stroke([](int k) { return k < 40 ? 0.0 : std::min(1.0, (k - 40) / 50.0); });
     const EnergyFigures& sent = sent_.figures();
     EXPECT_NEAR(sent.work, work_, 1e-12);

@@ -53,7 +53,7 @@ public:
 
     /// In the child: `stream` goes here.
     void take_over(int stream) const { dup2(ends_[1], stream); }
-    /// In the parent: nobody but the child writes.
+    /// In the parent: only the child writes.
     void leave_to_child() {
         close(ends_[1]);
         ends_[1] = -1;
@@ -96,9 +96,9 @@ struct Hooks {
     Pipe::Kind err = Pipe::Kind::pipe;
 };
 
-/// What is loaded before the program, so that a busy machine is waited for: a GPU has the time that it needs,
-/// and the clock of a window that goes by a script waits for the window. GCC's AddressSanitizer allows
-/// nothing before itself.
+/// Libraries that are loaded before the program, so that a busy machine is waited for: a GPU has the time
+/// that it needs, and the clock of a window that goes by a script waits for the window. GCC's
+/// AddressSanitizer allows nothing before itself.
 std::string loaded_before(const std::vector<std::string>& arguments) {
     const char* const asked = std::getenv("LD_PRELOAD");
     std::string libraries = asked ? asked : "";
@@ -150,7 +150,7 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     return outcome;
 }
 
-/// Until it does what `is_enough` looks for, or has ended.
+/// Waits until it does what `is_enough` looks for, or has ended.
 void wait_until_it(pid_t child, const std::function<bool()>& is_enough) {
     siginfo_t ended{};
     while (!is_enough() &&
@@ -181,7 +181,7 @@ Outcome run_limited(const std::vector<std::string>& arguments, decltype(RLIMIT_A
     return run(arguments, hooks);
 }
 
-/// Whether a program has a file open there, be it one without a name.
+/// True where a program has a file open there, be it one without a name.
 bool has_opened_a_file_in(const fs::path& folder, pid_t program) {
     const std::string prefix = fs::canonical(folder).string() + '/';
     std::error_code failure;
@@ -343,7 +343,7 @@ Outcome run_interrupted_while_live(const std::vector<std::string>& arguments) {
     // Its line moves on: it has run for a tenth of a second at least.
     Outcome outcome =
         run_on_terminal(arguments, [](const std::string& shown) { return moments_shown(shown) > 1; });
-    // What stays on the terminal, whose lines end with two characters.
+    // The text that stays on the terminal, whose lines end with two characters.
     const std::string cleared = "\r\033[K";
     if (const std::size_t at = outcome.err.rfind(cleared); at != std::string::npos)
         outcome.err.erase(0, at + cleared.size());

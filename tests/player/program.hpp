@@ -10,13 +10,13 @@
 
 namespace touchable::test {
 
-/// What a run of the program `touchable` left behind.
+/// Exit code and output of a run of the program `touchable`.
 struct Outcome {
     int code = -1;  ///< exit code; -signal where it died of one
     std::string out, err;
     double peak_mebibytes = 0;  ///< the most memory that it had resident
 
-    /// True for one line that begins with the program's name: how every failure is told.
+    /// True for one line that begins with the program's name, as every failure has.
     bool one_line_of_error() const;
 };
 
@@ -40,10 +40,10 @@ Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const s
 Outcome run_until_it_says(const std::vector<std::string>& arguments,
                           const std::function<bool(const std::string& err)>& is_enough);
 
-/// Starts it where nobody hears what it says on standard output: the reader has gone away.
+/// Starts it with a standard output whose reader has gone away.
 Outcome run_unheard(const std::vector<std::string>& arguments);
 
-/// Starts it with standard output into a pipe that is full, and that nobody reads though it stays open; sends
+/// Starts it with standard output into a pipe that is full, and that is not read though it stays open; sends
 /// SIGINT after a second where it is to be `interrupted`.
 Outcome run_unread(const std::vector<std::string>& arguments, bool interrupted = false);
 

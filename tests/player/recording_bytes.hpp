@@ -38,7 +38,7 @@ public:
     void keep_ticks(std::size_t count);
 
 private:
-    /// Of a tick, before its fingers.
+    /// Size of a tick's head, before its fingers.
     std::size_t head_size() const { return integer(8, 4) == 1 ? 32 : 40; }
     void put(std::size_t at, std::size_t size, std::uint64_t value);
     void seal();

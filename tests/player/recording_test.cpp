@@ -93,7 +93,7 @@ void expect_same_bits(const glm::dvec3& a, const glm::dvec3& b) {
         EXPECT_EQ(std::bit_cast<std::uint64_t>(a[axis]), std::bit_cast<std::uint64_t>(b[axis]));
 }
 
-TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
+TEST_F(RecordingFormat, RoundTripsEveryBit) {
     const auto whole = read(bytes_);
     ASSERT_TRUE(whole) << whole.error().message;
     ASSERT_EQ(whole->size(), 1U);
@@ -118,7 +118,7 @@ TEST_F(RecordingFormat, WhatWasWrittenIsReadBackToTheBitNansToo) {
     }
 }
 
-TEST_F(RecordingFormat, LayoutIsAsDocumented) {
+TEST_F(RecordingFormat, MatchesDocumentedLayout) {
     const RecordingBytes raw(bytes_);
     EXPECT_EQ(bytes_.substr(0, 8), "TOUCHREC");
     EXPECT_EQ(raw.integer(8, 4), 2U);
@@ -143,7 +143,7 @@ TEST_F(RecordingFormat, LayoutIsAsDocumented) {
     EXPECT_EQ(sealed.bytes(), bytes_) << "the hash is that of all before it";
 }
 
-TEST_F(RecordingFormat, AnyChangedByteIsNoticed) {
+TEST_F(RecordingFormat, DetectsChangedByte) {
     for (std::size_t at = 0; at < bytes_.size(); ++at)
         for (const int bit : {0, 7}) {
             std::string damaged = bytes_;
@@ -154,7 +154,7 @@ TEST_F(RecordingFormat, AnyChangedByteIsNoticed) {
         }
 }
 
-TEST_F(RecordingFormat, AnyMissingOrAddedByteIsNoticed) {
+TEST_F(RecordingFormat, DetectsMissingOrAddedByte) {
     for (std::size_t size = 0; size < bytes_.size(); ++size)
         ASSERT_FALSE(read(bytes_.substr(0, size))) << size << " bytes";
     EXPECT_FALSE(read(bytes_ + '\0'));
@@ -162,7 +162,7 @@ TEST_F(RecordingFormat, AnyMissingOrAddedByteIsNoticed) {
 }
 
 // A right hash does not make numbers right.
-TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
+TEST_F(RecordingFormat, RejectsImpossibleNumbers) {
     const auto with = [&](std::size_t at, std::size_t size, std::uint64_t value) {
         RecordingBytes raw(bytes_);
         raw.set_integer(at, size, value);
@@ -199,9 +199,9 @@ TEST_F(RecordingFormat, ImpossibleNumbersAreRefused) {
 }
 
 /// A recording of three parts of 2, 1 and 1 ticks; between the last two one that got none.
-class PartsOfARecording : public RecordingFormat {
+class RecordingParts : public RecordingFormat {
 protected:
-    PartsOfARecording() {
+    RecordingParts() {
         auto recording = RecordingFile::create(file(), 2, Existing::replace);
         EXPECT_TRUE(recording);
         take(**recording, 0);
@@ -234,7 +234,7 @@ protected:
     std::vector<std::size_t> begins_;
 };
 
-TEST_F(PartsOfARecording, AreReadInTheirOrder) {
+TEST_F(RecordingParts, AreReadInOrder) {
     const auto recording = read(bytes_);
     ASSERT_TRUE(recording) << recording.error().message;
     ASSERT_EQ(recording->size(), 3U);
@@ -254,7 +254,7 @@ TEST_F(PartsOfARecording, AreReadInTheirOrder) {
     EXPECT_EQ(third.integer(third.time_at(0), 8), 241'000'000U);
 }
 
-TEST_F(PartsOfARecording, AreRefusedWhereOneIsMissingOrDamaged) {
+TEST_F(RecordingParts, RejectMissingOrDamagedPart) {
     EXPECT_TRUE(read(part(0) + part(1) + part(2))) << "as it was";
     for (const std::string& bytes :
          {part(0), part(1), part(2), part(0) + part(1), part(1) + part(2), part(0) + part(2),
@@ -280,7 +280,7 @@ std::size_t ticks_of(const Recording& recording) {
 }
 
 // Wherever it becomes full: all parts and ticks for which there is room are there, and nothing else.
-TEST_F(PartsOfARecording, AreKeptUpToWhereTheDiskBecameFull) {
+TEST_F(RecordingParts, SurviveFullDisk) {
     std::size_t kept_before = 0;
     for (std::size_t room = bytes_.size() % 7; room <= bytes_.size(); room += 7) {
         const std::string place = folder / "cut.rec";
@@ -333,7 +333,7 @@ TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {
 
 namespace fs = std::filesystem;
 
-class Verify : public ::testing::Test {
+class ClipVerification : public ::testing::Test {
 protected:
     struct Filmed {
         int frames = 6;
@@ -396,14 +396,14 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(Verify, FindsNothingInAGoodClip) {
+TEST_F(ClipVerification, FindsNothingInGoodClip) {
     make_clip("globe", at("globe.mkv"), {"--size", "96x64", "--frames", "4"});
     EXPECT_EQ(names(verified({at("globe.mkv")})), std::set<std::string>{});
     const Outcome run = run_touchable({"info", at("globe.mkv"), "--verify"});
     EXPECT_NE(run.out.find("nothing was found that would feel wrong"), std::string::npos) << run.out;
 }
 
-TEST_F(Verify, TellsOfColourThatIsBesideDepthAndWhere) {
+TEST_F(ClipVerification, MarksMisalignedColour) {
     const std::string clip = recording({.right = 3});
     const auto json = verified({clip, "--depth-unit", "0.001", "--fov", "60", "--picture", at("where.png")});
     EXPECT_EQ(names(json), std::set<std::string>{"registration"}) << json;
@@ -414,13 +414,13 @@ TEST_F(Verify, TellsOfColourThatIsBesideDepthAndWhere) {
     for (std::size_t k = 0; k < picture->samples.size(); k += 3)
         red += picture->samples[k] == 255 && picture->samples[k + 1] == 40 ? 1 : 0;
     EXPECT_GT(red, 100);
-    // What is there already stays.
+    // An earlier picture stays.
     const Outcome again = run_touchable({"info", clip, "--verify", "--picture", at("where.png")});
     EXPECT_EQ(again.code, 2) << again.err;
 }
 
 /// Boxes whose colour is narrower and moved: both findings are of the same edges.
-TEST_F(Verify, SaysTheColourOfItsMarksAndWhereThereAreNone) {
+TEST_F(ClipVerification, NamesColourOfMarks) {
     const std::vector<std::string> more{"--depth-unit", "0.001", "--fov", "60", "--picture"};
     const auto with = [&](std::vector<std::string> words, const std::string& picture) {
         words.insert(words.end(), more.begin(), more.end());
@@ -439,29 +439,29 @@ TEST_F(Verify, SaysTheColourOfItsMarksAndWhereThereAreNone) {
     EXPECT_NE(run.out.find("has no marks"), std::string::npos) << run.out;
 }
 
-TEST_F(Verify, OfAClipWithoutColourSaysSo) {
+TEST_F(ClipVerification, ReportsMissingColour) {
     make_clip("bumps", at("grey.mkv"), {"--size", "96x64", "--frames", "4"});
     const Outcome run = run_touchable({"info", at("grey.mkv"), "--verify"});
     EXPECT_NE(run.out.find("; no colour"), std::string::npos) << run.out;
     EXPECT_EQ(run.out.find("too few edges"), std::string::npos) << run.out;
 }
 
-TEST_F(Verify, TellsOfColourThatIsOfSomethingElse) {
+TEST_F(ClipVerification, ReportsUnrelatedColour) {
     const auto json = verified({recording({.colour_period = 31}), "--depth-unit", "0.001", "--fov", "60"});
     EXPECT_EQ(names(json), std::set<std::string>{"registration"}) << json;
     const std::string what = json["findings"][0]["what"];
     EXPECT_NE(what.find("agree on a place"), std::string::npos) << what;
 }
 
-TEST_F(Verify, TellsOfFramesWithoutDepth) {
+TEST_F(ClipVerification, ReportsFramesWithoutDepth) {
     const auto json = verified({recording({.blank = 3}), "--depth-unit", "0.001", "--fov", "60"});
     EXPECT_EQ(names(json), std::set<std::string>{"blank"});
     const std::string what = json["findings"][0]["what"];
     EXPECT_NE(what.find("the first is 3"), std::string::npos) << what;
 }
 
-/// What depth is, its unit too, is told from the first frames that have any.
-TEST_F(Verify, OpensAClipThatBeginsBlank) {
+/// The kind of depth, its unit too, is found from the first frames that have any.
+TEST_F(ClipVerification, OpensClipStartingBlank) {
     const std::string clip = recording({.from = 4});
     const auto json = verified({clip, "--fov", "60"});
     EXPECT_EQ(names(json), std::set<std::string>{"blank"});
@@ -473,19 +473,19 @@ TEST_F(Verify, OpensAClipThatBeginsBlank) {
     EXPECT_NE(none.err.find("has no depth: all values are 0"), std::string::npos) << none.err;
 }
 
-TEST_F(Verify, TellsOfDepthThatPulses) {
+TEST_F(ClipVerification, ReportsPulsingDepth) {
     const auto json =
         verified({recording({.frames = 9, .pulse = 0.01}), "--depth-unit", "0.001", "--fov", "60"});
     EXPECT_TRUE(names(json).contains("pumping")) << json;
 }
 
-TEST_F(Verify, TellsOfAFilterThatIsOffThoughItIsNeeded) {
+TEST_F(ClipVerification, ReportsMissingFilter) {
     make_clip("globe", at("globe.mkv"), {"--size", "192x128", "--frames", "4", "--bits", "8"});
     EXPECT_TRUE(names(verified({at("globe.mkv"), "--filters", "off"})).contains("terraces"));
     EXPECT_FALSE(names(verified({at("globe.mkv"), "--filters", "auto"})).contains("terraces"));
 }
 
-TEST_F(Verify, PictureNeedsIt) {
+TEST_F(ClipVerification, PictureRequiresVerify) {
     const Outcome run = run_touchable({"info", at("globe.mkv"), "--picture", at("where.png")});
     EXPECT_EQ(run.code, 2);
     EXPECT_NE(run.err.find("--verify"), std::string::npos) << run.err;
@@ -532,7 +532,7 @@ public:
     Result<std::optional<RawFrame>> next() override {
         if (number_ == static_cast<std::int64_t>(frames_.size())) return std::optional<RawFrame>();
         if (number_ == fails_at_) return input_error("the disk is out");
-        // Each frame in memory of its own, which is gone once nobody holds it.
+        // Each frame in memory of its own, which is freed with its last holder.
         auto planes = std::make_shared<Planes>(frames_[static_cast<std::size_t>(number_)]);
         RawFrame raw;
         raw.number = number_;
@@ -602,7 +602,7 @@ TEST(UnchangedFrames, AreNotBuiltAgain) {
 }
 
 // From 100 to 101 levels: what is shown nears the new one frame by frame, though nothing in the clip changes.
-TEST(UnchangedFrames, AreBuiltAgainByATemporalFilterBecauseItSettles) {
+TEST(UnchangedFrames, AreRebuiltByTemporalFilter) {
     Scene scene = small_scene();
     scene.filter.temporal = true;
     scene.filter.temporal_noise = {1, 0};
@@ -622,7 +622,7 @@ TEST(UnchangedFrames, AreBuiltAgainByATemporalFilterBecauseItSettles) {
 }
 
 // More of them than the timeline has entries, with a hand that does not move on.
-TEST(UnchangedFrames, WaitForTheHandLikeOthers) {
+TEST(UnchangedFrames, WaitForHand) {
     int built = 0;
     SurfaceFeed feed(std::make_unique<Planned>(std::vector<Planes>(60)), std::make_unique<Counting>(built),
                      small_scene());
@@ -679,7 +679,7 @@ std::vector<Planes> some_frames() {
     return frames;
 }
 
-TEST(FramesAhead, GiveTheSamePairsInEveryEpoch) {
+TEST(FramesAhead, GiveSamePairsEveryEpoch) {
     const Scene scene = small_scene();
     std::size_t most = 0;
     int built = 0;
@@ -707,7 +707,8 @@ TEST(FramesAhead, GiveTheSamePairsInEveryEpoch) {
     EXPECT_EQ(ahead.planes_hash(), plain.planes_hash());
 }
 
-TEST(FramesAhead, AreNotBegunByAFeedWhoseFramesThreadsAskFor) {
+/// As for a feed that threads ask for its frames: it begins none ahead.
+TEST(FramesAhead, AreOffByDefault) {
     std::size_t most = 0;
     SurfaceFeed feed(std::make_unique<Planned>(some_frames()), std::make_unique<ThreeAtOnce>(most),
                      small_scene());
@@ -716,7 +717,7 @@ TEST(FramesAhead, AreNotBegunByAFeedWhoseFramesThreadsAskFor) {
     EXPECT_EQ(feed.place().next_number, 2);
 }
 
-TEST(FramesAhead, AnErrorIsToldWhenItsFrameIsAskedFor) {
+TEST(FramesAhead, DelayErrorUntilItsFrame) {
     std::size_t most = 0;
     SurfaceFeed feed(std::make_unique<Planned>(some_frames(), 5), std::make_unique<ThreeAtOnce>(most),
                      small_scene());
@@ -729,7 +730,7 @@ TEST(FramesAhead, AnErrorIsToldWhenItsFrameIsAskedFor) {
 }
 
 /// The memory of one frame's planes may be another's later.
-TEST(WatchedPlanes, NumberTheColoursOfEachFrame) {
+TEST(WatchedPlanes, NumberColoursOfEachFrame) {
     const auto planes = std::make_shared<Planes>();
     WatchedPlanes watched;
     std::vector<std::uint64_t> contents;
@@ -749,7 +750,7 @@ TEST(WatchedPlanes, NumberTheColoursOfEachFrame) {
     EXPECT_EQ(contents[3], contents[2]);
 }
 
-TEST(UnchangedFrames, AreToldInTheReport) {
+TEST(UnchangedFrames, AppearInReport) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "still.mkv", {"--size", "72x48", "--frames", "5"});
     make_clip("moving", folder / "moving.mkv", {"--size", "72x48", "--frames", "5"});

@@ -38,7 +38,7 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(Relief, GivesAClipThatIsFeltOtherwise) {
+TEST_F(Relief, AddsHeightsToClip) {
     const Outcome run = run_touchable({"relief", at("globe.mkv"), at("relief.mkv"), "--max-height", "2"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_NE(run.out.find("colour  every value kept (h264)"), std::string::npos) << run.out;
@@ -51,7 +51,7 @@ TEST_F(Relief, GivesAClipThatIsFeltOtherwise) {
     const auto first = (*clip)->next();
     ASSERT_TRUE(first && *first);
     EXPECT_FALSE((*first)->height.empty());
-    // One that has relief already gets another.
+    // A clip that has relief already gets another.
     const Outcome again = run_touchable({"relief", at("relief.mkv"), at("relief.mkv")});
     EXPECT_EQ(again.code, 2) << again.err;
     const Outcome other =
@@ -65,14 +65,14 @@ TEST_F(Relief, GivesAClipThatIsFeltOtherwise) {
         for (int x = 0; x < 96; ++x) EXPECT_EQ((*level)->height.sample(x, y), 128);
 }
 
-TEST_F(Relief, SaysWhatIsFeltOfIt) {
+TEST_F(Relief, ReportsFeltHeights) {
     const Outcome run = run_touchable({"relief", at("globe.mkv"), at("relief.mkv")});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_NE(run.out.find("relief: a pixel is"), std::string::npos) << run.out;
     EXPECT_NE(run.out.find("heights change by"), std::string::npos) << run.out;
 }
 
-TEST_F(Relief, OfSeveralClipsGoesIntoAFolderAndOnWhereItWasStopped) {
+TEST_F(Relief, ResumesBatchIntoFolder) {
     fs::copy_file(at("globe.mkv"), at("other.mkv"));
     std::ofstream(at("broken.mkv")) << "nothing";
     const std::vector<std::string> words{"relief", at("globe.mkv"), at("broken.mkv"), at("other.mkv"),
@@ -92,7 +92,7 @@ TEST_F(Relief, OfSeveralClipsGoesIntoAFolderAndOnWhereItWasStopped) {
     EXPECT_TRUE(fs::exists(at("out/other.mkv")));
 }
 
-TEST_F(Relief, OfSeveralClipsNeedsAFolderAndNamesOfTheirOwn) {
+TEST_F(Relief, RejectsAmbiguousBatchOutput) {
     const Outcome file = run_touchable({"relief", at("globe.mkv"), at("other.mkv"), at("third.mkv")});
     EXPECT_EQ(file.code, 2);
     EXPECT_NE(file.err.find("is no folder"), std::string::npos) << file.err;
@@ -112,7 +112,7 @@ TEST_F(Relief, OfSeveralClipsNeedsAFolderAndNamesOfTheirOwn) {
     EXPECT_EQ(names_in(at("a")), std::vector<std::string>{"globe.mkv"});
 }
 
-TEST_F(Relief, OfSeveralClipsWritesOverNoneOfThem) {
+TEST_F(Relief, BatchNeverReplacesInput) {
     fs::create_directory(at("a"));
     fs::copy_file(at("globe.mkv"), at("a/other.mkv"));
     for (const bool overwrite : {false, true}) {
@@ -125,7 +125,7 @@ TEST_F(Relief, OfSeveralClipsWritesOverNoneOfThem) {
     }
 }
 
-TEST_F(Relief, IsOfTheWorldWhereThatIsSaid) {
+TEST_F(Relief, OfWorldSetsWorldHeight) {
     const Outcome run =
         run_touchable({"relief", at("globe.mkv"), at("relief.mkv"), "--max-height", "2", "--of-world"});
     ASSERT_EQ(run.code, 0) << run.err;
@@ -134,7 +134,7 @@ TEST_F(Relief, IsOfTheWorldWhereThatIsSaid) {
     EXPECT_NEAR((*clip)->scene().height_coding.max_height * (*clip)->scene().metres_per_unit, 0.002, 1e-9);
 }
 
-TEST_F(Relief, TakesAHapticMapInPlaceOfTheClipsOwn) {
+TEST_F(Relief, TakesHapticMap) {
     ASSERT_EQ(run_touchable({"convert", at("globe.mkv"), at("planes")}).code, 0);
     const Outcome run = run_touchable(
         {"relief", at("globe.mkv"), at("relief.mkv"), "--haptic", at("planes/haptic_000002.png")});
@@ -142,8 +142,8 @@ TEST_F(Relief, TakesAHapticMapInPlaceOfTheClipsOwn) {
     EXPECT_NE(run.out.find("colour  every value kept (h264)"), std::string::npos) << run.out;
 }
 
-/// What was tried in a window, the command makes a clip of.
-TEST_F(Relief, OfAWindowIsKeptByTheCommandThatTheWindowNames) {
+/// The command makes a clip of the settings that were tried in a window.
+TEST_F(Relief, WindowPrintsMatchingCommand) {
     std::ofstream(at("kept.json")) << R"({"a": {"relief": 60, "relief-fine": 30, "relief-invert": "on"}})";
     const Outcome window = run_touchable({"play", at("globe.mkv"), "--headless", "--seconds", "0.1",
                                           "--settings", at("kept.json"), "--size", "160x120"});
@@ -158,7 +158,7 @@ TEST_F(Relief, OfAWindowIsKeptByTheCommandThatTheWindowNames) {
     EXPECT_EQ(kept.code, 0) << kept.err;
 }
 
-TEST_F(Relief, RefusesWhatCannotBe) {
+TEST_F(Relief, RejectsInvalidOptions) {
     make_clip("bumps", at("grey.mkv"), {"--size", "32x24", "--frames", "1"});
     const auto expect = [&](const std::vector<std::string>& words, int code, const std::string& why) {
         const Outcome run = run_touchable(words);
@@ -175,7 +175,7 @@ TEST_F(Relief, RefusesWhatCannotBe) {
     expect({"relief", at("none.mkv"), at("out.mkv")}, 3, "none.mkv");
 }
 
-// Depth that a network guessed picture by picture, as somebody has it on disk, under a finger at rest.
+// Depth that a network guessed picture by picture, as it lies on disk, under a finger at rest.
 
 /// A wall, in pictures to which a network gave a scale each.
 class PumpingFolder : public ::testing::Test {
@@ -216,7 +216,7 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(PumpingFolder, PulsesTwentyTimesLessUnderAFingerAtRest) {
+TEST_F(PumpingFolder, AlignmentReducesPulseTwentyfold) {
     const double before = pulse("off"), after = pulse("auto");
     std::cout << "a finger at rest: pulse " << before << " N from frame to frame, aligned " << after
               << " N\n";
@@ -224,7 +224,7 @@ TEST_F(PumpingFolder, PulsesTwentyTimesLessUnderAFingerAtRest) {
     EXPECT_GE(before, 20 * after);
 }
 
-TEST_F(PumpingFolder, SaysWhatIsDoneAndReplaysAsItWas) {
+TEST_F(PumpingFolder, ReplaysWithRecordedAlignment) {
     const std::vector<std::string> info{"info", pictures(), "--preset", "relative-inverse"};
     const Outcome told = run_touchable(info);
     EXPECT_NE(told.out.find("depth is aligned, as each frame had a scale of its own"), std::string::npos)
@@ -243,7 +243,7 @@ TEST_F(PumpingFolder, SaysWhatIsDoneAndReplaysAsItWas) {
 }
 
 /// Once it is a clip nothing has to be aligned any more; a clip that was made before can be.
-TEST_F(PumpingFolder, IsConvertedOnceAndTouchedAsItWas) {
+TEST_F(PumpingFolder, ConvertedClipIsAligned) {
     const std::string clip = folder_ / "aligned.mkv", raw = folder_ / "raw.mkv";
     for (const auto& [file, align] : {std::pair{clip, "auto"}, {raw, "off"}})
         ASSERT_EQ(
@@ -259,8 +259,8 @@ TEST_F(PumpingFolder, IsConvertedOnceAndTouchedAsItWas) {
     EXPECT_EQ(run_touchable({"info", raw}).out.find("depth is aligned"), std::string::npos);
 }
 
-/// What writes a clip anew copies the packets of what stays as it is, and aligned depth does not.
-TEST_F(PumpingFolder, OfAClipOfOursIsAlignedByWhateverWritesItAnew) {
+/// Commands that write a clip anew copy the packets of unchanged planes; aligned depth is not unchanged.
+TEST_F(PumpingFolder, RewritingCommandsAlignDepth) {
     const std::string raw = folder_ / "raw.mkv";
     ASSERT_EQ(
         run_touchable({"convert", pictures(), raw, "--preset", "relative-inverse", "--align", "off"}).code,
@@ -290,7 +290,7 @@ TEST_F(PumpingFolder, OfAClipOfOursIsAlignedByWhateverWritesItAnew) {
     }
 }
 
-// Holes of a recording that other frames saw, as somebody asks for them to be filled.
+// Holes of a recording that other frames saw, filled on request.
 
 using Words = std::vector<std::string>;
 constexpr const char* filled_words = "holes are filled from frames that saw what is behind: ";
@@ -325,7 +325,7 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(RecordedTable, SaysWhatIsFilled) {
+TEST_F(RecordedTable, ReportsFilledHoles) {
     const Outcome told = run({"info", scene()});
     EXPECT_NE(told.out.find(filled_words), std::string::npos) << told.out << told.err;
     EXPECT_NE(told.out.find("(of 20 frames)"), std::string::npos) << told.out;
@@ -337,7 +337,7 @@ TEST_F(RecordedTable, SaysWhatIsFilled) {
     EXPECT_NE(refused.err.find("maybe is not allowed; must be off or on"), std::string::npos) << refused.err;
 }
 
-TEST_F(RecordedTable, IsTouchedAndReplayedAsItWas) {
+TEST_F(RecordedTable, ReplaysWithRecordedFilling) {
     const Words words{scene(), "--seconds", "0.5", "--hand",
                       "press:x=0.42,y=0.42,depth=30,lift=5,period=0.4"};
     const auto touched = [&](const std::string& fill, const std::string& recording) {
@@ -357,7 +357,7 @@ TEST_F(RecordedTable, IsTouchedAndReplayedAsItWas) {
 }
 
 /// Its depth is stored anew, also where the clip could be copied; what was filled stays filled.
-TEST_F(RecordedTable, IsConvertedOnceForGood) {
+TEST_F(RecordedTable, ConversionStoresFilledDepth) {
     const std::string raw = folder_ / "raw.mkv", once = folder_ / "once.mkv";
     ASSERT_EQ(run({"convert", scene(), raw}, false).code, 0);
     const Outcome converted = run({"convert", raw, once});
@@ -381,7 +381,7 @@ TEST_F(RecordedTable, IsConvertedOnceForGood) {
 }
 
 /// The clip's own view has a pixel for each pixel; the legend covers a corner.
-TEST_F(RecordedTable, ShowsWhatIsFilled) {
+TEST_F(RecordedTable, ShowsFilledPixels) {
     const std::string picture = folder_ / "validity.png";
     for (const std::string builder : {"cpu", "reference"}) {
         const Outcome drawn = run({"export", scene(), "--frame", "9", "--picture", picture, "--view", "own",
@@ -409,7 +409,7 @@ TEST_F(RecordedTable, ShowsWhatIsFilled) {
     }
 }
 
-TEST_F(RecordedTable, IsRefusedOfACamera) {
+TEST_F(RecordedTable, RejectsFillingForCamera) {
     const std::string raw = folder_ / "raw.mkv";
     ASSERT_EQ(run({"convert", scene(), raw}, false).code, 0);
     const Outcome refused = run({"touch", "--live", "--camera", "replay:" + raw, "--seconds", "0.1"});
@@ -462,7 +462,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Holes, TheReportSaysHowLongFingersWereCaughtInThem) {
+TEST_F(Holes, ReportTimeFingersAreCaught) {
     const auto report = touch(words(scene()));
     // On the wall's triangles, between the last valid column and the first invalid one, or deeper in.
     std::int64_t caught = 0, limited = 0, contact = 0, row_length = 0, longest = 0;
@@ -490,7 +490,7 @@ TEST_F(Holes, TheReportSaysHowLongFingersWereCaughtInThem) {
     EXPECT_NE(table.find("hole_stiffness in the scene file makes them soft"), std::string::npos) << table;
 }
 
-TEST_F(Holes, WithTheirOwnStiffnessNoLongerPushAsHardAsTheDeviceCan) {
+TEST_F(Holes, SoftStiffnessLimitsForce) {
     const auto hard = touch(words(scene())), soft = touch(words(scene("0.1")));
     EXPECT_NEAR(hard["force_n"]["max"], 10, 1e-9);
     EXPECT_LT(soft["force_n"]["max"], 0.1 * 50);  // 100 units behind the wall are 50 mm
@@ -500,7 +500,7 @@ TEST_F(Holes, WithTheirOwnStiffnessNoLongerPushAsHardAsTheDeviceCan) {
         EXPECT_EQ(note.get<std::string>().find("hole_stiffness"), std::string::npos) << note;
 }
 
-TEST_F(Holes, AClipWithoutThemIsSilentAboutThem) {
+TEST_F(Holes, AreUnreportedWhenAbsent) {
     const std::string clip = folder / "bumps.mkv";
     make_clip("bumps", clip, {"--size", "72x48", "--frames", "2"});
     const auto holes = touch({clip, "--seconds", "0.6"})["hole_contact"];
@@ -510,7 +510,7 @@ TEST_F(Holes, AClipWithoutThemIsSilentAboutThem) {
               std::string::npos);
 }
 
-TEST_F(Holes, InfoSaysHowStiffTheyAre) {
+TEST_F(Holes, InfoReportsStiffness) {
     const Outcome said = run_touchable({"info", scene("0.1")}),
                   json = run_touchable({"info", scene("0.1"), "--json"});
     EXPECT_NE(said.out.find("walls of missing depth have 0.1 N/mm"), std::string::npos) << said.out;
@@ -518,13 +518,13 @@ TEST_F(Holes, InfoSaysHowStiffTheyAre) {
     EXPECT_EQ(run_touchable({"info", scene()}).out.find("missing depth"), std::string::npos);
 }
 
-TEST_F(Holes, ARecordingKeepsTheirStiffness) {
+TEST_F(Holes, RecordingKeepsStiffness) {
     const std::string file = folder / "run.rec";
     const auto recorded = touch(words(scene("0.1"), {"--record", file}));
     RecordingBytes raw(file_contents(file));
     auto facts = raw.facts();
     EXPECT_EQ(facts["scene"]["hole_stiffness"], 0.1);
-    // It is the recording's, whatever the scene file says by now.
+    // The recording's stiffness counts, whatever the scene file says by now.
     scene();
     std::filesystem::rename(folder / "scene.json", folder / "scene0.1.json");
     const Outcome same = run_touchable({"touch", "--replay", file});
@@ -536,8 +536,7 @@ TEST_F(Holes, ARecordingKeepsTheirStiffness) {
     EXPECT_EQ(run_touchable({"touch", "--replay", file}).code, 6);
 }
 
-// The temporal filter makes a frame of all frames before it: whoever builds frames has to see them all, in
-// order.
+// The temporal filter makes a frame of all frames before it: a builder has to see them all, in order.
 
 class TemporalFilter : public ::testing::Test {
 protected:
@@ -552,7 +551,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(TemporalFilter, IsFeltAlikeByEveryBuilderThatCan) {
+TEST_F(TemporalFilter, MatchesAcrossBuilders) {
     make_clip("moving", clip(), {"--size", "64x48", "--frames", "12"});
     const std::string on = hash({"--temporal", "5"});
     EXPECT_NE(on, hash({}));
@@ -564,12 +563,12 @@ TEST_F(TemporalFilter, IsFeltAlikeByEveryBuilderThatCan) {
         EXPECT_EQ(hash({"--temporal", "5", "--builder", builder}), on) << builder;
 }
 
-TEST_F(TemporalFilter, LeavesAClipThatStandsStillAsItIs) {
+TEST_F(TemporalFilter, KeepsStillClipUnchanged) {
     make_clip("bumps", clip(), {"--size", "64x48", "--frames", "12"});
     EXPECT_EQ(hash({"--temporal", "5"}), hash({}));
 }
 
-TEST_F(TemporalFilter, IsWhatTheSceneFileSaysUnlessToldOtherwise) {
+TEST_F(TemporalFilter, OptionOverridesSceneFile) {
     make_clip("moving", clip(), {"--size", "64x48", "--frames", "12"});
     auto scene = scene_of(clip());
     scene["filter"]["temporal"] = "on";
@@ -588,7 +587,7 @@ TEST_F(TemporalFilter, IsWhatTheSceneFileSaysUnlessToldOtherwise) {
     EXPECT_NE(on.out.find("temporal for 5 mm (stated)"), std::string::npos) << on.out;
 }
 
-TEST_F(TemporalFilter, OfALiveSessionReplaysToItsHash) {
+TEST_F(TemporalFilter, LiveSessionReplays) {
     make_clip("moving", clip(), {"--size", "64x48", "--frames", "12"});
     const auto live = touch(with({"--temporal", "5", "--live", "--record", folder / "live.rec"}));
     for (const char* builder : {"cpu", "reference"}) {
@@ -600,7 +599,7 @@ TEST_F(TemporalFilter, OfALiveSessionReplaysToItsHash) {
     EXPECT_TRUE(lazy.one_line_of_error()) << lazy.err;
 }
 
-TEST_F(TemporalFilter, OfAFrameThatIsExportedAloneSawTheFramesBeforeIt) {
+TEST_F(TemporalFilter, ExportedFrameIncludesEarlierFrames) {
     make_clip("moving", clip(), {"--size", "64x48", "--frames", "8"});
     const auto exported = [&](const char* frames, const char* which, const Words& more,
                               const std::string& out) {
@@ -626,7 +625,7 @@ std::string lifted_hand(const std::string& file) {
 }
 
 // Two clips that end alike. The finger is in the air by then, so that pictures show the surface alone.
-TEST_F(TemporalFilter, OfAPictureSawTheFramesBeforeIt) {
+TEST_F(TemporalFilter, PictureIncludesEarlierFrames) {
     make_clip("moving", clip(), {"--size", "64x48", "--frames", "8"});
     ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "all"}).code, 0);
     auto scene = scene_of(clip());
@@ -709,7 +708,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Filters, AreChosenByTheFirstFramesAndTold) {
+TEST_F(Filters, AreChosenByFirstFrames) {
     const auto report = touched({});
     const auto& filters = report["filters"];
     EXPECT_EQ(filters["median"], 3);
@@ -726,7 +725,7 @@ TEST_F(Filters, AreChosenByTheFirstFramesAndTold) {
     EXPECT_NE(run_touchable({"info", clip()}).out.find("median 3x3 ("), std::string::npos);
 }
 
-TEST_F(Filters, OneOptionSaysAllOfThem) {
+TEST_F(Filters, OneOptionSetsAll) {
     EXPECT_EQ(hash({"--filters", "auto"}), hash({}));
     const std::string off = hash({"--filters", "off"});
     EXPECT_NE(off, hash({}));
@@ -740,7 +739,7 @@ TEST_F(Filters, OneOptionSaysAllOfThem) {
     EXPECT_EQ(nlohmann::json::parse(info.out)["filters"]["terraces"], true);
 }
 
-TEST_F(Filters, EveryBuilderHasTheSame) {
+TEST_F(Filters, MatchAcrossBuilders) {
     const std::string chosen = hash({});
     for (const char* builder : {"cpu", "reference", "vulkan"})
         EXPECT_EQ(hash({"--builder", builder}), chosen) << builder;
@@ -750,7 +749,7 @@ TEST_F(Filters, EveryBuilderHasTheSame) {
     EXPECT_NE(lazy["builder_why"].get<std::string>().find("lazy"), std::string::npos);
 }
 
-TEST_F(Filters, ARecordingKeepsWhatWasChosen) {
+TEST_F(Filters, RecordingKeepsChoice) {
     const std::string recording = folder / "run.rec";
     const std::string chosen = hash({"--record", recording});
     const Outcome again = run_touchable({"touch", "--replay", recording});
@@ -758,7 +757,7 @@ TEST_F(Filters, ARecordingKeepsWhatWasChosen) {
     EXPECT_NE(again.out.find(chosen), std::string::npos) << again.out;
 }
 
-TEST_F(Filters, AnExportedFrameStatesThem) {
+TEST_F(Filters, ExportedFrameStatesChoice) {
     const Outcome run =
         run_touchable({"export", clip(), "--frame", "7", "--out", folder / "frame", "--builder", "cpu"});
     ASSERT_EQ(run.code, 0) << run.err;
@@ -772,7 +771,7 @@ TEST_F(Filters, AnExportedFrameStatesThem) {
         << "measured once is enough";
 }
 
-TEST_F(Filters, WhatMakeWritesLeavesThemOpen) {
+TEST_F(Filters, GeneratedClipsLeaveThemOpen) {
     make_clip("globe", folder / "globe.mkv", {"--size", "48x32", "--frames", "2"});
     const auto report = touch({folder / "globe.mkv", "--seconds", "0.1"});
     EXPECT_EQ(report["filters"]["chosen"].size(), 5);

@@ -48,7 +48,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Replay, RecordedRunRepeatsToTheBit) {
+TEST_F(Replay, RepeatsEveryBit) {
     const std::string zigzag = zigzag_hand(folder / "zigzag.csv");
     const std::vector<std::pair<std::string, Words>> runs{
         {"globe", {"--fingers", "3", "--seconds", "0.6"}},
@@ -70,7 +70,7 @@ TEST_F(Replay, RecordedRunRepeatsToTheBit) {
     }
 }
 
-TEST_F(Replay, FindsTheFramesOfAVariableRateAgain) {
+TEST_F(Replay, FindsFramesOfVariableRate) {
     SceneOptions options;
     options.width = 72;
     options.height = 48;
@@ -101,7 +101,7 @@ TEST_F(Replay, FindsTheFramesOfAVariableRateAgain) {
     }
 }
 
-TEST_F(Replay, EveryBuilderRepeatsIt) {
+TEST_F(Replay, MatchesWithEveryBuilder) {
     record("noise", {"--median", "3", "--hand", zigzag_hand(folder / "zigzag.csv")});
     for (const char* builder : {"cpu", "lazy", "reference", "vulkan"})
         EXPECT_EQ(replay({"--builder", builder}).code, 0) << builder;
@@ -115,7 +115,7 @@ TEST_F(Replay, NeedsNoHand) {
     EXPECT_EQ(replay().code, 0);
 }
 
-TEST_F(Replay, ClipMayHaveMoved) {
+TEST_F(Replay, FindsMovedClip) {
     record("globe", {"--seconds", "0.4"});
     fs::rename(clip(), folder / "moved.mkv");
     expect_ends_with(3, clip());
@@ -123,7 +123,7 @@ TEST_F(Replay, ClipMayHaveMoved) {
     EXPECT_EQ(replay({folder / "moved.mkv"}).code, 0);
 }
 
-TEST_F(Replay, OtherClipDiffersAndTheFirstTickAndFingerAreNamed) {
+TEST_F(Replay, NamesFirstDifferingFinger) {
     record("globe", {"--seconds", "0.5", "--fingers", "2"});
     const std::string other = folder / "other.mkv", csv = folder / "other.csv";
     make_clip("bumps", other, {"--size", "72x48", "--frames", "12"});
@@ -148,7 +148,7 @@ TEST_F(Replay, OtherClipDiffersAndTheFirstTickAndFingerAreNamed) {
 }
 
 // A corner of the last frame, where no finger ever was.
-TEST_F(Replay, ClipThatHasChangedWhereNoFingerWentIsSaidThoughForcesAreTheSame) {
+TEST_F(Replay, NotesChangeInUntouchedPixels) {
     make_clip("bumps", clip(), {"--size", "72x48", "--frames", "3"});
     ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "images"}).code, 0);
     auto scene = nlohmann::json::parse(file_contents(folder / "images/0/scene.json"));
@@ -175,7 +175,7 @@ TEST_F(Replay, ClipThatHasChangedWhereNoFingerWentIsSaidThoughForcesAreTheSame) 
     }
 }
 
-TEST_F(Replay, LeastDifferenceIsNamed) {
+TEST_F(Replay, NamesLeastDifference) {
     record("globe", {"--seconds", "0.4", "--fingers", "3"});
     const RecordingBytes original = recording();
     RecordingBytes raw = original;
@@ -202,8 +202,8 @@ TEST_F(Replay, LeastDifferenceIsNamed) {
     expect_ends_with(6, "recorded 0123456789abcdef");
 }
 
-// What a broken device gave would be given again: the goal is held, the guard takes the force away.
-TEST_F(Replay, GoalsThatAreNoNumbersAreGivenAgain) {
+// Faulty goals of a broken device are given again: the goal is held, the guard takes the force away.
+TEST_F(Replay, RepeatsNonFiniteGoals) {
     record("globe", {"--seconds", "0.6"});
     RecordingBytes raw = recording();
     raw.set_real(raw.goal_at(450, 0) + 8, std::numeric_limits<double>::quiet_NaN());
@@ -218,7 +218,7 @@ TEST_F(Replay, GoalsThatAreNoNumbersAreGivenAgain) {
     EXPECT_LT(length(rows[450].vector("force")), length(rows[449].vector("force")));
 }
 
-TEST_F(Replay, OptionsThatTheRecordingFixesAreCode2) {
+TEST_F(Replay, RejectsOptionsFixedByRecording) {
     record("plane", {"--seconds", "0.1"});
     for (const Words& fixed :
          {Words{"--hand", "wander"}, Words{"--fingers", "1"}, Words{"--seconds", "0.1"},
@@ -232,7 +232,7 @@ TEST_F(Replay, OptionsThatTheRecordingFixesAreCode2) {
     EXPECT_FALSE(fs::exists(other));
 }
 
-TEST_F(Replay, WhatIsNoRecordingIsCode3) {
+TEST_F(Replay, RejectsInvalidRecording) {
     record("plane", {"--seconds", "0.05"});
     const std::string whole = file_contents(file());
     for (std::size_t k = 0; k < 8; ++k) {
@@ -251,7 +251,7 @@ TEST_F(Replay, WhatIsNoRecordingIsCode3) {
     }
 }
 
-TEST_F(Replay, FactsThatAreNestedTooDeeplyAreCode3) {
+TEST_F(Replay, RejectsDeeplyNestedFacts) {
     record("plane", {"--seconds", "0.01"});
     constexpr std::size_t levels = 105'000;
     std::string text;
@@ -262,7 +262,7 @@ TEST_F(Replay, FactsThatAreNestedTooDeeplyAreCode3) {
     expect_ends_with(3, "nested too deeply");
 }
 
-TEST_F(Replay, NewerFormatIsRefusedByName) {
+TEST_F(Replay, RejectsNewerFormat) {
     record("plane", {"--seconds", "0.05"});
     RecordingBytes raw = recording();
     raw.set_integer(8, 4, 3);
@@ -273,7 +273,7 @@ TEST_F(Replay, NewerFormatIsRefusedByName) {
 // Made once by `make moving moving.mkv --size 32x24 --frames 3` and `touch moving.mkv --seconds 0.05 --hand
 // csv:sweep.csv:columns=x+y+z,contact=0.95 --record ...`, and kept: what a version has written, every later
 // one reads. It is of a time before recordings named their rules.
-TEST_F(Replay, RecordingOfVersion1StaysReadable) {
+TEST_F(Replay, ReadsVersion1Recording) {
     const std::string kept = TOUCHABLE_SOURCE_DIR "/tests/data/recording_v1.rec";
     make_clip("moving", clip(), {"--size", "32x24", "--frames", "3"});
     const RecordingBytes raw(file_contents(kept));
@@ -288,7 +288,7 @@ TEST_F(Replay, RecordingOfVersion1StaysReadable) {
         ASSERT_EQ(rows[tick]["goal_z"], raw.real(raw.goal_at(tick, 0) + 16)) << tick;
 }
 
-TEST_F(Replay, OtherRulesOfForceAreNotComparedAndSaySo) {
+TEST_F(Replay, RejectsOtherForceRules) {
     record("globe", {"--seconds", "0.3"});
     RecordingBytes raw = recording();
     auto facts = raw.facts();
@@ -312,7 +312,7 @@ TEST_F(Replay, OtherRulesOfForceAreNotComparedAndSaySo) {
     expect_ends_with(6, "first at tick 290, finger 0:");
 }
 
-TEST_F(Replay, FolderOfImagesIsOpenedWithTheRecordedSceneFile) {
+TEST_F(Replay, OpensFolderWithRecordedScene) {
     make_clip("plane", clip(), {"--size", "48x32", "--frames", "1"});
     ASSERT_EQ(run_touchable({"export", clip(), "--frame", "0", "--out", folder / "images"}).code, 0);
     auto scene = nlohmann::json::parse(file_contents(folder / "images/scene.json"));
@@ -329,7 +329,7 @@ TEST_F(Replay, FolderOfImagesIsOpenedWithTheRecordedSceneFile) {
     EXPECT_EQ(replay({"--scene", folder / "moved.json"}).code, 0);
 }
 
-TEST_F(Replay, FactThatIsMissingOrImpossibleIsNamed) {
+TEST_F(Replay, NamesInvalidFact) {
     record("plane", {"--seconds", "0.05"});
     const RecordingBytes original = recording();
     const auto facts = original.facts();

@@ -50,7 +50,7 @@ std::vector<std::string> places_in(const std::string& err) {
     return places;
 }
 
-/// Those who listen while the program runs.
+/// The listeners while the program runs.
 class Listeners {
 public:
     ~Listeners() { wait(); }
@@ -78,7 +78,7 @@ private:
     std::vector<std::thread> threads_;
 };
 
-class Serve : public ::testing::Test {
+class ServeCommand : public ::testing::Test {
 protected:
     void SetUp() override { ASSERT_EQ(message(write_clip(clip, quick_scene(), frames, served_planes)), ""); }
     /// Each place is listened to `each` times as soon as it is there.
@@ -123,7 +123,7 @@ protected:
     Outcome outcome;
 };
 
-TEST_F(Serve, TheClipIsGivenWhole) {
+TEST_F(ServeCommand, SendsWholeClip) {
     for (const std::string place : {"tcp://127.0.0.1:0", "http://127.0.0.1:0/live.mkv"}) {
         const auto told = serve({clip, place});
         expect_whole_clip(0);
@@ -141,15 +141,15 @@ TEST_F(Serve, TheClipIsGivenWhole) {
     }
 }
 
-TEST_F(Serve, SeveralAtSeveralPlacesGetTheSameBytes) {
+TEST_F(ServeCommand, ListenersGetSameBytes) {
     const auto told = serve({clip, "tcp://127.0.0.1:0", "http://127.0.0.1:0/", "--listeners", "6"}, 3);
     EXPECT_EQ(told["listeners_in_all"], 6);
     for (std::size_t k = 1; k < 6; ++k) EXPECT_EQ(listeners->heard(k), listeners->heard(0));
     expect_whole_clip(0);
 }
 
-// Whoever comes to a loop has it from a key on, and a person ends it.
-TEST_F(Serve, ALoopIsEndedByWhoStartedIt) {
+// A listener of a loop gets it from a key frame on; an interrupt ends the loop.
+TEST_F(ServeCommand, LoopRunsUntilInterrupted) {
     constexpr std::size_t some = 100'000;
     listeners = std::make_unique<Listeners>();
     bool has_all = false;
@@ -173,7 +173,7 @@ TEST_F(Serve, ALoopIsEndedByWhoStartedIt) {
         EXPECT_EQ(((*read)[n].time_ns - (*read)[n - 1].time_ns) % 10'000'000, 0);
 }
 
-TEST_F(Serve, EndsAfterSoManySeconds) {
+TEST_F(ServeCommand, EndsAfterGivenSeconds) {
     const auto told = serve({clip, "tcp://127.0.0.1:0", "--loop", "--listeners", "1", "--seconds", "0.275"});
     EXPECT_EQ(told["framesets"], 28);
     EXPECT_EQ(told["rounds"], 3);
@@ -185,8 +185,8 @@ TEST_F(Serve, EndsAfterSoManySeconds) {
                                       test_frame(quick_scene(), n % frames, served_planes)));
 }
 
-// What is sent of a camera are its frames, those that were not missed.
-TEST_F(Serve, ACameraIsSentAsItTakesFrames) {
+// A camera's frames are sent, except for those that were missed.
+TEST_F(ServeCommand, SendsCameraFrames) {
     const auto told =
         serve({"--camera", "replay:" + clip + ",drop=0.5", "tcp://127.0.0.1:0", "--listeners", "1"});
     EXPECT_EQ(told["listeners"][0]["sent"], told["framesets"]);
@@ -228,8 +228,8 @@ int frames_of_depth(const std::filesystem::path& master, const Scene& scene, int
     return depths;
 }
 
-// As fast as it can be encoded: nobody waits for the clip's times.
-TEST_F(Serve, AFolderForWebServersHasTheWholeClip) {
+// As fast as it can be encoded: the clip's times are not waited for.
+TEST_F(ServeCommand, HlsFolderHoldsWholeClip) {
     const auto web = folder / "web";
     const auto told = serve({clip, "--hls", web.string()}, 0);
     EXPECT_EQ(told["framesets"], frames);
@@ -241,7 +241,7 @@ TEST_F(Serve, AFolderForWebServersHasTheWholeClip) {
     EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), frames);
 }
 
-TEST_F(Serve, FolderHasALowLevel) {
+TEST_F(ServeCommand, HlsFolderHasLowLevel) {
     const auto web = folder / "web";
     const auto told = serve({clip, "--hls", web.string(), "--hls-low", "on"}, 0);
     const auto& hls = told["hls"];
@@ -252,8 +252,8 @@ TEST_F(Serve, FolderHasALowLevel) {
     EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), frames);
 }
 
-// Beside those who listen, at the clip's own times.
-TEST_F(Serve, AFolderForWebServersHasAWindowOfALoop) {
+// Beside the listeners, at the clip's own times.
+TEST_F(ServeCommand, HlsFolderKeepsLoopWindow) {
     const auto web = folder / "web";
     const auto told = serve({clip, "tcp://127.0.0.1:0", "--hls", web.string(), "--hls-segment", "0.5",
                              "--loop", "--hls-window", "3", "--listeners", "1", "--seconds", "1.75"});
@@ -267,14 +267,14 @@ TEST_F(Serve, AFolderForWebServersHasAWindowOfALoop) {
     EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), 175);
 }
 
-TEST_F(Serve, AFolderOfOthersStaysAsItIs) {
+TEST_F(ServeCommand, KeepsForeignFolder) {
     const Outcome run = run_touchable({"serve", clip, "--hls", folder.path().string()});
     EXPECT_EQ(run.code, 3) << run.err;
     EXPECT_NE(run.err.find("clip.mkv"), std::string::npos) << run.err;
     EXPECT_EQ(folder.file_count(), 1U);
 }
 
-TEST_F(Serve, SaysWhatItCannotSend) {
+TEST_F(ServeCommand, RejectsInvalidOptions) {
     const auto refused = [&](const Words& words, const std::string& why) {
         Words all{"serve"};
         all.insert(all.end(), words.begin(), words.end());
@@ -304,7 +304,7 @@ TEST_F(Serve, SaysWhatItCannotSend) {
     EXPECT_EQ(run_touchable({"serve", folder / "none.mkv", "tcp://127.0.0.1:0"}).code, 3);
 }
 
-TEST_F(Serve, SaysWhoMayListen) {
+TEST_F(ServeCommand, WarnsAboutOpenAddress) {
     const std::string open = " is open to ANY machine that reaches it: ";
     const auto is_open = [&](const std::string& place) {
         const Outcome run = run_touchable({"serve", clip, place, "--loop", "--seconds", "0.05"});
@@ -322,7 +322,7 @@ TEST_F(Serve, SaysWhoMayListen) {
         EXPECT_FALSE(is_open(place)) << place;
 }
 
-TEST_F(Serve, ThatWaitsForListenersIsEndedAtOnce) {
+TEST_F(ServeCommand, WaitingIsInterruptible) {
     const Outcome run = run_until_it_says({"serve", clip, "tcp://127.0.0.1:0"},
                                           [](const std::string& err) { return !places_in(err).empty(); });
     EXPECT_EQ(run.code, 130);
@@ -347,7 +347,7 @@ protected:
     const std::string clip = folder / "clip.mkv";
 };
 
-TEST_F(ServedTouch, FeelsAsTheFileDoesByEveryTransport) {
+TEST_F(ServedTouch, MatchesFileOnEveryTransport) {
     const std::string expected = hash_of(clip);
     const std::string srt = "srt://127.0.0.1:" + std::to_string(unused_port());
     const std::string ts = "srt://127.0.0.1:" + std::to_string(unused_port());
@@ -361,7 +361,7 @@ TEST_F(ServedTouch, FeelsAsTheFileDoesByEveryTransport) {
     }
 }
 
-TEST_F(ServedTouch, FeelsAsTheFileDoesInSegments) {
+TEST_F(ServedTouch, MatchesFileInSegments) {
     const std::string web = folder / "web";
     const Outcome served = run_touchable({"serve", clip, "--hls", web});
     ASSERT_EQ(served.code, 0) << served.err;
@@ -371,7 +371,7 @@ TEST_F(ServedTouch, FeelsAsTheFileDoesInSegments) {
     EXPECT_EQ(hash_of(web + "/master.m3u8"), expected);
 }
 
-/// What a finger that presses feels of a stream, tick by tick, as others watch.
+/// Force of a pressing finger on a stream, tick by tick, for other threads to watch.
 class Watch final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override {
@@ -403,7 +403,7 @@ bool comes(const Condition& condition) {
 }
 
 /// A finger that rests in a plane, of which frames come over a relay.
-TEST_F(ServedTouch, ANetworkThatFailsLetsTheHandGoAndGivesItBack) {
+TEST_F(ServedTouch, NetworkFailureReleasesHand) {
     const std::string plane = folder / "plane.mkv";
     make_clip("globe", plane, {"--size", "64x48", "--frames", "1", "--rate", "30"});
     auto served = ServedClip::start(plane, {"tcp://127.0.0.1:0", "--loop"}, folder / "served.json");

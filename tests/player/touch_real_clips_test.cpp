@@ -104,7 +104,7 @@ struct RealHand {
 
 class TouchRealHand : public ::testing::TestWithParam<RealHand> {};
 
-TEST_P(TouchRealHand, EveryForceOnTheGlobeIsVerified) {
+TEST_P(TouchRealHand, EveryGlobeForceIsVerified) {
     const std::string file = real_data("haptics") / GetParam().file;
     TOUCHABLE_NEEDS_DATA(file);
     expect_recorded_hand_is_verified(file, GetParam().keys);
@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
                       RealHand{"Wiped3", "epfl_wiping/circular_wiping_dataset_3.csv", wiped_keys}),
     [](const auto& run) { return std::string(run.param.name); });
 
-TEST(TouchRecordedHand, EveryForceOnTheGlobeIsVerified) {
+TEST(TouchRecordedHand, EveryGlobeForceIsVerified) {
     const TemporaryFolder folder;
     std::ofstream(folder / "pressing.csv") << pressing_hand_csv();
     std::ofstream(folder / "wiping.csv") << wiping_hand_csv();
@@ -174,7 +174,7 @@ TEST(TouchFinerCodes, EveryForceIsVerified) {
 
 /// A planet whose stiffness, friction and heights travel; and one on which dynamic friction is painted above
 /// static in places.
-TEST(TouchFeltGlobe, EveryForceIsVerifiedWhereFramesBlendAndWhereTheyAreHeld) {
+TEST(TouchFeltGlobe, EveryForceIsVerified) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", odd = folder / "odd.json";
     make_clip("globe", clip, {"--size", "120x80", "--frames", "6"});

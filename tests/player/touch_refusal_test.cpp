@@ -40,7 +40,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(TouchRefusal, AnOutputNeverReplacesWhatTheRunReadsNorAnotherOutput) {
+TEST_F(TouchRefusal, OutputNeverReplacesInput) {
     make();
     const std::string before = file_contents(clip());
     for (const char* option : {"--json", "--forces", "--record"})
@@ -62,7 +62,7 @@ TEST_F(TouchRefusal, AnOutputNeverReplacesWhatTheRunReadsNorAnotherOutput) {
                    "--picture-at");
 }
 
-TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
+TEST_F(TouchRefusal, RejectsInvalidOptions) {
     make();
     const std::vector<std::pair<Words, std::string>> wrong{
         {{"--hand", "grab"}, "wander, stroke, press, poke"},
@@ -124,7 +124,7 @@ TEST_F(TouchRefusal, ImpossibleOptionsAreCode2AndLeaveNothing) {
     expect_refused({"touch"}, 2, "CLIP");
 }
 
-TEST_F(TouchRefusal, InputThatCannotBeReadIsCode3AndLeavesNothing) {
+TEST_F(TouchRefusal, RejectsUnreadableInput) {
     make();
     const std::string text = folder / "text", folder_path = folder.path().string();
     std::ofstream(text) << "no clip\n";
@@ -142,7 +142,8 @@ TEST_F(TouchRefusal, InputThatCannotBeReadIsCode3AndLeavesNothing) {
     }
 }
 
-TEST_F(TouchRefusal, PixelMetricNeedsEvenStepsOfDepthAndSquarePixels) {
+/// It needs even steps of depth, too.
+TEST_F(TouchRefusal, PixelMetricRequiresSquarePixels) {
     make();
     const auto scene = scene_of(clip());
     const std::string file = folder / "scene.json";
@@ -164,7 +165,7 @@ TEST_F(TouchRefusal, PixelMetricNeedsEvenStepsOfDepthAndSquarePixels) {
     }
 }
 
-TEST_F(TouchRefusal, PlaceThatCannotBeWrittenIsCode3AndNothingElseIsWritten) {
+TEST_F(TouchRefusal, UnwritableOutputLeavesNothing) {
     make();
     const std::string pipe = folder / "pipe";
     ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -186,7 +187,7 @@ TEST_F(TouchRefusal, PlaceThatCannotBeWrittenIsCode3AndNothingElseIsWritten) {
         }
 }
 
-TEST_F(TouchRefusal, EarlierFilesStayUnlessTheyMayBeReplaced) {
+TEST_F(TouchRefusal, OverwritesOnlyWithPermission) {
     make();
     for (const char* name : {"r.json", "f.csv", "r.rec"}) {
         std::ofstream(out(name)) << "earlier\n";
@@ -204,7 +205,7 @@ TEST_F(TouchRefusal, EarlierFilesStayUnlessTheyMayBeReplaced) {
 
 // A limit on the size of files stands in for a full disk: writing fails half-way, or at the very end, for
 // files so small that nothing is written before they are closed.
-TEST_F(TouchRefusal, FullDiskIsCode3AndLeavesNothing) {
+TEST_F(TouchRefusal, FullDiskLeavesNothing) {
     make();
     const auto expect_nothing = [&](int kibibytes, const char* option, const char* seconds) {
         const Outcome run =
@@ -224,14 +225,14 @@ TEST_F(TouchRefusal, FullDiskIsCode3AndLeavesNothing) {
     EXPECT_TRUE(names_in(out()).empty());
 }
 
-TEST_F(TouchRefusal, InterruptedIsCode130AndLeavesNothing) {
+TEST_F(TouchRefusal, InterruptLeavesNothing) {
     make();
     const Outcome run = run_interrupted(writing({clip(), "--seconds", "100000"}), out());
     EXPECT_EQ(run.code, 130) << run.err;
     EXPECT_TRUE(names_in(out()).empty());
 }
 
-TEST_F(TouchRefusal, ClipCutShortIsCode3AndLeavesNothing) {
+TEST_F(TouchRefusal, TruncatedClipLeavesNothing) {
     make("globe", {"--size", "144x96", "--frames", "30"});
     const std::string cut = folder / "cut.mkv";
     const auto size = fs::file_size(clip());
@@ -243,7 +244,7 @@ TEST_F(TouchRefusal, ClipCutShortIsCode3AndLeavesNothing) {
     }
 }
 
-TEST_F(TouchRefusal, DamageInsideAClipNamesTheFrameAndLeavesNothing) {
+TEST_F(TouchRefusal, NamesDamagedFrame) {
     make("noise", {"--size", "96x96", "--frames", "30"});
     std::string bytes = file_contents(clip());
     const std::string damaged = folder / "damaged.mkv";
@@ -251,12 +252,12 @@ TEST_F(TouchRefusal, DamageInsideAClipNamesTheFrameAndLeavesNothing) {
     std::ofstream(damaged, std::ios::binary) << bytes;
     expect_refused(writing({damaged}), 3, "frame 15");  // stored anew after half a second
     EXPECT_TRUE(names_in(out()).empty());
-    // What comes before the damage is fine.
+    // The frames before the damage are fine.
     EXPECT_EQ(touch({damaged, "--seconds", "0.2"})["ticks"], 200);
 }
 
 /// Filters are chosen by the clip's first frames, though the run may never come to them.
-TEST_F(TouchRefusal, DamageThatOnlyTheChoiceOfFiltersMeetsIsSaid) {
+TEST_F(TouchRefusal, ReportsDamageDuringFilterChoice) {
     make("moving", {"--size", "96x96", "--frames", "10"});
     std::string bytes = file_contents(clip());
     const std::string damaged = folder / "damaged.mkv";
@@ -267,7 +268,7 @@ TEST_F(TouchRefusal, DamageThatOnlyTheChoiceOfFiltersMeetsIsSaid) {
     EXPECT_NE(words.find("chosen by the frames before damage: "), std::string::npos) << words;
 }
 
-TEST_F(TouchRefusal, DamagedPictureOfAFolderNamesTheFrameAndLeavesNothing) {
+TEST_F(TouchRefusal, NamesDamagedPicture) {
     make();
     ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "exported"}).code, 0);
     for (const std::string n : {"0", "1", "2"})
@@ -281,7 +282,7 @@ TEST_F(TouchRefusal, DamagedPictureOfAFolderNamesTheFrameAndLeavesNothing) {
     EXPECT_TRUE(names_in(out()).empty());
 }
 
-TEST_F(TouchRefusal, NameThatIsNotUtf8IsNoReasonToFail) {
+TEST_F(TouchRefusal, AcceptsNonUtf8Name) {
     make();
     const std::string odd = folder / "l\xe9ger.mkv";
     fs::copy_file(clip(), odd);
@@ -290,7 +291,7 @@ TEST_F(TouchRefusal, NameThatIsNotUtf8IsNoReasonToFail) {
     EXPECT_EQ(run_touchable({"touch", odd, "--replay", out("r.rec")}).code, 0);
 }
 
-// What a person may do to forces on their way to the hand, and what the report says of their energy.
+// Options that shape forces on their way to the hand, and the report's figures of their energy.
 
 class TouchShaping : public ::testing::Test {
 protected:
@@ -324,7 +325,7 @@ const std::vector<Words> shapings{{"--stribeck", "0.05"},
                                   {"--damping", "3"},
                                   {"--passivity", "20"}};
 
-TEST_F(TouchShaping, TheReportSaysHowLongTheDevicesForceWasNotEnough) {
+TEST_F(TouchShaping, ReportsForceLimitTime) {
     make("globe");
     const auto free = touch(with({"--max-force", "1000"}));
     EXPECT_EQ(free["force_limited"]["finger_ticks"], 0);
@@ -341,7 +342,7 @@ TEST_F(TouchShaping, TheReportSaysHowLongTheDevicesForceWasNotEnough) {
     EXPECT_NE(run_touchable(words).out.find("at the device's limit for"), std::string::npos);
 }
 
-TEST_F(TouchShaping, EachIsFeltAndRepeatsToTheBit) {
+TEST_F(TouchShaping, EachOptionReplaysExactly) {
     make("globe");  // land and water differ in stiffness and friction
     const std::string plain = force_hash(with({}));
     EXPECT_EQ(
@@ -360,7 +361,7 @@ TEST_F(TouchShaping, EachIsFeltAndRepeatsToTheBit) {
     }
 }
 
-TEST_F(TouchShaping, ForcesThatAreNotTheSolversSayWhy) {
+TEST_F(TouchShaping, GuardMarksChangedForces) {
     make("globe");
     EXPECT_EQ(rows_with(16 | 32 | 64, {}), 0);
     EXPECT_GT(rows_with(16, {"--stiffness", "passive"}), 5);
@@ -368,14 +369,14 @@ TEST_F(TouchShaping, ForcesThatAreNotTheSolversSayWhy) {
     EXPECT_GT(rows_with(32, {"--damping", "3"}), 100);
 }
 
-TEST_F(TouchShaping, TheControllerBrakesInThePapersMetricAndNotInTheWorlds) {
+TEST_F(TouchShaping, PassivityBrakesInPixelMetric) {
     make_clip("globe", clip(), {"--plain", "--size", "72x48", "--frames", "2"});
     hand = "press:x=0.6,y=0.4,depth=4";
     EXPECT_EQ(rows_with(64, {"--passivity", "20"}), 0);
     EXPECT_GT(rows_with(64, {"--passivity", "20", "--metric", "pixel"}), 100);
 }
 
-TEST_F(TouchShaping, TheReportAccountsForEnergy) {
+TEST_F(TouchShaping, ReportsEnergy) {
     make_clip("globe", clip(), {"--plain", "--size", "72x48", "--frames", "2"});
     hand = "press:x=0.6,y=0.4,depth=4";
     const auto world = touch(with({}))["energy_mj"], pixel = touch(with({"--metric", "pixel"}))["energy_mj"];
@@ -388,7 +389,7 @@ TEST_F(TouchShaping, TheReportAccountsForEnergy) {
     EXPECT_NE(told.out.find("energy from nowhere"), std::string::npos) << told.out;
 }
 
-TEST_F(TouchShaping, EnergyThatTheClipsStiffnessGivesIsSaidToBeThat) {
+TEST_F(TouchShaping, AttributesEnergyToStiffnessMap) {
     make_clip("globe", clip(), {"--size", "72x48", "--frames", "60"});
     hand = "press:x=0.4,y=0.4,depth=8";  // it rests, and water and land turn below it
     const auto report = touch(with({}));
@@ -400,7 +401,7 @@ TEST_F(TouchShaping, EnergyThatTheClipsStiffnessGivesIsSaidToBeThat) {
     EXPECT_FALSE(passive["of_the_map"].get<bool>());
 }
 
-TEST_F(TouchShaping, TheReportSaysWhatStiffnessWasAskedForAndHowOftenItWasLimited) {
+TEST_F(TouchShaping, ReportsLimitedStiffness) {
     make("bumps");
     const auto soft = touch(with({}))["stiffness_limited"];
     EXPECT_EQ(soft["ticks"], 0);
@@ -410,7 +411,7 @@ TEST_F(TouchShaping, TheReportSaysWhatStiffnessWasAskedForAndHowOftenItWasLimite
     EXPECT_DOUBLE_EQ(report["stiffness_limited"]["largest_n_mm"].get<double>(), 0.6);
 }
 
-TEST_F(TouchShaping, WhatCannotBeIsRefused) {
+TEST_F(TouchShaping, RejectsInvalidOptions) {
     make("plane");
     for (const Words& wrong : std::vector<Words>{{"--stribeck", "-1"},
                                                  {"--stribeck", "nan"},

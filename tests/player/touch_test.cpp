@@ -44,7 +44,7 @@ protected:
     TemporaryFolder folder;
 };
 
-TEST_F(Touch, ReportHasEveryFigureThatPeopleRelyOn) {
+TEST_F(Touch, ReportHasEveryFigure) {
     make("globe");
     const auto report = touch(with({"--fingers", "3", "--seconds", "0.5"}));
     for (const char* name : {"clip", "hand", "builder", "device_name", "force_hash"})
@@ -84,7 +84,7 @@ TEST_F(Touch, ReportHasEveryFigureThatPeopleRelyOn) {
     EXPECT_EQ(report["force_hash"].get<std::string>().size(), 16U);
 }
 
-TEST_F(Touch, SaysFourLinesUnlessAskedForMore) {
+TEST_F(Touch, PrintsFourLinesByDefault) {
     make("globe");
     const Outcome run = run_touchable({"touch", clip(), "--seconds", "0.5", "--forces", folder / "f.csv"});
     EXPECT_EQ(run.code, 0);
@@ -95,7 +95,7 @@ TEST_F(Touch, SaysFourLinesUnlessAskedForMore) {
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
 }
 
-TEST_F(Touch, TellsAPersonTheSame) {
+TEST_F(Touch, VerboseTablePrintsFigures) {
     make("globe");
     const Outcome run = run_touchable({"touch", clip(), "--seconds", "0.5", "--verbose"});
     EXPECT_EQ(run.code, 0);
@@ -105,7 +105,7 @@ TEST_F(Touch, TellsAPersonTheSame) {
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
 }
 
-TEST_F(Touch, ForcesFileHasARowPerTickAndFinger) {
+TEST_F(Touch, ForcesFileHasEveryRow) {
     make("globe");
     const auto [report, rows] = run({"--fingers", "3", "--seconds", "0.4"});
     ASSERT_EQ(rows.size(), 1200U);
@@ -124,7 +124,7 @@ TEST_F(Touch, ForcesFileHasARowPerTickAndFinger) {
 }
 
 // The report and the forces file come from one run; each can be computed from the other.
-TEST_F(Touch, ReportIsWhatTheForcesFileSays) {
+TEST_F(Touch, ReportMatchesForcesFile) {
     make("globe");
     const auto [report, rows] = run({"--fingers", "3", "--seconds", "0.6", "--max-force", "2"});
     std::string bytes;
@@ -154,7 +154,7 @@ TEST_F(Touch, ReportIsWhatTheForcesFileSays) {
     EXPECT_DOUBLE_EQ(report["force_n"]["max"].get<double>(), most);
 }
 
-TEST_F(Touch, HandThatWandersIsInContactMoreThanHalfOfTheTime) {
+TEST_F(Touch, WanderingHandMostlyTouches) {
     for (const char* scene : {"globe", "bumps", "spheres", "moving"}) {
         make(scene);
         const auto report = touch(with({"--fingers", "5"}));
@@ -167,7 +167,7 @@ TEST_F(Touch, HandThatWandersIsInContactMoreThanHalfOfTheTime) {
 }
 
 // The paper's law, wherever the guard did not act.
-TEST_F(Touch, ForceIsStiffnessTimesTheWayFromGoalToProxy) {
+TEST_F(Touch, ForceFollowsSpringLaw) {
     make("globe");
     const auto [report, rows] = run({"--fingers", "2", "--seconds", "1", "--max-force", "1000"});
     int checked = 0;
@@ -184,7 +184,7 @@ TEST_F(Touch, ForceIsStiffnessTimesTheWayFromGoalToProxy) {
     EXPECT_GT(checked, 1000);
 }
 
-TEST_F(Touch, EveryBuilderGivesTheSameForces) {
+TEST_F(Touch, ForcesMatchAcrossBuilders) {
     const std::string zigzag = zigzag_hand(folder / "zigzag.csv");
     const std::map<std::string, Words> runs{{"globe", {"--fingers", "3"}},
                                             {"moving", {"--hand", zigzag}},
@@ -210,7 +210,7 @@ TEST_F(Touch, LazyBuilderSkipsEveryTile) {
     EXPECT_EQ(touch(with({"--seconds", "0.1", "--builder", "lazy"}))["skipped_tiles_pct"], 100);
 }
 
-TEST_F(Touch, SettingsOfTheRunAreFelt) {
+TEST_F(Touch, SettingsChangeForces) {
     const Words base{"--hand", zigzag_hand(folder / "zigzag.csv")};
     const auto hash = [&](const Words& more) {
         Words words = with(base);
@@ -235,7 +235,7 @@ TEST_F(Touch, SettingsOfTheRunAreFelt) {
     EXPECT_NE(hash({"--interpolation", "hold"}), hash({}));
 }
 
-TEST_F(Touch, HolesAreFilledWhereTheSceneHasThem) {
+TEST_F(Touch, FillsHolesOfScene) {
     make("grain", {"--size", "72x48", "--frames", "1", "--bits", "8"});
     auto scene = scene_of(clip());
     scene["depth"]["invalid"] = {128};  // of the five levels of the grain, the middle one
@@ -255,7 +255,7 @@ TEST_F(Touch, HolesAreFilledWhereTheSceneHasThem) {
               hash({"--fill-holes", "2", "--median", "5"}));
 }
 
-TEST_F(Touch, TerracesAreRemovedAlikeByEveryBuilder) {
+TEST_F(Touch, TerraceRemovalMatchesAcrossBuilders) {
     make("globe", {"--size", "144x96", "--frames", "1", "--bits", "8"});
     const Words base{"--hand", zigzag_hand(folder / "zigzag.csv")};
     const auto hash = [&](const Words& more) {
@@ -274,14 +274,14 @@ TEST_F(Touch, TerracesAreRemovedAlikeByEveryBuilder) {
     EXPECT_EQ(hash({"--terraces", "auto"}), hash({})) << "16 bits";
 }
 
-TEST_F(Touch, RunIsAsLongAsWasAskedFor) {
+TEST_F(Touch, RunLastsRequestedSeconds) {
     make("plane", {"--size", "16x12", "--frames", "2"});
     for (const auto& [seconds, ticks] :
          std::vector<std::pair<std::string, int>>{{"0.001", 1}, {"0.0254", 25}, {"0.25", 250}, {"2", 2000}})
         EXPECT_EQ(touch(with({"--seconds", seconds}))["ticks"], ticks);
 }
 
-TEST_F(Touch, ScriptedHandTouchesTheWholeClipAndThreeSecondsAtLeast) {
+TEST_F(Touch, ScriptedHandTouchesWholeClip) {
     make("plane", {"--size", "16x12", "--frames", "2"});
     EXPECT_EQ(touch(with({}))["ticks"], 3000);
     make("plane", {"--size", "16x12", "--frames", "105"});
@@ -290,7 +290,7 @@ TEST_F(Touch, ScriptedHandTouchesTheWholeClipAndThreeSecondsAtLeast) {
     EXPECT_EQ(report["frames"], 105);
 }
 
-TEST_F(Touch, RecordedHandIsFollowedToItsEnd) {
+TEST_F(Touch, FollowsRecordedHandToEnd) {
     make("plane", {"--size", "72x48", "--frames", "2"});
     const std::string file = folder / "press.csv";
     std::ofstream(file) << "t_s,angle\n0,0\n0.1,0.2\n0.25,0.05\n";
@@ -302,7 +302,7 @@ TEST_F(Touch, RecordedHandIsFollowedToItsEnd) {
     EXPECT_EQ(touch(with({"--hand", hand, "--seconds", "0.4"}))["ticks"], 400);
 }
 
-TEST_F(Touch, FingersSpreadAboutTheHand) {
+TEST_F(Touch, FingersSpreadAroundHand) {
     make("plane", {"--size", "144x96", "--frames", "1"});
     const auto [report, rows] = run({"--fingers", "4", "--seconds", "0.3", "--hand", "press"});
     ASSERT_EQ(report["fingers"], 4);
@@ -313,7 +313,7 @@ TEST_F(Touch, FingersSpreadAboutTheHand) {
     }
 }
 
-TEST_F(Touch, NoForceExceedsWhatTheDeviceCanExert) {
+TEST_F(Touch, ForceStaysBelowDeviceLimit) {
     make("globe");
     const auto [report, rows] = run({"--fingers", "2", "--seconds", "1", "--max-force", "0.7"});
     int limited = 0;
@@ -328,7 +328,7 @@ TEST_F(Touch, NoForceExceedsWhatTheDeviceCanExert) {
     EXPECT_LE(report["force_n"]["max"], 0.7 * (1 + 1e-12));
 }
 
-TEST_F(Touch, NoSpringIsStifferThanTheDeviceRenders) {
+TEST_F(Touch, StiffnessStaysBelowDeviceLimit) {
     make("bumps");
     const auto [report, rows] = run({"--seconds", "0.6", "--max-stiffness", "0.05", "--max-force", "100"});
     int limited = 0;
@@ -353,7 +353,7 @@ TEST_F(Touch, ForcesRampIn) {
     EXPECT_EQ(length(rows[0].vector("force")), 0);
 }
 
-TEST_F(Touch, DepthAloneIsTouchableWithDefaultProperties) {
+TEST_F(Touch, DepthAloneUsesDefaultProperties) {
     make("bumps");
     ASSERT_EQ(run_touchable({"export", clip(), "--frames", "all", "--out", folder / "out"}).code, 0);
     for (const std::string n : {"0", "1", "2", "3", "4", "5"})
@@ -403,7 +403,7 @@ nlohmann::ordered_json figures_of(std::vector<TwoFingers> ticks) {
     return figures.to_json();
 }
 
-TEST(TouchFigures, OfATickWithoutAnythingAreZero) {
+TEST(TouchFigures, AreZeroWithoutContact) {
     const auto report = figures_of({TwoFingers{}});
     EXPECT_EQ(report["ticks"], 1);
     for (const char* count : {"contact_ticks", "proxy_behind_mesh_ticks", "nonfinite_ticks", "capped_ticks",
@@ -414,7 +414,7 @@ TEST(TouchFigures, OfATickWithoutAnythingAreZero) {
     EXPECT_EQ(report["stiffness_limited"]["smallest_n_mm"], 0.0);
 }
 
-TEST(TouchFigures, CountEachTickOnceHoweverManyFingersItIsOf) {
+TEST(TouchFigures, CountEachTickOnce) {
     TwoFingers nothing, both, one;
     both.press(0, 3);
     both.press(1, 5);
@@ -438,7 +438,7 @@ TEST(TouchFigures, CountEachTickOnceHoweverManyFingersItIsOf) {
 }
 
 /// A window's pointer has five fingers, most of which stay away.
-TEST(TouchFigures, KnowHowManyFingersWereLed) {
+TEST(TouchFigures, CountLedFingers) {
     TouchFigures figures;
     const auto take = [&](double goal, bool pressed) {
         TwoFingers two;
@@ -459,7 +459,7 @@ TEST(TouchFigures, KnowHowManyFingersWereLed) {
     EXPECT_EQ(figures.to_json()["fingers_led"], 1);
 }
 
-TEST(TouchFigures, CountTicksThatAreNoNumberOrBehindTheSurface) {
+TEST(TouchFigures, CountFaultyTicks) {
     const double nan = std::nan("");
     for (const double bad : {nan, HUGE_VAL, -HUGE_VAL}) {
         std::vector<TwoFingers> ticks(7);
@@ -479,7 +479,7 @@ TEST(TouchFigures, CountTicksThatAreNoNumberOrBehindTheSurface) {
     EXPECT_EQ(figures.to_json()["proxy_behind_mesh_ticks"], 2);
 }
 
-TEST(TouchFigures, KnowTheLongestTimeAtTheLimitAndInAHoleOfAnyFinger) {
+TEST(TouchFigures, TrackLongestLimitAndHole) {
     TouchFigures figures;
     const auto take = [&](bool limited, bool in_hole, int ticks) {
         for (int k = 0; k < ticks; ++k) {
@@ -507,7 +507,7 @@ TEST(TouchFigures, KnowTheLongestTimeAtTheLimitAndInAHoleOfAnyFinger) {
     EXPECT_EQ(report["hole_contact"]["force_limited_ticks"], 11);
 }
 
-TEST(TouchFigures, HaveTheSmallestAndLargestStiffnessInContactInNewtonsPerMillimetre) {
+TEST(TouchFigures, TrackStiffnessRangeInContact) {
     TwoFingers two;
     two.press(0, 1);
     two.press(1, 1);
@@ -521,7 +521,7 @@ TEST(TouchFigures, HaveTheSmallestAndLargestStiffnessInContactInNewtonsPerMillim
 }
 
 // In joules of each finger up to the newest tick; of all parts of a run.
-TEST(TouchFigures, SumTheEnergyOfFingersAndParts) {
+TEST(TouchFigures, SumEnergyOverParts) {
     TouchFigures figures;
     const auto take = [&](double times) {
         TwoFingers two;
@@ -559,7 +559,7 @@ Timed::Timed(const std::vector<double>& us) {
     }
 }
 
-TEST(TouchFigures, CountLateTicksOnceEachBelowEveryLimit) {
+TEST(TouchFigures, BinLateTicks) {
     const Timed timed({0, 4.99, 5, 9, 10, 24.9, 25, 49, 50, 99, 100, 249, 250, 499.9, 500, 1e6, 1e6});
     const auto histogram = timed.figures.late_histogram();
     const std::vector<std::pair<int, int>> expected{{10, 2},  {20, 2},  {50, 2},  {100, 2},
@@ -586,7 +586,7 @@ void expect_within_a_percent(const Spread& found, std::vector<double> us) {
     EXPECT_NEAR(found.p999, ranked(0.999), 0.01 * ranked(0.999));
 }
 
-TEST(TouchFigures, TimesHaveThePercentilesOfAllTimesToAPercent) {
+TEST(TouchFigures, PercentilesHoldWithinOnePercent) {
     SplitMix64 random(5);
     std::vector<double> even, uneven, two_kinds;
     for (int k = 0; k < 20'000; ++k) {
@@ -610,14 +610,14 @@ TEST(TouchFigures, TimesHaveThePercentilesOfAllTimesToAPercent) {
     EXPECT_NEAR(spread["mean"].get<double>(), 10'000.5, 1e-6);
 }
 
-TEST(TouchFigures, OfTicksThatAreNeverLateSayZero) {
+TEST(TouchFigures, AreZeroWithoutLateTicks) {
     const Spread late = Timed(std::vector<double>(1000, 0.0)).figures.late_us();
     for (const double each : {late.mean, late.p50, late.p99, late.p999, late.max}) EXPECT_EQ(each, 0);
     const Spread none = TouchFigures().tick_us();
     for (const double each : {none.mean, none.p50, none.p99, none.p999, none.max}) EXPECT_EQ(each, 0);
 }
 
-TEST(TouchFigures, ExactPercentilesAreAtTheirRank) {
+TEST(TouchFigures, ExactPercentilesMatchRank) {
     std::vector<double> values;
     for (int k = 1000; k > 0; --k) values.push_back(k);
     const Spread spread = spread_of(values);
@@ -630,7 +630,7 @@ TEST(TouchFigures, ExactPercentilesAreAtTheirRank) {
 }
 
 // An hour has 3.6 million ticks.
-TEST(TouchFigures, MemoryDoesNotGrowWithTheRun) {
+TEST(TouchFigures, MemoryStaysConstant) {
     TouchFigures figures;
     TwoFingers two;
     two.press(0, 1);

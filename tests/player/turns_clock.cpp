@@ -40,7 +40,7 @@ std::int64_t machine_ns(clockid_t clock) {
     return ns_of(now);
 }
 
-/// What all threads and forks look at.
+/// State that all threads and forks look at.
 struct Shared {
     /// As the first thread left it when it looked last, in microseconds (for an hour): above, how far the
     /// clocks are behind the machine's, below, when that was, since `begin_ns`. In one word, so that no
@@ -65,8 +65,8 @@ pthread_t first_thread;
     shared = made;
 }
 
-/// What the clocks show at that moment of the machine's, which is looked at after `last`: so no thread sees
-/// them go back.
+/// Time that the clocks show at that moment of the machine's, which is looked at after `last`: so no thread
+/// sees them go back.
 std::int64_t shown_ns(std::uint64_t last, std::int64_t machine) {
     const std::int64_t behind = static_cast<std::int64_t>(last >> 32) * ns_per_us,
                        looked = static_cast<std::int64_t>(last & 0xffff'ffff) * ns_per_us,

@@ -29,7 +29,7 @@
 namespace touchable::test {
 namespace {
 
-TEST(Usage, WithoutArgumentsSaysWhatItCanDoOnHalfAScreen) {
+TEST(Usage, NoArgumentsPrintShortHelp) {
     const Outcome run = run_touchable({});
     EXPECT_EQ(run.code, 0);
     for (const char* command : {"make", "info", "export", "check"})
@@ -41,7 +41,7 @@ TEST(Usage, WithoutArgumentsSaysWhatItCanDoOnHalfAScreen) {
     EXPECT_EQ(run.err, "");
 }
 
-TEST(Usage, HelpAndVersionAreNoErrors) {
+TEST(Usage, HelpAndVersionSucceed) {
     const Outcome help = run_touchable({"--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("touchable FILE opens a window"), std::string::npos) << help.out;
@@ -55,7 +55,7 @@ TEST(Usage, HelpAndVersionAreNoErrors) {
     }
 }
 
-TEST(Usage, HelpIsACommandToo) {
+TEST(Usage, HelpIsAlsoACommand) {
     EXPECT_EQ(run_touchable({"help"}).out, run_touchable({}).out);
     for (const char* command :
          {"make", "play", "touch", "info", "export", "convert", "compare", "plot", "check"}) {
@@ -73,7 +73,7 @@ TEST(Usage, HelpIsACommandToo) {
     }
 }
 
-TEST(Usage, VersionIsSaidUnderBothNames) {
+TEST(Usage, VersionHasTwoOptions) {
     const Outcome run = run_touchable({"-V"});
     EXPECT_EQ(run.code, 0);
     EXPECT_EQ(run.out.rfind("touchable ", 0), 0U) << run.out;
@@ -98,7 +98,7 @@ TEST(Usage, WholeNumbersAreDecimal) {
         }
 }
 
-TEST(Usage, NumbersAreFiniteAndInTheirRange) {
+TEST(Usage, RejectsNonFiniteNumbers) {
     const std::vector<std::vector<std::string>> options{
         {"info", "--fov", "179"},     {"info", "--depth-unit", "1e+06"}, {"touch", "--rate", "8"},
         {"touch", "--seconds", "1e"}, {"touch", "--damping", "number"},  {"touch", "--start", "1e+06"},
@@ -114,7 +114,7 @@ TEST(Usage, NumbersAreFiniteAndInTheirRange) {
         }
 }
 
-TEST(Usage, ACommaInANumberIsToldThatAPointIsWanted) {
+TEST(Usage, DecimalCommaSuggestsPoint) {
     const std::string wanted = "with a decimal point in place of the comma";
     EXPECT_NE(run_touchable({"info", "clip.mkv", "--fov", "62,5"}).err.find(wanted), std::string::npos);
     for (const char* number : {",5", "1,", "1,2,3", "one"})
@@ -122,13 +122,13 @@ TEST(Usage, ACommaInANumberIsToldThatAPointIsWanted) {
             << number;
 }
 
-TEST(Usage, AFileWhoseNameBeginsLikeAnOptionIsToldHowToBeTyped) {
+TEST(Usage, DashedFileNameGetsHint) {
     const TemporaryFolder folder;
     std::ofstream(folder / "-x.png") << "?";
     EXPECT_NE(run_in_folder({"info", "-x.png"}, folder.path()).err.find("type ./-x.png"), std::string::npos);
 }
 
-TEST(Usage, HelpSpeaksOfWordsNotOfWhatTheyBecome) {
+TEST(Usage, HelpHidesInternalNames) {
     for (const char* command : {"make", "info", "touch", "export", "check"}) {
         const std::string help = run_touchable({command, "--help-all"}).out;
         for (const char* internal : {"->", "ENUM", "VALUE IN", "{0"})
@@ -136,7 +136,7 @@ TEST(Usage, HelpSpeaksOfWordsNotOfWhatTheyBecome) {
     }
 }
 
-TEST(Usage, EmptyNamesAreCode2) {
+TEST(Usage, RejectsEmptyNames) {
     const std::vector<std::vector<std::string>> wrong{{"info", ""},
                                                       {"info", "clip.mkv", "--scene", ""},
                                                       {"make", "plane", ""},
@@ -156,7 +156,7 @@ TEST(Usage, EmptyNamesAreCode2) {
     }
 }
 
-TEST(Usage, WrongWordsAreCode2AndOneLineThatNamesThem) {
+TEST(Usage, RejectsUnknownWords) {
     const std::vector<std::vector<std::string>> wrong{{"paint"},
                                                       {"info"},
                                                       {"info", "clip.mkv", "--colour"},
@@ -174,7 +174,7 @@ TEST(Usage, WrongWordsAreCode2AndOneLineThatNamesThem) {
     EXPECT_NE(run_touchable({"paint"}).err.find("paint"), std::string::npos);
 }
 
-TEST(Usage, MistypedWordsNameTheNearest) {
+TEST(Usage, SuggestsNearestWord) {
     EXPECT_NE(run_touchable({"tuoch", "clip.mkv"})
                   .err.find("unknown command or file 'tuoch' (did you mean touch?); see touchable -h"),
               std::string::npos);
@@ -187,7 +187,7 @@ TEST(Usage, MistypedWordsNameTheNearest) {
               std::string::npos);
 }
 
-TEST(Usage, MissingValuesAndPartnersAreNamed) {
+TEST(Usage, NamesMissingValuesAndPartners) {
     const auto expect = [](const std::vector<std::string>& words, const std::string& message) {
         const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
@@ -200,7 +200,7 @@ TEST(Usage, MissingValuesAndPartnersAreNamed) {
     expect({"info", "clip.mkv", "--fov", "60", "--intrinsics", "500,500"}, "does not go with");
 }
 
-TEST(Usage, FormatsTellsWhatToTypeFor) {
+TEST(Usage, FormatsDescribesEverySource) {
     const Outcome all = run_touchable({"formats"});
     EXPECT_EQ(all.code, 0);
     EXPECT_NE(all.out.find("\n  bop\n      BOP: depth/000000.png"), std::string::npos) << all.out;
@@ -228,7 +228,7 @@ TEST(Usage, FormatsTellsWhatToTypeFor) {
     EXPECT_NE(none.err.find("touchable formats lists them"), std::string::npos) << none.err;
 }
 
-TEST(Usage, MissingFileIsCode3AndNamesTheFile) {
+TEST(Usage, NamesMissingFile) {
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"info", "no-such-clip.mkv"},
           std::vector<std::string>{"export", "no-such-clip.mkv", "--frame", "0", "--out", "never"}}) {
@@ -239,7 +239,7 @@ TEST(Usage, MissingFileIsCode3AndNamesTheFile) {
     }
 }
 
-TEST(Usage, OutputThatCannotBeWrittenIsNoSuccess) {
+TEST(Usage, FailsOnFullStandardOutput) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";
     ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1"}).code, 0);
@@ -254,7 +254,7 @@ bool no_gpu() {
 bool a_gpu() {
     return true;
 }
-/// Nobody is to open a device for this.
+/// No device may be opened for this.
 bool never_asked() {
     ADD_FAILURE() << "a GPU was asked for";
     return false;
@@ -277,13 +277,13 @@ BuilderChoice::Load full_hd(int median, int fingers) {
     return load_of(1920, 1080, median, fingers);
 }
 
-TEST(BuilderPick, FewFingersOnLargeFramesAreLazy) {
+TEST(BuilderPick, LargeFramesUseLazyBuilder) {
     for (const int median : {0, 3, 5})
         for (const int fingers : {1, 5})
             EXPECT_EQ(pick_builder(full_hd(median, fingers), never_asked).name, "lazy") << median;
 }
 
-TEST(BuilderPick, ManyFingersWantWholeFrames) {
+TEST(BuilderPick, ManyFingersUseCpuBuilder) {
     for (const int median : {3, 5}) {
         EXPECT_EQ(pick_builder(full_hd(median, 100), never_asked).name, "cpu") << median;
         int fingers = 1;
@@ -294,25 +294,27 @@ TEST(BuilderPick, ManyFingersWantWholeFrames) {
     }
 }
 
-TEST(BuilderPick, TheFasterFramesComeTheMoreFingersAreLazy) {
+TEST(BuilderPick, HighRateFavoursLazyBuilder) {
     BuilderChoice::Load load = full_hd(5, 30);
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
     load.scene.rate = {120, 1};
     EXPECT_EQ(pick_builder(load, never_asked).name, "lazy");
 }
 
-TEST(BuilderPick, SmallFramesAreNotWorthTheirTicks) {
+/// Small frames are not worth the time that lazy building adds to ticks.
+TEST(BuilderPick, SmallFramesUseCpuBuilder) {
     for (const int median : {0, 3, 5})
         EXPECT_EQ(pick_builder(load_of(320, 240, median, 1), never_asked).name, "cpu") << median;
 }
 
-TEST(BuilderPick, ALiveTickDoesNotFilter) {
+/// A live tick does not filter.
+TEST(BuilderPick, LiveRunUsesCpuBuilder) {
     BuilderChoice::Load load = full_hd(5, 1);
     load.live = true;
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
 }
 
-TEST(BuilderPick, FiltersThatReachFarWantWholeFrames) {
+TEST(BuilderPick, WideFiltersUseCpuBuilder) {
     BuilderChoice::Load filled = full_hd(3, 1), without_terraces = filled, averaged = filled;
     filled.scene.filter.fill_holes = 1;
     without_terraces.scene.depth_bits = 8;
@@ -325,13 +327,15 @@ TEST(BuilderPick, FiltersThatReachFarWantWholeFrames) {
         EXPECT_EQ(pick_builder(*load, never_asked).name, "cpu");
 }
 
-TEST(BuilderPick, AStillIsBuiltOnce) {
+/// A still is built once.
+TEST(BuilderPick, StillUsesCpuBuilder) {
     BuilderChoice::Load load = full_hd(5, 1);
     load.moves = false;
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
 }
 
-TEST(BuilderPick, AGpuIsAskedForWhereFramesCostAFifthOfACore) {
+/// A GPU is asked for where frames cost a fifth of a core.
+TEST(BuilderPick, ExpensiveFramesUseGpu) {
     BuilderChoice::Load load = load_of(3840, 2160, 5, 1);
     load.live = true;
     load.scene.rate = {30, 1};
@@ -343,7 +347,7 @@ TEST(BuilderPick, AGpuIsAskedForWhereFramesCostAFifthOfACore) {
     EXPECT_EQ(pick_builder(load, never_asked).name, "lazy");
 }
 
-TEST(BuilderPick, AGpuThatDrawsIsAskedSooner) {
+TEST(BuilderPick, DrawnFramesUseGpuSooner) {
     BuilderChoice::Load load = full_hd(3, 1);
     load.live = true;
     load.scene.rate = {30, 1};
@@ -355,7 +359,7 @@ TEST(BuilderPick, AGpuThatDrawsIsAskedSooner) {
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");
 }
 
-TEST(BuilderPick, AGpuIsFastThatWasMeasuredToBe) {
+TEST(BuilderPick, MeasurementDecidesGpuSpeed) {
     GpuFacts facts;
     facts.kind = GpuKind::discrete;
     EXPECT_TRUE(is_fast_builder(facts)) << "not measured";
@@ -372,14 +376,14 @@ TEST(BuilderPick, AGpuIsFastThatWasMeasuredToBe) {
     EXPECT_FALSE(is_fast_builder(facts));
 }
 
-TEST(BuilderPick, CostsGrowWithWhatThereIsToDo) {
+TEST(BuilderPick, CostsGrowWithLoad) {
     EXPECT_GT(whole_frames_ms_per_second(full_hd(5, 1)), whole_frames_ms_per_second(full_hd(3, 1)));
     EXPECT_GT(whole_frames_ms_per_second(full_hd(3, 1)), whole_frames_ms_per_second(load_of(720, 480, 3, 1)));
     EXPECT_DOUBLE_EQ(lazy_ms_per_second(full_hd(3, 6)), 6 * lazy_ms_per_second(full_hd(3, 1)));
     EXPECT_GT(lazy_ms_per_second(full_hd(5, 1)), lazy_ms_per_second(full_hd(3, 1)));
 }
 
-TEST(BuilderPick, SaysWhatItTookAndWhyAndChangesNoForce) {
+TEST(BuilderPick, ReportsChoiceAndKeepsForces) {
     const TemporaryFolder folder;
     make_clip("moving", folder / "clip.mkv", {"--size", "1280x720", "--frames", "2"});
     const auto run = [&](std::vector<std::string> words) {
@@ -393,7 +397,7 @@ TEST(BuilderPick, SaysWhatItTookAndWhyAndChangesNoForce) {
     EXPECT_EQ(by_choice["force_hash"], cpu["force_hash"]);
 }
 
-// What `touchable check` makes of what it has measured.
+// The verdict of `touchable check` on its measurements.
 
 /// Everywhere alike, and easily fast enough: 10 + 2 ms of 33.3, 20 us of 1000, and of 2000 ms of CPU time a
 /// second 30 x 24 + 30.
@@ -418,7 +422,7 @@ std::string refusal(const TrialFigures& figures, const TouchDemand& asked = dema
     return verdict.why;
 }
 
-TEST(TrialVerdict, YesWhereEverythingFits) {
+TEST(TrialVerdict, IsYesWhenAllFits) {
     const TrialVerdict verdict = judge(demand, easy(), 2);
     EXPECT_TRUE(verdict.can) << verdict.why;
     EXPECT_EQ(verdict.why, "all of it takes 750 of the 1800 ms of CPU time a second it may");
@@ -428,7 +432,7 @@ TEST(TrialVerdict, YesWhereEverythingFits) {
     EXPECT_EQ(judge({1920, 1080, 5, 74}, easy(), 2).can, false);
 }
 
-TEST(TrialVerdict, NoNamesWhatIsTooSlow) {
+TEST(TrialVerdict, NamesSlowPart) {
     TrialFigures slow = easy();
     slow.decode_ms.mean = 31;
     EXPECT_EQ(refusal(slow), "decoding a frame takes 31 of the 30 ms it may");
@@ -445,7 +449,7 @@ TEST(TrialVerdict, NoNamesWhatIsTooSlow) {
     EXPECT_EQ(judge(demand, easy(), 4).most_rate, 90);
 }
 
-TEST(TrialVerdict, StandsOnAPlainLineBeforeTheFigures) {
+TEST(TrialVerdict, PrecedesFigures) {
     const auto text = [](const TrialFigures& figures) {
         return trial_to_text(demand, figures, judge(demand, figures, 2), 2);
     };
@@ -463,7 +467,7 @@ TEST(TrialVerdict, StandsOnAPlainLineBeforeTheFigures) {
     EXPECT_EQ(text(easy()).find("other programs"), std::string::npos);
 }
 
-TEST(Realtime, IsPermittedInWaysThatNameThePersonAndTheProgram) {
+TEST(RealtimeAdvice, NamesUserAndProgram) {
     const auto ways = ways_to_realtime("ada", "/usr/bin/touchable");
     for (const char* part : {"ada - rtprio 80", "setcap cap_sys_nice,cap_ipc_lock=ep /usr/bin/touchable",
                              "LimitRTPRIO=80", "--cap-add=SYS_NICE"})
@@ -472,7 +476,7 @@ TEST(Realtime, IsPermittedInWaysThatNameThePersonAndTheProgram) {
         })) << part;
 }
 
-TEST(KernelFacts, AreOfTheRunsThatHaveTimes) {
+TEST(KernelFacts, UseRunsWithTimes) {
     const KernelRun timed{2, 0.5, true}, untimed{1, std::nullopt, true};
     EXPECT_EQ(facts_of(untimed, std::array{untimed, timed, untimed}).least_device_ms, 0.5)
         << "the first has none";
@@ -486,13 +490,13 @@ TEST(KernelFacts, AreOfTheRunsThatHaveTimes) {
     EXPECT_FALSE(facts.same_bits);
 }
 
-// What is said to be lost, by numbers worked out by hand.
+// The reported losses, against numbers worked out by hand.
 
 PlaneView row_of(const std::vector<std::uint8_t>& samples) {
     return {samples.data(), std::ssize(samples), static_cast<int>(samples.size()), 1, 1, 1};
 }
 
-TEST(PlaneLoss, IsTheLargestAndTheMeanSquareOfWhatDiffers) {
+TEST(PlaneLoss, MeasuresLargestAndMeanSquare) {
     Scene scene;
     scene.width = 4;
     scene.height = 1;
@@ -525,7 +529,7 @@ TEST(PlaneLoss, IsTheLargestAndTheMeanSquareOfWhatDiffers) {
     EXPECT_EQ(losses[0].disappeared, 1);
 }
 
-TEST(PlaneLoss, OfASmallerPictureIsThatOfEachPixelBefore) {
+TEST(PlaneLoss, ComparesSmallerPictureByPixel) {
     Scene scene;
     scene.depth.near = 1;
     scene.depth.far = 2;
@@ -540,7 +544,7 @@ TEST(PlaneLoss, OfASmallerPictureIsThatOfEachPixelBefore) {
     EXPECT_DOUBLE_EQ(losses[0].rms(), std::sqrt((100 + 196) / 4.0));
 }
 
-TEST(Pace, IsToldInWholeWords) {
+TEST(Pace, PrintsRateAndTimeLeft) {
     EXPECT_EQ(pace_in_words(50, 100, 0.9), "");
     EXPECT_EQ(pace_in_words(0, 100, 2), "");
     EXPECT_EQ(pace_in_words(50, 100, 2), ", 25/s, 2 s left");
@@ -553,7 +557,7 @@ TEST(Pace, IsToldInWholeWords) {
 
 // How the program names the settings that the rooms below it speak of.
 
-TEST(SettingWords, AnOptionStandsInForItsNameOrFollows) {
+TEST(SettingWords, ReplaceNameWithOption) {
     const std::pair<Error, const char*> cases[] = {
         {usage_error("a.mkv: is empty"), "a.mkv: is empty"},
         {usage_error("damping must be 0 to 100 N s/m", {{Setting::damping}}),
@@ -578,7 +582,7 @@ TEST(SettingWords, AnOptionStandsInForItsNameOrFollows) {
     EXPECT_EQ(message_with_options(in_brackets), "none (there are 2; --scene FILE)");
 }
 
-TEST(SettingWords, AGuessNamesTheOptionsThatSayOtherwise) {
+TEST(SettingWords, NameOptionsThatOverrideGuess) {
     const std::pair<Remark, const char*> cases[] = {
         {{"wide", true, "", {{Setting::field_of_view}, {Setting::intrinsics}}},
          "guessed: wide (--fov DEGREES or --intrinsics FX,FY,CX,CY says otherwise)"},
@@ -595,7 +599,7 @@ TEST(SettingWords, AGuessNamesTheOptionsThatSayOtherwise) {
     EXPECT_EQ(remark_text(cases[0].first), "guessed: wide") << "as a scene file keeps it";
 }
 
-TEST(SettingWords, OptionsFollowACommandAsTheyAreTyped) {
+TEST(SettingWords, PrintOptionsAsTyped) {
     EXPECT_EQ(typed_options({{Setting::intrinsics, "525,525"}, {Setting::headless}}),
               " --intrinsics 525,525 --headless");
     EXPECT_EQ(typed_options({}), "");
@@ -616,13 +620,13 @@ TEST(SettingWords, OptionsFollowACommandAsTheyAreTyped) {
 
 using std::chrono::milliseconds;
 
-TEST(InterruptDeathTest, SignalsAtOnceAskOnce) {
+TEST(InterruptDeathTest, SimultaneousSignalsCountOnce) {
     EXPECT_EXIT(be_asked({SIGINT}, milliseconds(0)), ::testing::ExitedWithCode(0), "");
     EXPECT_EXIT(be_asked({SIGINT, SIGINT, SIGINT}, milliseconds(0)), ::testing::ExitedWithCode(0), "");
     EXPECT_EXIT(be_asked({SIGINT, SIGTERM, SIGHUP}, milliseconds(0)), ::testing::ExitedWithCode(0), "");
 }
 
-TEST(InterruptDeathTest, OneThatComesLaterEndsTheProgram) {
+TEST(InterruptDeathTest, LaterSignalEndsProgram) {
     EXPECT_EXIT(be_asked({SIGINT, SIGINT}, same_wish), ::testing::KilledBySignal(SIGINT), "");
     EXPECT_EXIT(be_asked({SIGINT, SIGTERM}, same_wish), ::testing::KilledBySignal(SIGTERM), "");
 }
@@ -659,7 +663,7 @@ protected:
     std::array<glm::dvec3, 2> goals_{};
 };
 
-TEST_F(HeldDevice, BeginsWhereTheHandMeansItToBeAndFollowsIt) {
+TEST_F(HeldDevice, FollowsHand) {
     ASSERT_TRUE(read(0));
     EXPECT_EQ(goals_[0], glm::dvec3(0, 0, -1000));
     EXPECT_EQ(goals_[1], glm::dvec3(10, 0, -1000));
@@ -671,7 +675,7 @@ TEST_F(HeldDevice, BeginsWhereTheHandMeansItToBeAndFollowsIt) {
     EXPECT_NEAR(goals_[1].x, 11, 1e-6);
 }
 
-TEST_F(HeldDevice, YieldsToTheForceOfItsFingerAlone) {
+TEST_F(HeldDevice, YieldsToItsFingersForce) {
     const std::array forces{glm::dvec3(0, 0, 0.5), glm::dvec3(0)};
     for (int tick = 0; tick < 90; ++tick) {
         ASSERT_TRUE(read(tick));
@@ -683,7 +687,7 @@ TEST_F(HeldDevice, YieldsToTheForceOfItsFingerAlone) {
     EXPECT_EQ(goals_[1], glm::dvec3(10, 0, -1000));
 }
 
-TEST_F(HeldDevice, TicksThatWereSkippedPassForTheHandleToo) {
+TEST_F(HeldDevice, SkippedTicksAdvanceHandle) {
     const std::array forces{glm::dvec3(0, 0, 0.5), glm::dvec3(0)};
     ASSERT_TRUE(read(0));
     ASSERT_TRUE(port_->write_forces(forces));
@@ -699,7 +703,7 @@ TEST_F(HeldDevice, TicksThatWereSkippedPassForTheHandleToo) {
     EXPECT_EQ(goals_[0].z, once);
 }
 
-TEST_F(HeldDevice, ThatFailsSaysSo) {
+TEST_F(HeldDevice, ReportsFailure) {
     ASSERT_TRUE(read(0));
     device_.fail("was unplugged");
     EXPECT_FALSE(read(1));
@@ -767,7 +771,7 @@ TEST(Help, IsShort) {
     }
 }
 
-TEST(Help, ExamplesAreCommandsThatParse) {
+TEST(Help, ExamplesParse) {
     for (const auto& [command, examples] : table().examples)
         for (const std::string& example : examples) {
             const TemporaryFolder folder;  // without the files that the example reads
@@ -778,7 +782,7 @@ TEST(Help, ExamplesAreCommandsThatParse) {
             ASSERT_EQ(words.at(1), command) << example;
             words.erase(words.begin());
             if (command == "make") words.insert(words.end(), {"--size", "16x12", "--frames", "1"});
-            // Where the camera of an example is plugged in.
+            // The camera of an example may be plugged in.
             if (command == "play") words.insert(words.end(), {"--headless", "--seconds", "1"});
             if (command == "serve") words.insert(words.end(), {"--seconds", "1"});
             const Outcome run = run_in_folder(words, folder.path());
@@ -787,7 +791,7 @@ TEST(Help, ExamplesAreCommandsThatParse) {
         }
 }
 
-TEST(Help, AllHasEveryOptionOnceUnderItsTopic) {
+TEST(Help, AllListsEveryOptionOnce) {
     for (const auto& [command, options] : table().options) {
         const auto lines = lines_of({command, "--help-all"});
         EXPECT_EQ(lines, lines_of({"help", command, "all"}));
@@ -813,7 +817,7 @@ TEST(Help, AllHasEveryOptionOnceUnderItsTopic) {
     EXPECT_GT(table().options.at("touch").size(), 50U);
 }
 
-TEST(Help, UnknownTopicIsToldTheTopics) {
+TEST(Help, UnknownTopicListsTopics) {
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"play", "--help", "weather"}, {"help", "play", "weather"}}) {
         const Outcome run = run_touchable(words);
@@ -825,7 +829,7 @@ TEST(Help, UnknownTopicIsToldTheTopics) {
     EXPECT_EQ(run_touchable({"play", "--help", "Camera"}).out, run_touchable({"help", "play", "camera"}).out);
 }
 
-TEST(Help, ListsTheWordsThatAreAllowed) {
+TEST(Help, ListsAllowedWords) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";
     ASSERT_EQ(run_touchable({"make", "plane", clip, "--size", "16x12", "--frames", "1"}).code, 0);

@@ -1,4 +1,4 @@
-// A session that somebody watches, and tells its clip's clock what to do while it runs.
+// A watched session whose clip's clock gets commands while it runs.
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -41,13 +41,13 @@ void sleep_ms(int duration) {
     std::this_thread::sleep_for(std::chrono::milliseconds(duration));
 }
 
-/// Whether it came to be in twenty seconds, far longer than any machine takes.
+/// True once it came to be, within twenty seconds: far longer than any machine takes.
 bool comes_true(const std::function<bool()>& what, int at_most_ms = 20'000) {
     for (int k = 0; k < at_most_ms && !what(); ++k) sleep_ms(1);
     return what();
 }
 
-/// What a person holds: one handle, which stays where the test puts it.
+/// The haptic device: one handle, which stays where the test puts it.
 class Handle final : public HapticDevice {
 public:
     std::string name() const override { return "handle"; }
@@ -80,7 +80,7 @@ private:
     std::atomic<double> newtons_{0};
 };
 
-/// Of every tick the force, and whether the surface was another.
+/// The largest force, and the largest rise from tick to tick.
 class Steps final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override {
@@ -103,9 +103,9 @@ private:
     double before_ = 0;
 };
 
-class Watched : public testing::Test {
+class SessionPlayback : public testing::Test {
 protected:
-    Watched() {
+    SessionPlayback() {
         const SceneOptions globe{.width = 32, .height = 24, .properties = true};
         EXPECT_TRUE(write_generated_clip("globe", clip, globe, watched_frames));
     }
@@ -127,14 +127,14 @@ protected:
         auto started = WatchedSession::start(std::move(*setup), {record_.get(), &figures_.emplace(), &steps});
         ASSERT_TRUE(started) << started.error().message;
         session = std::move(*started);
-        // What is felt comes by the session's own thread, a little later than what is held.
+        // Felt contacts come by the session's own thread, a little later than the held frames.
         ASSERT_TRUE(comes_true([this] {
             const WatchedMoment* const seen = session->look();
             return seen && !seen->felt.fingers.empty();
         }));
     }
-    /// Until `steps` know of a force. Where the loop stood still as the handle came in, there is none until
-    /// the handle has been out: it is lifted and pressed in again.
+    /// Presses until `steps` know of a force. Where the loop stood still as the handle came in, there is none
+    /// until the handle has been out: it is lifted and pressed in again.
     void press() {
         const auto is_felt = [this] { return handle->newtons() > 0; };
         for (int go = 0; go < 10; ++go) {
@@ -195,7 +195,7 @@ std::vector<std::uint8_t> bytes_of(const PlaneView& plane) {
     return bytes;
 }
 
-/// What a person may want next, mostly in the wrong moment.
+/// A random command, mostly in the wrong moment.
 void ask_anything(WatchedSession& session, Random& random) {
     const auto verb = static_cast<Verb>(random.below(7));
     std::int64_t first = 0, second = 0;
@@ -206,7 +206,7 @@ void ask_anything(WatchedSession& session, Random& random) {
     EXPECT_TRUE(asked) << asked.error().message;
 }
 
-TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColourAndItsStoredDepth) {
+TEST_F(SessionPlayback, ReplaysRandomCommands) {
     std::vector<std::vector<std::uint8_t>> colours, depths;
     auto reader = open_clip(clip).value();
     for (auto raw = reader->next(); raw && *raw; raw = reader->next()) {
@@ -241,12 +241,12 @@ TEST_F(Watched, WhateverIsAskedWhenItReplaysAndEveryFrameHasItsColourAndItsStore
     }
 }
 
-TEST_F(Watched, TheHandIsLimpBeforeItsEndIsWaitedFor) {
+TEST_F(SessionPlayback, StopUnpowersHandFirst) {
     start(options());
     press();
     steps.keeps_waiting = true;
     ASSERT_TRUE(comes_true([this] { return steps.is_waiting.load(); }));
-    EXPECT_NO_FATAL_FAILURE(press()) << "the hand waits for nobody";
+    EXPECT_NO_FATAL_FAILURE(press()) << "the hand does not wait";
     std::thread stops([this] { session->stop(); });
     EXPECT_TRUE(comes_true([this] { return handle->newtons() == 0; })) << "while the disk keeps it waiting";
     steps.keeps_waiting = false;
@@ -265,14 +265,14 @@ std::set<std::string> thread_names() {
     return names;
 }
 
-TEST_F(Watched, ItsThreadsCarryNames) {
+TEST_F(SessionPlayback, ThreadsHaveNames) {
     start(options());
     const std::set<std::string> names = thread_names();
     for (const char* name : {"session", "haptic-loop", "feed-decoder", "feed-builder"})
         EXPECT_TRUE(names.contains(name)) << name;
 }
 
-TEST_F(Watched, ASeekOfAPausedClipIsFeltAndFadesIn) {
+TEST_F(SessionPlayback, SeekWhilePausedFadesIn) {
     start(options());
     press();
     steps.is_judged = true;
@@ -293,7 +293,7 @@ TEST_F(Watched, ASeekOfAPausedClipIsFeltAndFadesIn) {
     EXPECT_LE(steps.most, 3) << "the device's";
 }
 
-TEST_F(Watched, AClipThatHasEndedStandsStillAndGoesBackWhenAsked) {
+TEST_F(SessionPlayback, LoopsAfterClipEnd) {
     start(options());
     ask(Verb::rate, 8000);
     ASSERT_TRUE(comes_true([this] { return session->playback().at_end && has_arrived(); }) ||
@@ -311,7 +311,7 @@ TEST_F(Watched, AClipThatHasEndedStandsStillAndGoesBackWhenAsked) {
 }
 
 /// Nothing is left to publish before the hand has come to the loop's way back.
-TEST_F(Watched, BeginsOnTheLastFrameOfALoop) {
+TEST_F(SessionPlayback, BeginsOnLastLoopFrame) {
     SessionOptions last = options();
     const std::int64_t end_ns = FrameRate{30, 1}.time_ns(watched_frames);
     last.playback = {{0, Verb::seek, end_ns - 2 * ms, 0}, {0, Verb::loop, 0, end_ns}};
@@ -319,7 +319,7 @@ TEST_F(Watched, BeginsOnTheLastFrameOfALoop) {
     EXPECT_TRUE(comes_true([this] { return session->playback().moment.epoch > 1 && has_arrived(); }));
 }
 
-TEST_F(Watched, RefusesWhatNoClockTakes) {
+TEST_F(SessionPlayback, RejectsInvalidCommands) {
     SessionOptions planned = options();
     planned.playback = {{5, Verb::pause, 0, 0}};
     const auto refused = WatchedSession::start(setup_from_options(planned).value(), {});
@@ -337,10 +337,10 @@ TEST_F(Watched, RefusesWhatNoClockTakes) {
         EXPECT_NE(asked.error().message.find(fragment), std::string::npos) << asked.error().message;
     }
     session->stop();
-    EXPECT_FALSE(session->ask(Verb::play)) << "nobody takes it any more";
+    EXPECT_FALSE(session->ask(Verb::play)) << "the session has ended";
 }
 
-TEST_F(Watched, ADeviceThatIsPulledOutEndsItAndSaysWhy) {
+TEST_F(SessionPlayback, UnplugEndsSessionWithReason) {
     start(options());
     handle->unplugged = true;
     ASSERT_TRUE(comes_true([this] { return !session->running(); }));
@@ -350,7 +350,7 @@ TEST_F(Watched, ADeviceThatIsPulledOutEndsItAndSaysWhy) {
     EXPECT_EQ(session->failure()->message, "the handle was pulled out");
 }
 
-TEST(PlaybackLog, KeepsWhatWasAskedAtTheTickThatTookItAndRefusesMoreThanItHolds) {
+TEST(PlaybackLog, KeepsCommandsUpToCapacity) {
     PlaybackLog log({{0, Verb::rate, 500, 0}}, 2);
     EXPECT_TRUE(log.is_open());
     ASSERT_TRUE(log.ask(Verb::pause, 0, 0));
@@ -402,7 +402,7 @@ private:
 
 constexpr std::size_t much = 300'000;
 
-TEST(StandardOutput, AReaderWhoTakesALittleNowAndThenDoesNotHoldALiveRun) {
+TEST(StandardOutput, SlowReaderCannotBlockRun) {
     PipedOutput pipe;
     StandardOutput output(Pace::wall_clock, 300ms);
     ASSERT_TRUE(output.write(std::string(much, 'x')));
@@ -422,7 +422,7 @@ TEST(StandardOutput, AReaderWhoTakesALittleNowAndThenDoesNotHoldALiveRun) {
     EXPECT_TRUE(output.reader_lags());
 }
 
-TEST(StandardOutput, AReaderWhoReadsGetsAllOfALiveRun) {
+TEST(StandardOutput, ReaderGetsWholeOutput) {
     PipedOutput pipe;
     StandardOutput output(Pace::wall_clock, 1h);
     ASSERT_TRUE(output.write(std::string(much, 'x')));
@@ -436,7 +436,7 @@ TEST(StandardOutput, AReaderWhoReadsGetsAllOfALiveRun) {
     EXPECT_EQ(heard, much);
 }
 
-/// Somebody asks to stop while a live run waits at its end.
+/// Asks to stop while a live run waits at its end.
 [[noreturn]] void stop_at_the_end() {
     alarm(60);
     PipedOutput pipe;
@@ -453,11 +453,11 @@ TEST(StandardOutput, AReaderWhoReadsGetsAllOfALiveRun) {
     std::_Exit(!done && done.error().kind == ErrorKind::interrupted ? 0 : 1);
 }
 
-TEST(StandardOutput, ALiveRunThatWaitsAtItsEndEndsWhenItIsAskedTo) {
+TEST(StandardOutput, WaitingForReaderIsInterruptible) {
     EXPECT_EXIT(stop_at_the_end(), ::testing::ExitedWithCode(0), "");
 }
 
-TEST(StandardOutput, WhatSomebodyEndedIsGivenStill) {
+TEST(StandardOutput, InterruptedRunDeliversOutput) {
     EXPECT_EXIT(
         {
             alarm(60);
