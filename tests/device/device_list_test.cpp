@@ -73,7 +73,7 @@ protected:
     FakeSystem system_{root_.path()};
 };
 
-TEST_F(DeviceList, NothingConnectedSaysWhatToDo) {
+TEST_F(DeviceList, EmptyListSuggestsPluggingIn) {
     plug_usb("1-1", "046d", "c077", "Logitech", "USB Optical Mouse");
     EXPECT_TRUE(connected_devices(system_).empty());
     EXPECT_NE(devices_in_words({}).find("plug one in"), std::string::npos);
@@ -81,7 +81,7 @@ TEST_F(DeviceList, NothingConnectedSaysWhatToDo) {
     EXPECT_TRUE(connected_devices(FakeSystem(bare.path())).empty());
 }
 
-TEST_F(DeviceList, ASpaceMouseThatMayBeUsedIsReady) {
+TEST_F(DeviceList, PermittedSpaceMouseIsReady) {
     plug_spacemouse();
     system_.permitted = {"/dev/hidraw4"};
     open_in("812", "spacenavd", "/dev/hidraw4");  // both may read it
@@ -104,7 +104,7 @@ TEST_F(DeviceList, ASpaceMouseThatMayBeUsedIsReady) {
         EXPECT_NE(words.find(part), std::string::npos) << part << " in\n" << words;
 }
 
-TEST_F(DeviceList, OneThatMayNotBeUsedNeedsTheRule) {
+TEST_F(DeviceList, ForbiddenDeviceNeedsUdevRule) {
     plug_spacemouse();
     const auto device = only();
     EXPECT_FALSE(device.ready);
@@ -116,7 +116,7 @@ TEST_F(DeviceList, OneThatMayNotBeUsedNeedsTheRule) {
     EXPECT_NE(devices_in_words({device}).find("rule: KERNEL==\"hidraw*\""), std::string::npos);
 }
 
-TEST_F(DeviceList, OneWithoutANodeNeedsItsDriver) {
+TEST_F(DeviceList, DeviceWithoutNodeNeedsDriver) {
     plug_usb("1-2", "256f", "c635", "3Dconnexion", "SpaceMouse Compact");
     system_.permitted = {"/dev/bus/usb/001/012"};
     const auto device = only();
@@ -125,7 +125,7 @@ TEST_F(DeviceList, OneWithoutANodeNeedsItsDriver) {
     EXPECT_NE(device.next.find("modprobe usbhid"), std::string::npos);
 }
 
-TEST_F(DeviceList, ANodeOfAnotherDeviceIsNotItsOwn) {
+TEST_F(DeviceList, IgnoresNodeOfOtherDevice) {
     plug_usb("1-2", "256f", "c635", "3Dconnexion", "SpaceMouse Compact");
     plug_usb("1-21", "1111", "2222", "Nobody", "Keyboard");
     add_hidraw("hidraw0", "pci0000:00/usb1/1-21/1-21:1.0/0003:1111:2222.0001",
@@ -133,7 +133,7 @@ TEST_F(DeviceList, ANodeOfAnotherDeviceIsNotItsOwn) {
     EXPECT_TRUE(only().node.empty());
 }
 
-TEST_F(DeviceList, AWoodenHapticsThatAnotherHoldsIsNamedWithItsHolder) {
+TEST_F(DeviceList, NamesProcessHoldingWoodenHaptics) {
     plug_usb("3-1", "1234", "0006", "", "HID DEVICE");
     add_hidraw("hidraw1", "pci0000:00/usb1/3-1/3-1:1.0/0003:1234:0006.0002",
                "HID_ID=0003:00001234:00000006\nHID_NAME=mbed.org HID DEVICE");
@@ -146,7 +146,7 @@ TEST_F(DeviceList, AWoodenHapticsThatAnotherHoldsIsNamedWithItsHolder) {
     EXPECT_EQ(device.next, "close simulator (process 4242), which has it open");
 }
 
-TEST_F(DeviceList, ABluetoothOneHasNoUsbDevice) {
+TEST_F(DeviceList, ListsBluetoothDeviceWithoutUsb) {
     add_hidraw("hidraw2", "virtual/misc/uhid/0005:256F:C63A.0003",
                "HID_ID=0005:0000256F:0000C63A\nHID_NAME=SpaceMouse Wireless BT");
     system_.permitted = {"/dev/hidraw2"};
@@ -156,7 +156,7 @@ TEST_F(DeviceList, ABluetoothOneHasNoUsbDevice) {
     EXPECT_TRUE(device.ready);
 }
 
-TEST_F(DeviceList, WhatCannotBeDrivenSaysWhyAndWhatInstead) {
+TEST_F(DeviceList, ExplainsUnsupportedDevicesWithAlternative) {
     const struct {
         const char *vendor, *product, *what, *why;
     } closed[] = {{"2988", "0302", "3D Systems Touch", "OpenHaptics"},
@@ -184,7 +184,7 @@ TEST_F(DeviceList, WhatCannotBeDrivenSaysWhyAndWhatInstead) {
     }
 }
 
-TEST_F(DeviceList, ATouchOfTheSerialKindShowsItsNode) {
+TEST_F(DeviceList, ShowsNodeOfSerialTouch) {
     plug_usb("1-4", "2988", "0302", "3D Systems", "3D Systems Touch 3D Stylus");
     link("sys/class/tty/ttyACM0/device", "../../../devices/pci0000:00/usb1/1-4/1-4:1.0");
     fs::create_directories(root_ / "sys/devices/pci0000:00/usb1/1-4/1-4:1.0");
@@ -193,7 +193,7 @@ TEST_F(DeviceList, ATouchOfTheSerialKindShowsItsNode) {
 }
 
 /// Devices whose backend is not in this program are known all the same.
-TEST_F(DeviceList, WhatIsKnownIsDrivenWhereItsWordIsInTheCatalogue) {
+TEST_F(DeviceList, DrivesOnlyDevicesInCatalogue) {
     plug_usb("1-5", "0403", "cb48", "Novint", "Falcon");
     plug_usb("1-6", "aaaa", "bbbb", "Haply", "Inverse3");
     std::set<std::string> words;
@@ -207,7 +207,7 @@ TEST_F(DeviceList, WhatIsKnownIsDrivenWhereItsWordIsInTheCatalogue) {
     EXPECT_FALSE(devices[1].ready);
 }
 
-TEST_F(DeviceList, AServiceListensOrNot) {
+TEST_F(DeviceList, DetectsListeningService) {
     const std::string head =
         "  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid\n";
     EXPECT_FALSE(has_listener(system_, 10001));
@@ -220,21 +220,21 @@ TEST_F(DeviceList, AServiceListensOrNot) {
     EXPECT_FALSE(has_listener(system_, 10002));
 }
 
-TEST_F(DeviceList, ForeignWordsStayOnTheirLine) {
+TEST_F(DeviceList, RemovesControlCharactersFromNames) {
     plug_usb("1-2", "256f", "c635", "", "Space\n    ready\x1b[31m");
     const std::string words = devices_in_words(connected_devices(system_));
     EXPECT_EQ(words.find("\n    ready"), std::string::npos) << words;
     EXPECT_EQ(words.find('\x1b'), std::string::npos);
 }
 
-TEST_F(DeviceList, IdsThatAreNoneAreLeftOut) {
+TEST_F(DeviceList, SkipsInvalidIds) {
     plug_usb("1-2", "256f", "c6zz", "", "SpaceMouse");
     plug_usb("1-3", "", "c635", "", "SpaceMouse");
     plug_usb("1-4", "0256f0", "c635", "", "SpaceMouse");
     EXPECT_TRUE(connected_devices(system_).empty());
 }
 
-TEST_F(DeviceList, JsonSaysTheSame) {
+TEST_F(DeviceList, JsonMatchesList) {
     plug_spacemouse();
     plug_usb("1-9", "1451", "0402", "Force Dimension", "omega\xff.3");
     system_.permitted = {"/dev/hidraw4"};
@@ -253,7 +253,7 @@ TEST_F(DeviceList, JsonSaysTheSame) {
     EXPECT_NE(json.at("devices").at(1).at("why_not"), "");
 }
 
-TEST(UdevRules, AreInTheProgramAsTheyAreInTheFile) {
+TEST(UdevRules, EmbeddedRulesMatchFile) {
     std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/share/udev/70-touchable.rules");
     EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), udev_rules());
     EXPECT_EQ(udev_rules_of(0x256f).size(), 2u) << "by cable, by Bluetooth";
@@ -261,7 +261,7 @@ TEST(UdevRules, AreInTheProgramAsTheyAreInTheFile) {
     EXPECT_TRUE(udev_rules_of(0x1451).empty()) << "not driven";
 }
 
-TEST(DeviceWords, NameEveryDeviceThatCanBeHeld) {
+TEST(DeviceWords, NameEveryDeviceKind) {
     EXPECT_NE(device_words_in_words("do so").find("without a window: do so\n"), std::string::npos);
     const std::string words = device_words_in_words();
     for (const DeviceKind& kind : device_kinds())
@@ -270,7 +270,7 @@ TEST(DeviceWords, NameEveryDeviceThatCanBeHeld) {
             << kind.name;
 }
 
-TEST(UdevRules, NameEveryDeviceThatIsDrivenThroughANode) {
+TEST(UdevRules, CoverEveryDeviceWithNode) {
     std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/share/udev/70-touchable.rules");
     ASSERT_TRUE(in);
     const std::regex ids(
@@ -295,13 +295,13 @@ TEST(UdevRules, NameEveryDeviceThatIsDrivenThroughANode) {
     EXPECT_GE(driven.size(), 2u);
 }
 
-TEST(ConnectedSystem, ThisMachinesIsReadWithoutFault) {
+TEST(ConnectedSystem, ReadsThisMachine) {
     const ConnectedSystem here;
     for (const ConnectedDevice& device : connected_devices(here)) EXPECT_FALSE(device.what.empty());
     EXPECT_FALSE(here.text("/proc/self/comm").empty());
 }
 
-TEST(DeviceCatalogue, HidDevicesAreThere) {
+TEST(DeviceCatalogue, MakesHidDevices) {
     const auto mouse = make_device("spacemouse:speed=0.2", {});
     ASSERT_TRUE(mouse);
     EXPECT_EQ((*mouse)->capabilities().axes_driven, 0);

@@ -32,9 +32,9 @@ constexpr std::int64_t ms = 1'000'000;
 constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 using Fault = FakeHardware::Fault;
 
-class Driven : public testing::Test {
+class DeviceDrive : public testing::Test {
 protected:
-    Driven() { EXPECT_TRUE(device.open()); }
+    DeviceDrive() { EXPECT_TRUE(device.open()); }
     bool turn() {
         now += ms;
         return device.turn();
@@ -60,7 +60,7 @@ protected:
     bool reads = false, writes = false;
 };
 
-TEST_F(Driven, ReadsPlacesAndButtonsAndExertsForces) {
+TEST_F(DeviceDrive, ReadsPositionsAndExertsForces) {
     hardware.place = {0.01, 0.02, 0.03};
     hardware.buttons = 2;
     settle();
@@ -71,20 +71,20 @@ TEST_F(Driven, ReadsPlacesAndButtonsAndExertsForces) {
     EXPECT_TRUE(device.health());
 }
 
-TEST_F(Driven, ExertsNothingBeforeItIsAskedTo) {
+TEST_F(DeviceDrive, ForceIsZeroUntilRequested) {
     for (int turns = 0; turns < 5; ++turns) turn();
     EXPECT_GT(hardware.sent, 3) << "zeros go out all the same";
     EXPECT_EQ(hardware.force, glm::dvec3(0));
 }
 
-TEST_F(Driven, ShortensWhatIsLongerThanItsLimit) {
+TEST_F(DeviceDrive, ShortensForceBeyondLimit) {
     settle();
     const glm::dvec3 force = tick({30, 0, -40});
     EXPECT_NEAR(glm::length(force), 10, 1e-12);
     EXPECT_NEAR(force.x / force.z, -0.75, 1e-12);
 }
 
-TEST_F(Driven, ForceRisesWithinItsCeiling) {
+TEST_F(DeviceDrive, ForceRisesWithinItsCeiling) {
     for (int turns = 0; turns < 150; ++turns) {
         const double force = glm::length(tick({300, -400, 0}));
         ASSERT_LE(force, std::min(10.0, 0.1 * turns + 0.1) + 1e-12) << turns;
@@ -92,7 +92,7 @@ TEST_F(Driven, ForceRisesWithinItsCeiling) {
     }
 }
 
-TEST_F(Driven, ForceDoesNotLeapAfterALateTurn) {
+TEST_F(DeviceDrive, LateTurnLimitsForceRise) {
     double before = 0;
     for (int turns = 0; turns < 30; ++turns) before = tick({0, 0, 10}).z;
     ASSERT_GT(before, 2.5);
@@ -104,7 +104,7 @@ TEST_F(Driven, ForceDoesNotLeapAfterALateTurn) {
     EXPECT_EQ(hardware.force, glm::dvec3(0, 0, 10));
 }
 
-TEST_F(Driven, IsLimpAfterASilentCaller) {
+TEST_F(DeviceDrive, UnpowersWhenCallerIsSilent) {
     settle();
     int exerted = 0;
     for (; exerted < 100 && turn() && hardware.force != glm::dvec3(0); ++exerted) {
@@ -113,7 +113,7 @@ TEST_F(Driven, IsLimpAfterASilentCaller) {
     EXPECT_LE(exerted, 50);
 }
 
-TEST_F(Driven, IsLimpAndWithoutAPlaceOrButtonsAfterASilentDevice) {
+TEST_F(DeviceDrive, UnpowersWhenDeviceIsSilent) {
     hardware.buttons = 3;
     settle();
     EXPECT_EQ(device.buttons(), 3U);
@@ -137,7 +137,7 @@ TEST_F(Driven, IsLimpAndWithoutAPlaceOrButtonsAfterASilentDevice) {
     EXPECT_EQ(device.buttons(), 3U);
 }
 
-TEST_F(Driven, AForceThatAnswersAPlaceBeforeAGapDoesNotComeBack) {
+TEST_F(DeviceDrive, DropsForceFromBeforeGap) {
     settle();
     hardware.fault = Fault::leap;
     EXPECT_EQ(hardware.force, glm::dvec3(0, 0, 1));
@@ -158,7 +158,7 @@ TEST_F(Driven, AForceThatAnswersAPlaceBeforeAGapDoesNotComeBack) {
     EXPECT_EQ(before, 1);
 }
 
-TEST_F(Driven, AFingerThatTheDeviceKnowsNoPlaceOfIsLimpAtOnce) {
+TEST_F(DeviceDrive, UnpowersFingerWithoutPosition) {
     settle();
     hardware.fault = Fault::no_place;
     tick({0, 0, 1});
@@ -167,7 +167,7 @@ TEST_F(Driven, AFingerThatTheDeviceKnowsNoPlaceOfIsLimpAtOnce) {
     EXPECT_TRUE(device.health());
 }
 
-TEST_F(Driven, OpenedAgainItKnowsNoPlaceOrButtonOfBefore) {
+TEST_F(DeviceDrive, ReopeningForgetsPositionAndButtons) {
     hardware.buttons = 1;
     hardware.over = true;
     settle();
@@ -184,7 +184,7 @@ TEST_F(Driven, OpenedAgainItKnowsNoPlaceOrButtonOfBefore) {
     }
 }
 
-TEST_F(Driven, OpenedAgainItExertsNothingThatWasAskedForBefore) {
+TEST_F(DeviceDrive, ReopeningForgetsRequestedForce) {
     settle();
     device.close();
     hardware.kept_ns = 3 * ms;  // what it tells first had come before that
@@ -196,7 +196,7 @@ TEST_F(Driven, OpenedAgainItExertsNothingThatWasAskedForBefore) {
 }
 
 /// Hardware that speaks by itself: a force may be asked for before the first word to it.
-TEST_F(Driven, OpenedAgainItsForceRisesFromNothing) {
+TEST_F(DeviceDrive, ReopeningRampsForceFromZero) {
     hardware.descriptor = eventfd(1, EFD_CLOEXEC);  // readable always
     settle();
     device.close();
@@ -212,7 +212,7 @@ TEST_F(Driven, OpenedAgainItsForceRisesFromNothing) {
 }
 
 /// The caller lives for 50 ms after its last word; the place is found in these.
-TEST_F(Driven, AForceThatWasAskedForBeforeItsFingerWasFoundNeverGoesOut) {
+TEST_F(DeviceDrive, DropsForceRequestedWithoutPosition) {
     hardware.fault = Fault::silent;
     for (int turns = 0; turns < 5; ++turns) tick({0, 0, 1});
     hardware.fault = Fault::none;
@@ -230,7 +230,7 @@ TEST_F(Driven, AForceThatWasAskedForBeforeItsFingerWasFoundNeverGoesOut) {
     }
 }
 
-TEST_F(Driven, AForceThatIsNotFiniteLeavesItLimpUntilItIsOpenedAgain) {
+TEST_F(DeviceDrive, InvalidForceUnpowersUntilReopened) {
     settle();
     EXPECT_EQ(tick({0, no_number, 0}), glm::dvec3(0));
     EXPECT_FALSE(writes);
@@ -241,7 +241,7 @@ TEST_F(Driven, AForceThatIsNotFiniteLeavesItLimpUntilItIsOpenedAgain) {
     settle();
 }
 
-TEST_F(Driven, AnUnpluggedDeviceIsLookedForAndComesBackWithoutForce) {
+TEST_F(DeviceDrive, UnpluggedDeviceReturnsWithoutForce) {
     settle();
     hardware.plugged = false;
     EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0));
@@ -261,7 +261,7 @@ TEST_F(Driven, AnUnpluggedDeviceIsLookedForAndComesBackWithoutForce) {
     EXPECT_EQ(device.facts().losses, 1);
 }
 
-TEST_F(Driven, ADeviceThatComesBackElsewhereIsBelievedAtOnce) {
+TEST_F(DeviceDrive, AcceptsNewPositionAfterReconnect) {
     settle();
     hardware.plugged = false;
     tick({0, 0, 1});
@@ -276,7 +276,7 @@ TEST_F(Driven, ADeviceThatComesBackElsewhereIsBelievedAtOnce) {
     settle();
 }
 
-TEST_F(Driven, WhatKeepsItFromComingBackIsSaid) {
+TEST_F(DeviceDrive, ReportsWhyReconnectFails) {
     settle();
     hardware.plugged = false;
     tick({0, 0, 1});
@@ -292,7 +292,7 @@ TEST_F(Driven, WhatKeepsItFromComingBackIsSaid) {
     EXPECT_EQ(device.health().error().message, "fake: gone; it did not come back: fake: may not be opened");
 }
 
-TEST_F(Driven, OneThatDoesNotComeBackIsGivenUp) {
+TEST_F(DeviceDrive, GivesUpLostDevice) {
     settle();
     hardware.plugged = false;
     int turns = 0;
@@ -308,14 +308,14 @@ TEST_F(Driven, OneThatDoesNotComeBackIsGivenUp) {
     EXPECT_TRUE(reads && writes);
 }
 
-TEST_F(Driven, ADriverThatThrowsHasFailed) {
+TEST_F(DeviceDrive, ReportsDriverException) {
     settle();
     hardware.fault = Fault::throws;
     EXPECT_EQ(tick({0, 0, 1}), glm::dvec3(0));
     EXPECT_EQ(device.health().error().message, "fake: bytes that cannot be");
 }
 
-TEST_F(Driven, ClosingLeavesNoForce) {
+TEST_F(DeviceDrive, ClosingLeavesNoForce) {
     settle();
     device.close();
     EXPECT_EQ(hardware.force, glm::dvec3(0));
@@ -323,7 +323,7 @@ TEST_F(Driven, ClosingLeavesNoForce) {
     EXPECT_FALSE(device.read_positions(std::span(&place, 1)));
 }
 
-TEST_F(Driven, TellsWhatItWaitsFor) {
+TEST_F(DeviceDrive, ForwardsDriverPrompt) {
     hardware.prompt = "pull the grip out, then push it in";
     turn();
     EXPECT_EQ(device.prompt(), hardware.prompt);
@@ -331,7 +331,7 @@ TEST_F(Driven, TellsWhatItWaitsFor) {
 
 /// Faults of every kind at random moments, each for a random time: whatever happens, no force goes out that
 /// answers a place older than promised, and none that was not asked for.
-TEST_F(Driven, TenThousandFaultsAtRandomMoments) {
+TEST_F(DeviceDrive, SurvivesRandomFaults) {
     SCOPED_TRACE("seed " + std::to_string(fault_seed()));
     std::mt19937 random(fault_seed());
     const auto below = [&](unsigned n) { return static_cast<int>(random() % n); };
@@ -416,27 +416,27 @@ std::unique_ptr<HapticDevice> group_of(Devices... devices) {
     return make_device_group(std::move(all));
 }
 
-TEST(DeviceGroup, IsOverOnceAllOfItAre) {
+TEST(DeviceGroup, EndsWithItsLastDevice) {
     const auto told = [](bool over) { return std::make_unique<ToldDevice>("log", over, ""); };
     EXPECT_FALSE(group_of(told(true), told(false))->is_over());
     EXPECT_TRUE(group_of(told(true), told(true))->is_over());
 }
 
-TEST(DeviceGroup, SaysOfEachWhyItNeverToldAPosition) {
+TEST(DeviceGroup, ReportsEachDeviceWithoutPosition) {
     const auto group = group_of(std::make_unique<ToldDevice>("grip", false, "pull it out"),
                                 std::make_unique<ToldDevice>("pen", false, ""));
     EXPECT_EQ(group->why_no_position(),
               "the grip never told a position: pull it out; the pen never told a position");
 }
 
-TEST(DeviceGroup, NamesAFirstButtonThatAllOfThemHave) {
+TEST(DeviceGroup, NamesSharedFirstButton) {
     const auto told = [](const char* button) { return std::make_unique<ToldDevice>("a", false, "", button); };
     EXPECT_STREQ(group_of(told("bit 0"), told("bit 0"))->capabilities().first_button, "bit 0");
     EXPECT_STREQ(group_of(told("bit 0"), told("the red one"))->capabilities().first_button,
                  "the device's first button");
 }
 
-/// What it was told, and whether it works, outlive it.
+/// Settings and record of a HardwareDevice; they outlive it.
 struct Hardware {
     DeviceLimits limits{10, 1000};
     DeviceCapabilities can{};
@@ -491,7 +491,7 @@ protected:
     const std::array<glm::dvec3, 3> push{glm::dvec3(1), glm::dvec3(2), glm::dvec3(3)};
 };
 
-TEST_F(GroupOfTwo, FingersOfTheFirstComeFirst) {
+TEST_F(GroupOfTwo, NumbersFingersInDeviceOrder) {
     EXPECT_EQ(group->fingers(), 3);
     ASSERT_TRUE(group->read_positions(places));
     EXPECT_EQ(places[0].x, 0);
@@ -502,7 +502,7 @@ TEST_F(GroupOfTwo, FingersOfTheFirstComeFirst) {
     EXPECT_EQ(second.forces, (std::vector{push[1], push[2]}));
 }
 
-TEST_F(GroupOfTwo, ExertsWhatTheWeakestOfThemCan) {
+TEST_F(GroupOfTwo, WeakestDeviceSetsLimits) {
     for (const bool is_turned : {false, true}) {
         first.limits = {10, 1000};
         second.limits = {4, 3000};
@@ -512,14 +512,14 @@ TEST_F(GroupOfTwo, ExertsWhatTheWeakestOfThemCan) {
     }
 }
 
-TEST_F(GroupOfTwo, HasWhatAllOfThemHave) {
+TEST_F(GroupOfTwo, CombinesCapabilities) {
     first.can = {
         .axes_driven = 0, .reach = {0.1, 0.3, 0.1}, .rate_hz = 500, .buttons = 1, .own_watchdog = true};
     second.can = {.axes_driven = 3, .reach = {0.2, 0.2, 0.2}, .rate_hz = 1000, .buttons = 4};
     for (const bool is_turned : {false, true}) {
         if (is_turned) std::swap(first.can, second.can);
         const DeviceCapabilities can = group->capabilities();
-        EXPECT_EQ(can.axes_driven, 3) << "somebody may feel something";
+        EXPECT_EQ(can.axes_driven, 3) << "one of them exerts forces";
         EXPECT_EQ(can.reach, glm::dvec3(0.1, 0.2, 0.1));
         EXPECT_EQ(can.rate_hz, 500);
         EXPECT_EQ(can.buttons, 4);
@@ -527,7 +527,7 @@ TEST_F(GroupOfTwo, HasWhatAllOfThemHave) {
     }
 }
 
-TEST_F(GroupOfTwo, NoneIsLeftWithAForceBecauseAnotherHasFailed) {
+TEST_F(GroupOfTwo, ZeroForceReachesHealthyDevices) {
     ASSERT_TRUE(group->write_forces(push));
     for (Hardware* const broken : {&first, &second}) {
         Hardware& other = broken == &first ? second : first;
@@ -542,14 +542,14 @@ TEST_F(GroupOfTwo, NoneIsLeftWithAForceBecauseAnotherHasFailed) {
     }
 }
 
-TEST_F(GroupOfTwo, PlacesOfOneAreReadThoughAnotherHasFailed) {
+TEST_F(GroupOfTwo, ReadsHealthyDeviceBesideFailed) {
     first.works = false;
     EXPECT_FALSE(group->read_positions(places));
     EXPECT_EQ(places[1].x, 10);
     EXPECT_EQ(places[2].x, 11);
 }
 
-TEST_F(GroupOfTwo, ButtonsAreThoseOfAllAndItsAgeIsThatOfTheOldest) {
+TEST_F(GroupOfTwo, CombinesButtonsAndAge) {
     first.pressed = 1;
     second.pressed = 2;
     EXPECT_EQ(group->buttons(), 3U);
@@ -560,7 +560,7 @@ TEST_F(GroupOfTwo, ButtonsAreThoseOfAllAndItsAgeIsThatOfTheOldest) {
     EXPECT_EQ(group->age_s(), 0.5);
 }
 
-TEST_F(GroupOfTwo, IsOpenAsAWholeOrNotAtAll) {
+TEST_F(GroupOfTwo, OpensAllOrNone) {
     ASSERT_TRUE(group->open());
     EXPECT_TRUE(first.open && second.open);
     group->close();
@@ -609,8 +609,8 @@ protected:
         goes_on = device->turn();
         return hardware.force.z;
     }
-    /// Where the machine stands still, it begins anew. What the watchdog said of earlier standstills is
-    /// thrown away: the last tick shows that there was none since.
+    /// Ticks until the force has risen; starts over when the machine stalls. The watchdog's packets about
+    /// earlier stalls are thrown away: the last tick shows that there was none since.
     void rise() {
         char word = 0;
         double force = 0;
@@ -630,7 +630,7 @@ protected:
     bool reads = false, goes_on = true;
 };
 
-TEST_F(GuardedDevice, ItsForceBeginsAnewAfterItsThreadStoodStill) {
+TEST_F(GuardedDevice, RampsForceAfterThreadStall) {
     rise();
     char word = 0;
     ASSERT_EQ(recv(line[0], &word, 1, 0), 1) << "until it was made unpowered";
@@ -640,8 +640,8 @@ TEST_F(GuardedDevice, ItsForceBeginsAnewAfterItsThreadStoodStill) {
     rise();
 }
 
-/// What it answered to the process that made it unpowered.
-TEST_F(GuardedDevice, WhatCameWhileItsThreadStoodStillIsForgotten) {
+/// The input: answers to the process that made the device unpowered.
+TEST_F(GuardedDevice, DiscardsInputFromThreadStall) {
     rise();
     const std::int64_t before = hardware.forgotten;
     char word = 0;
@@ -650,8 +650,8 @@ TEST_F(GuardedDevice, WhatCameWhileItsThreadStoodStillIsForgotten) {
     EXPECT_EQ(hardware.forgotten, before + 1);
 }
 
-/// As a thread that is stopped: most of the time it waits.
-TEST_F(GuardedDevice, WhatComesInACallThatStoodStillIsNoPlace) {
+/// A stopped thread usually stops in a call that waits.
+TEST_F(GuardedDevice, DropsSampleOfStalledCall) {
     rise();
     const std::int64_t before = device->facts().samples;
     char word = 0;
@@ -664,7 +664,7 @@ TEST_F(GuardedDevice, WhatComesInACallThatStoodStillIsNoPlace) {
     EXPECT_GT(device->facts().samples, before);
 }
 
-TEST_F(GuardedDevice, HasNoForceBesideNobody) {
+TEST_F(GuardedDevice, ForceIsZeroWithoutWatchdog) {
     rise();
     kill(watchdog->process(), SIGKILL);
     siginfo_t ended{};
@@ -684,7 +684,7 @@ TEST_F(GuardedDevice, HasNoForceBesideNobody) {
     EXPECT_EQ(hardware.force, glm::dvec3(0));
 }
 
-TEST_F(GuardedDevice, HasNoForceBesideOneThatStandsStill) {
+TEST_F(GuardedDevice, StalledWatchdogZeroesForce) {
     rise();
     kill(watchdog->process(), SIGSTOP);
     for (int ticks = 0; ticks < 10'000 && goes_on; ++ticks) {
@@ -701,8 +701,8 @@ TEST_F(GuardedDevice, HasNoForceBesideOneThatStandsStill) {
         << device->health().error().message;
 }
 
-/// What hangs in a call of a driver, as one that loads firmware, may do so where no force is out.
-TEST_F(GuardedDevice, NoBeatIsExpectedBeforeTheFirstTurn) {
+/// A driver's call may hang while no force is out, for example while it loads firmware.
+TEST_F(GuardedDevice, HeartbeatStartsWithFirstTurn) {
     usleep(50'000);
     EXPECT_EQ(recv(line[0], nullptr, 0, MSG_DONTWAIT | MSG_PEEK), -1);
     rise();
@@ -729,7 +729,7 @@ protected:
     SimulatedDevice device{2, {.max_force = 8, .max_stiffness = 2000}};
 };
 
-TEST_F(SafetyContract, ExertsWhatIsWrittenAndReportsWhereItsFingersAre) {
+TEST_F(SafetyContract, ExertsForcesAndReportsPositions) {
     ASSERT_TRUE(device.open());
     EXPECT_TRUE(unpowered());
     ASSERT_TRUE(push());
@@ -752,12 +752,12 @@ TEST_F(SafetyContract, ClosingLeavesZeroForce) {
     EXPECT_TRUE(unpowered());
 }
 
-TEST_F(SafetyContract, NothingIsExertedBeforeOpening) {
+TEST_F(SafetyContract, ForceIsZeroBeforeOpening) {
     EXPECT_FALSE(push());
     EXPECT_TRUE(unpowered());
 }
 
-TEST_F(SafetyContract, FailingLeavesZeroForceAndAReasonUntilOpenedAgain) {
+TEST_F(SafetyContract, FailureZeroesForceUntilReopened) {
     ASSERT_TRUE(device.open());
     ASSERT_TRUE(push());
     device.fail("was unplugged");
@@ -789,7 +789,7 @@ TEST_F(SafetyContract, SilenceLeavesZeroForce) {
     EXPECT_FALSE(unpowered());
 }
 
-TEST_F(SafetyContract, TooLargeAForceIsShortenedAlongItsDirection) {
+TEST_F(SafetyContract, ShortensLongForceKeepingDirection) {
     ASSERT_TRUE(device.open());
     const Forces forces{glm::dvec3(0, 30, -40), glm::dvec3(0, 0, 8)};
     ASSERT_TRUE(device.write_forces(forces));
@@ -797,7 +797,7 @@ TEST_F(SafetyContract, TooLargeAForceIsShortenedAlongItsDirection) {
     EXPECT_EQ(device.exerted()[1], glm::dvec3(0, 0, 8));
 }
 
-TEST_F(SafetyContract, AForceThatIsNotFiniteLeavesZeroForceOnEveryFinger) {
+TEST_F(SafetyContract, InvalidForceUnpowersEveryFinger) {
     for (const double bad :
          {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e300}) {
         ASSERT_TRUE(device.open());
@@ -809,7 +809,7 @@ TEST_F(SafetyContract, AForceThatIsNotFiniteLeavesZeroForceOnEveryFinger) {
     }
 }
 
-TEST(SimulatedHandles, YieldToTheForceAsFarAsTheHandsSpringLets) {
+TEST(SimulatedHandles, YieldAgainstHandSpring) {
     HandleDynamics handle;
     handle.hand_stiffness = 250;
     SimulatedDevice device(2, {.max_force = 8, .max_stiffness = 2000}, handle);
@@ -829,7 +829,7 @@ TEST(SimulatedHandles, YieldToTheForceAsFarAsTheHandsSpringLets) {
     EXPECT_LT(glm::length(positions[1] - glm::dvec3(0, 0.03, 0)), 1e-6);
 }
 
-TEST(SimulatedHandles, AreWhatTheDescriptionSays) {
+TEST(SimulatedHandles, FollowTheirDescription) {
     const auto device =
         make_simulated_device("simulated:mass=0.2,damping=0,hand=0.1,quantum=50,force=8,stiffness=2", 1);
     ASSERT_TRUE(device);
@@ -851,7 +851,7 @@ TEST(SimulatedHandles, AreWhatTheDescriptionSays) {
     EXPECT_NEAR(std::remainder(place[0].x, 50e-6), 0, 1e-12);
 }
 
-TEST(SimulatedHandles, AreLimpOnceTheDeviceIsUnplugged) {
+TEST(SimulatedHandles, UnpowerWhenUnplugged) {
     const auto device = make_simulated_device("simulated:unplug=0.03", 1);
     ASSERT_TRUE(device);
     ASSERT_TRUE((*device)->open());
@@ -865,7 +865,7 @@ TEST(SimulatedHandles, AreLimpOnceTheDeviceIsUnplugged) {
     EXPECT_EQ((*device)->health().error().message, "simulated device was unplugged; open it again");
 }
 
-TEST(SimulatedHandles, DescriptionsThatMeanNothingAreRefused) {
+TEST(SimulatedHandles, RejectInvalidDescriptions) {
     const auto refusal = [](const char* words) { return make_simulated_device(words, 1).error().message; };
     EXPECT_EQ(refusal("falcon"), "unknown device 'falcon'; the one there is is simulated");
     EXPECT_EQ(refusal("simulated:mass=0"),

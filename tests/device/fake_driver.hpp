@@ -18,8 +18,8 @@
 
 namespace touchable::test {
 
-/// Hardware that does what a test says. The test and whoever drives it take turns, or only one of them is at
-/// work while the other looks.
+/// Hardware that does what a test says. The test and the driver's caller take turns, or only one of them
+/// is at work while the other looks.
 class FakeHardware {
 public:
     enum class Fault {
@@ -53,7 +53,7 @@ public:
     Error gone() const { return {ErrorKind::device, "fake: gone"}; }
 };
 
-/// One finger on it.
+/// A driver of that hardware, with one finger.
 class FakeDriver final : public DeviceDriver {
 public:
     explicit FakeDriver(FakeHardware& hardware) : hardware_(hardware) {}
@@ -115,7 +115,7 @@ private:
     bool told_ = false;  // a sound place since it was connected
 };
 
-/// A device on a bench with nobody's hand on it, in virtual time: its force acts so many ticks after it was
+/// A device on a bench with no hand on it, in virtual time: its force acts so many ticks after it was
 /// written, and everything that went out is looked at.
 class BenchDevice final : public HapticDevice {
 public:

@@ -29,13 +29,13 @@ inline std::vector<std::byte> bytes_of(const std::string& text) {
 /// driver. It is what stays when the cable is pulled and put in again. Any thread's.
 class FakeFalcon {
 public:
-    // What it is.
+    // Its state.
     bool plugged = true, has_firmware = true, homed = true;
     std::array<int, 3> counts{};
     unsigned buttons = 0;
     std::string image;  // that makes it run
 
-    // What goes wrong. Each is asked for the next answer that it is about to send.
+    // Its faults. Each is asked for the next answer that it is about to send.
     std::function<std::string(const std::string&)>
         spoil;  // an answer of running firmware -> what comes of it
     std::function<std::string(const std::string&)> spoil_echo;  // while firmware is loaded
@@ -46,7 +46,7 @@ public:
     std::size_t empty_reads = 0;  // before an answer comes
     bool silent = false, babbles = false;
 
-    // What it has seen.
+    // Its record of a session.
     std::vector<FtdiCommand> commands;
     std::string written;  // since it was made
     std::string loaded;
@@ -92,7 +92,7 @@ public:
         if (divisor_ == 2 && has_firmware) run(text);
         return true;
     }
-    /// Of what comes, with the two bytes before it.
+    /// The next packet to the driver, with the two bytes before its text.
     std::optional<std::vector<std::byte>> next_packet() {
         const std::lock_guard lock(mutex);
         if (!plugged) return std::nullopt;
@@ -166,7 +166,7 @@ private:
     std::string begun_, held_;
 };
 
-/// One's hold of it.
+/// An open port to it.
 class FakeFalconPort final : public UsbPort {
 public:
     explicit FakeFalconPort(std::shared_ptr<FakeFalcon> falcon) : falcon_(std::move(falcon)) {}

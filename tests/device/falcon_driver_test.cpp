@@ -61,7 +61,7 @@ protected:
         const auto connected = driver.connect();
         ASSERT_TRUE(connected) << connected.error().message;
     }
-    /// As the device's thread does it.
+    /// A turn of the device's thread.
     Result<bool> turn(FalconDriver& driver, const glm::dvec3& newtons = glm::dvec3(0.0)) {
         if (auto sent = driver.send(std::span(&newtons, 1)); !sent) return sent.error();
         return driver.receive(sample, patience);
@@ -83,7 +83,7 @@ protected:
     microseconds patience{1500};
 };
 
-TEST_F(Falcon, OneThatRunsIsOnlyAsked) {
+TEST_F(Falcon, RunningFirmwareIsNotReloaded) {
     auto driver = driver_for();
     connect(*driver);
     EXPECT_EQ(falcon->commands, (std::vector<FtdiCommand>{{9, 1}, {3, 2}, {0, 1}, {0, 2}}));
@@ -91,7 +91,7 @@ TEST_F(Falcon, OneThatRunsIsOnlyAsked) {
     EXPECT_EQ(falcon->loaded, "");
 }
 
-TEST_F(Falcon, WithoutFirmwareItSaysHowToGiveIt) {
+TEST_F(Falcon, MissingFirmwareHintsAtOption) {
     falcon->has_firmware = false;
     const auto connected = driver_for()->connect();
     ASSERT_FALSE(connected);
@@ -100,7 +100,7 @@ TEST_F(Falcon, WithoutFirmwareItSaysHowToGiveIt) {
     EXPECT_EQ(connected.error().hints.at(0).value, "falcon:firmware=FILE");
 }
 
-TEST_F(Falcon, FirmwareIsLoadedAsItsOwnersDescribeIt) {
+TEST_F(Falcon, LoadsFirmwareAsDocumented) {
     falcon->has_firmware = false;
     falcon->image = some_image(7318);
     auto driver = driver_for(falcon->image);
@@ -120,7 +120,7 @@ TEST_F(Falcon, FirmwareIsLoadedAsItsOwnersDescribeIt) {
     EXPECT_EQ(loading.substr(0, 4 + 7318), std::string("\x0a\x43\x0d") + "A" + falcon->image);
 }
 
-TEST_F(Falcon, GreetingsThatItDoesNotHearAndAnswersInPiecesAreBorne) {
+TEST_F(Falcon, ToleratesLostGreetingsAndFragments) {
     in_vain = true;
     falcon->has_firmware = false;
     falcon->image = some_image(2000);
@@ -131,7 +131,7 @@ TEST_F(Falcon, GreetingsThatItDoesNotHearAndAnswersInPiecesAreBorne) {
     EXPECT_EQ(falcon->loaded, falcon->image);
 }
 
-TEST_F(Falcon, ABlockThatComesBackChangedIsLoadedAnewFromTheStart) {
+TEST_F(Falcon, CorruptEchoRestartsFirmwareLoading) {
     falcon->has_firmware = false;
     falcon->image = some_image(2000);
     int echoes = 0;
@@ -145,7 +145,7 @@ TEST_F(Falcon, ABlockThatComesBackChangedIsLoadedAnewFromTheStart) {
     EXPECT_EQ(echoes, 5 + 1 + 33);  // 'A' and three blocks, the spoilt one; then all of them
 }
 
-TEST_F(Falcon, LoadingThatNeverSucceedsSaysWhere) {
+TEST_F(Falcon, ReportsWhereLoadingFails) {
     in_vain = true;
     falcon->has_firmware = false;
     falcon->image = some_image(2000);
@@ -168,7 +168,7 @@ TEST_F(Falcon, LoadingThatNeverSucceedsSaysWhere) {
     EXPECT_NE(message.find("does not answer; pull its power plug"), std::string::npos) << message;
 }
 
-TEST_F(Falcon, AFileThatIsNotItsFirmwareIsNotTakenForIt) {
+TEST_F(Falcon, RejectsForeignFirmwareFile) {
     in_vain = true;
     falcon->has_firmware = false;
     falcon->image = some_image(2000);
@@ -178,7 +178,7 @@ TEST_F(Falcon, AFileThatIsNotItsFirmwareIsNotTakenForIt) {
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
 }
 
-TEST_F(Falcon, LoadingIsGivenUpInTheMiddle) {
+TEST_F(Falcon, LoadingCanBeCancelled) {
     falcon->has_firmware = false;
     falcon->image = some_image(8000);
     std::stop_source given_up;
@@ -193,7 +193,7 @@ TEST_F(Falcon, LoadingIsGivenUpInTheMiddle) {
     EXPECT_LT(falcon->blocks.size(), 25U);
 }
 
-TEST_F(Falcon, BeforeItIsHomedThereIsNeitherPlaceNorForce) {
+TEST_F(Falcon, HomingPrecedesPositionAndForce) {
     falcon->homed = false;
     auto driver = driver_for();
     connect(*driver);
@@ -223,7 +223,7 @@ TEST_F(Falcon, BeforeItIsHomedThereIsNeitherPlaceNorForce) {
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
 }
 
-TEST_F(Falcon, PlacesButtonsAndForcesAreItsOwn) {
+TEST_F(Falcon, ReadsPositionAndExertsForce) {
     auto driver = driver_for();
     connect(*driver);
     home(*driver);
@@ -241,7 +241,7 @@ TEST_F(Falcon, PlacesButtonsAndForcesAreItsOwn) {
     for (const int word : falcon->motors) EXPECT_NEAR(word, -2019, 3);  // the middle is not at whole counts
 }
 
-TEST_F(Falcon, EncodersThatFitNoPlaceGiveNone) {
+TEST_F(Falcon, ImpossibleEncodersGiveNoPosition) {
     auto driver = driver_for();
     connect(*driver);
     home(*driver);
@@ -259,7 +259,7 @@ TEST_F(Falcon, EncodersThatFitNoPlaceGiveNone) {
     EXPECT_EQ(driver->prompt(), "");
 }
 
-TEST_F(Falcon, AnAnswerThatComesLateLeavesNoLag) {
+TEST_F(Falcon, LateAnswerLeavesNoLag) {
     auto driver = driver_for();
     connect(*driver);
     home(*driver);
@@ -281,7 +281,7 @@ TEST_F(Falcon, AnAnswerThatComesLateLeavesNoLag) {
 
 // Answers that are cut, damaged, repeated, late, in pieces or lost, at random: a place is the grip's of the
 // last turns or there is none, and never is there a force without a place.
-TEST_F(Falcon, ATurnWithFaultsGivesNoPlaceThatIsNotTheGrips) {
+TEST_F(Falcon, FaultsGiveNoWrongPosition) {
     constexpr unsigned seed = 20;
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -340,7 +340,7 @@ TEST_F(Falcon, ATurnWithFaultsGivesNoPlaceThatIsNotTheGrips) {
     EXPECT_EQ(falcon->motors, (std::array<int, 3>{}));
 }
 
-TEST_F(Falcon, ItsLastBytesAreZeroForce) {
+TEST_F(Falcon, DisconnectSendsZeroForce) {
     auto driver = driver_for();
     connect(*driver);
     home(*driver);
@@ -355,7 +355,7 @@ TEST_F(Falcon, ItsLastBytesAreZeroForce) {
     EXPECT_EQ(falcon->written.size(), written);
 }
 
-TEST_F(Falcon, UnpluggedInTheMiddleIsAnErrorAndNoMore) {
+TEST_F(Falcon, UnpluggingIsRecoverableError) {
     auto driver = driver_for();
     connect(*driver);
     home(*driver);
@@ -371,7 +371,7 @@ TEST_F(Falcon, UnpluggedInTheMiddleIsAnErrorAndNoMore) {
     home(*driver);
 }
 
-TEST_F(Falcon, OneThatDoesNotAnswerForAQuarterOfASecondIsGone) {
+TEST_F(Falcon, DropsSilentDevice) {
     std::int64_t now = 1;
     auto driver = driver_for({}, [&now] { return now; });
     connect(*driver);
@@ -388,7 +388,7 @@ TEST_F(Falcon, OneThatDoesNotAnswerForAQuarterOfASecondIsGone) {
     EXPECT_NE(gone.error().message.find("does not answer any more"), std::string::npos);
 }
 
-TEST_F(Falcon, OneThatBabblesHoldsNobodyAndIsTakenForGone) {
+TEST_F(Falcon, DropsDeviceThatSendsGarbage) {
     auto driver = driver_for();
     connect(*driver);
     home(*driver);
@@ -400,7 +400,7 @@ TEST_F(Falcon, OneThatBabblesHoldsNobodyAndIsTakenForGone) {
     EXPECT_EQ(falcon->last_bytes(32), unpowered);
 }
 
-TEST_F(Falcon, OneThatLostItsPowerIsLoadedAgain) {
+TEST_F(Falcon, ReloadsFirmwareAfterPowerLoss) {
     falcon->image = some_image(1500);
     auto driver = driver_for(falcon->image);
     connect(*driver);
@@ -417,7 +417,7 @@ TEST_F(Falcon, OneThatLostItsPowerIsLoadedAgain) {
     EXPECT_NE(driver->prompt(), "");
 }
 
-TEST_F(Falcon, TheWatchdogIsGivenTheSameBytes) {
+TEST_F(Falcon, GivesWatchdogZeroForcePacket) {
     auto driver = driver_for();
     EXPECT_FALSE(driver->zero_force_packet());
     connect(*driver);
@@ -430,7 +430,7 @@ TEST_F(Falcon, TheWatchdogIsGivenTheSameBytes) {
     EXPECT_FALSE(driver->zero_force_packet());
 }
 
-TEST_F(Falcon, ItSaysWhatItIs) {
+TEST_F(Falcon, DescribesItself) {
     const auto driver = driver_for();
     EXPECT_EQ(driver->name(), "Novint Falcon");
     EXPECT_EQ(driver->limits().max_force, 8);
@@ -446,7 +446,7 @@ void wait_for(Condition&& condition) {
     while (!condition()) std::this_thread::yield();
 }
 
-TEST_F(Falcon, AsADeviceItIsLimpOnceNobodyWritesAndWhenItIsClosed) {
+TEST_F(Falcon, UnpowersOnSilenceAndClose) {
     move_to(glm::dvec3(0.0));
     DrivenDevice device(driver_for());
     ASSERT_TRUE(device.open());
@@ -479,7 +479,7 @@ Error refusal_of(const std::string& keys) {
     return settings ? Error{ErrorKind::internal, "taken"} : settings.error();
 }
 
-TEST(FalconKeys, AreForceStiffnessAndFirmware) {
+TEST(FalconKeys, ReadForceStiffnessAndFirmware) {
     TemporaryFolder folder;
     write_file(folder / "image.bin", std::string(7318, 'x'));
     const auto plain = read_falcon_settings("");
@@ -495,7 +495,7 @@ TEST(FalconKeys, AreForceStiffnessAndFirmware) {
     EXPECT_EQ(set->firmware, std::vector<std::byte>(7318, std::byte{'x'}));
 }
 
-TEST(FalconKeys, WhatIsNoneIsRefusedWithTheRightOnes) {
+TEST(FalconKeys, RejectInvalidKeys) {
     for (const char* wrong :
          {"force=0", "force=11", "force=nan", "stiffness=-1", "colour=red", "firmware="}) {
         const Error error = refusal_of(wrong);
@@ -504,7 +504,7 @@ TEST(FalconKeys, WhatIsNoneIsRefusedWithTheRightOnes) {
     }
 }
 
-TEST(FalconKeys, AFileThatCannotBeFirmwareIsBadInput) {
+TEST(FalconKeys, RejectUnusableFirmwareFile) {
     TemporaryFolder folder;
     write_file(folder / "empty", "");
     write_file(folder / "large", std::string(100000, 'x'));
@@ -517,7 +517,7 @@ TEST(FalconKeys, AFileThatCannotBeFirmwareIsBadInput) {
               std::string::npos);
 }
 
-class Plugged : public ::testing::Test {
+class UsbDiscovery : public ::testing::Test {
 protected:
     void plug(const std::string& name, const std::string& vendor, const std::string& product,
               const std::string& bus, const std::string& number) {
@@ -531,7 +531,7 @@ protected:
     UsbFolders folders{folder / "devices", folder / "nodes"};
 };
 
-TEST_F(Plugged, TheFirstOfItsKindIsFound) {
+TEST_F(UsbDiscovery, FindsFirstMatchingDevice) {
     EXPECT_EQ(find_usb_device("0403", "cb48", folders), fs::path());
     plug("usb1", "1d6b", "0002", "1", "1");
     plug("1-2", "0403", "6001", "1", "3");
@@ -543,7 +543,7 @@ TEST_F(Plugged, TheFirstOfItsKindIsFound) {
     EXPECT_EQ(find_usb_device("0403", "cb48", folders), folders.nodes / "001" / "012");
 }
 
-TEST_F(Plugged, WhatIsMissingIsSaidInOneLine) {
+TEST_F(UsbDiscovery, ExplainsEachOpenFailure) {
     const auto absent = open_falcon(folders);
     ASSERT_FALSE(absent);
     EXPECT_EQ(absent.error().kind, ErrorKind::device);
@@ -632,7 +632,7 @@ private:
         }
         Result<std::size_t> read(std::span<std::byte> room, std::chrono::microseconds patience) override {
             if (to_.line.is_cut()) return gone();
-            // The converter has a packet for whoever waits a millisecond, be it empty.
+            // The converter sends a packet after a millisecond, be it empty.
             const auto came = to_.line.next(std::min(patience, std::chrono::microseconds(1000)));
             std::fill_n(room.begin(), 2, std::byte{0x60});
             if (!came) return 2;
@@ -651,7 +651,7 @@ private:
 };
 
 /// A place is answered a millisecond after it was asked for, and the grip goes on moving.
-class SpokenForFalcon : public ::testing::Test {
+class SharedFalcon : public ::testing::Test {
 protected:
     void SetUp() override {
         falcon.time.on_tick = [this] { falcon.live(static_cast<double>(falcon.time.now_ns()) * 7.5e-9); };
@@ -660,7 +660,7 @@ protected:
         for (int turns = 0; turns < 20; ++turns) turn();
         ASSERT_EQ(driver->prompt(), "");
     }
-    /// How far the place that a turn tells is from where the grip was when it was asked for, metres.
+    /// The distance of the place that a turn tells from the grip's place at the request, metres.
     double turn() {
         const glm::dvec3 none(0), asked = falcon.place();
         EXPECT_TRUE(driver->send(std::span(&none, 1)));
@@ -673,7 +673,7 @@ protected:
     const std::unique_ptr<DeviceDriver> driver = falcon.driver();
 };
 
-TEST_F(SpokenForFalcon, AnswersThatAnotherProcessAskedForShiftNothing) {
+TEST_F(SharedFalcon, IgnoresAnswersToOtherProcess) {
     constexpr double encoder_step = 1e-4, of_a_tick = 0.02 * 7.5e-3;
     static_assert(of_a_tick > encoder_step);
     for (const bool goes_on_as_it_speaks : {false, true}) {
@@ -690,19 +690,19 @@ TEST_F(SpokenForFalcon, AnswersThatAnotherProcessAskedForShiftNothing) {
     }
 }
 
-TEST_F(SpokenForFalcon, TheTimeInWhichTheProgramStoodStillIsNotItsSilence) {
+TEST_F(SharedFalcon, ProgramStallIsNotSilence) {
     falcon.time.pass(1000 * VirtualTime::ms);
     ASSERT_TRUE(driver->forget_what_came());
     DeviceSample sample;
     EXPECT_TRUE(driver->receive(sample, std::chrono::microseconds(0)));
 }
 
-TEST(FalconFaults, AtRandomMoments) {
+TEST(FalconFaults, NeverCauseUnsafeForce) {
     FaultyFalcon falcon;
     run_fault_sessions(falcon);
 }
 
-TEST(FalconFaults, ForceAfterSilence) {
+TEST(FalconFaults, ForceReturnsAfterShortSilence) {
     FaultyFalcon falcon;
     expect_force_after_silence(falcon);
 }

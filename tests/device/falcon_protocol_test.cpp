@@ -34,7 +34,7 @@ std::string with_state(const std::string& counts, int state) {
     return "<" + counts + static_cast<char>('A' + state) + "A>";
 }
 
-TEST(FalconProtocol, WordsAreFourLettersLowestFirst) {
+TEST(FalconProtocol, EncodesWordsLowestLetterFirst) {
     // B: the homing bit alone.
     EXPECT_EQ(sent({}), "<AAAAAAAAAAAABA>");
     EXPECT_EQ(sent({{1, 256, -1}, FalconLamp::none}), "<BAAAAABAPPPPBA>");
@@ -45,7 +45,7 @@ TEST(FalconProtocol, WordsAreFourLettersLowestFirst) {
 }
 
 // JFKP, 0xFA59, is the example of the public description.
-TEST(FalconProtocol, CountsAreReadWithTheirSign) {
+TEST(FalconProtocol, DecodesSignedCounts) {
     FalconReader reader;
     const auto report = read(reader, "<JFKPAAAIPPPHAA>");
     ASSERT_TRUE(report);
@@ -55,7 +55,7 @@ TEST(FalconProtocol, CountsAreReadWithTheirSign) {
     EXPECT_EQ(reader.damaged(), 0);
 }
 
-TEST(FalconProtocol, HomedIsAllThreeEncodersAndButtonsAreTheGripsFour) {
+TEST(FalconProtocol, DecodesHomingAndButtons) {
     for (int state = 0; state < 128; ++state) {
         FalconReader reader;
         const auto report = read(reader, with_state("AAAAAAAAAAAA", state));
@@ -66,7 +66,7 @@ TEST(FalconProtocol, HomedIsAllThreeEncodersAndButtonsAreTheGripsFour) {
 }
 
 // libnifalcon's users saw a packet of 14 bytes as homed and with buttons pressed.
-TEST(FalconProtocol, AShortPacketIsNoReportAndCostsNoOther) {
+TEST(FalconProtocol, SkipsShortPacket) {
     FalconReader reader;
     EXPECT_FALSE(read(reader, "<AAAAAAAAAAAA>"));
     EXPECT_FALSE(read(reader, "<BAAA"));
@@ -76,7 +76,7 @@ TEST(FalconProtocol, AShortPacketIsNoReportAndCostsNoOther) {
     EXPECT_EQ(reader.damaged(), 2);
 }
 
-TEST(FalconProtocol, NoByteThatCannotStandWhereItIsIsBelieved) {
+TEST(FalconProtocol, RejectsPacketWithInvalidByte) {
     for (std::size_t place = 0; place < 16; ++place)
         for (int wrong = 0; wrong < 256; ++wrong) {
             std::string packet = "<DAAAEAAAFAAAAA>";
@@ -95,7 +95,7 @@ TEST(FalconProtocol, NoByteThatCannotStandWhereItIsIsBelieved) {
         }
 }
 
-TEST(FalconProtocol, ReportsAreFoundAmongNoise) {
+TEST(FalconProtocol, FindsReportsInNoise) {
     std::mt19937 random(4);
     FalconReader reader;
     for (int go = 0; go < 2000; ++go) {
@@ -108,7 +108,7 @@ TEST(FalconProtocol, ReportsAreFoundAmongNoise) {
     }
 }
 
-TEST(Ftdi, CommandsAreAsItsChipsTakeThem) {
+TEST(Ftdi, EncodesChipCommands) {
     using std::chrono::milliseconds;
     EXPECT_EQ(FtdiCommand::latency(milliseconds(16)), (FtdiCommand{9, 16}));
     EXPECT_EQ(FtdiCommand::divisor(0x4138), (FtdiCommand{3, 0x4138}));
@@ -144,8 +144,8 @@ glm::dvec3 anywhere(std::mt19937& random, double radius) {
     return place;
 }
 
-// By the published solution, with the tangent of the half angle, in another program.
-TEST(FalconKinematics, ArmsTurnAsThePublishedSolutionSays) {
+// Angles by the published solution, with the tangent of the half angle, in another program.
+TEST(FalconKinematics, AnglesMatchPublishedSolution) {
     const auto expect = [](const glm::dvec3& place, double top, double right, double left) {
         const auto angles = falcon_angles(place);
         ASSERT_TRUE(angles);
@@ -159,7 +159,7 @@ TEST(FalconKinematics, ArmsTurnAsThePublishedSolutionSays) {
     expect({0.02, 0.01, -0.035}, -0.023809424562, -0.244439855973, 0.338930138356);
 }
 
-TEST(FalconKinematics, EveryPlaceWithinReachIsFoundAgain) {
+TEST(FalconKinematics, InvertsEveryReachablePosition) {
     double worst_anew = 0, worst_going_on = 0;
     glm::dvec3 last(0.0);
     for (const glm::dvec3& place : reached_places()) {
@@ -175,7 +175,7 @@ TEST(FalconKinematics, EveryPlaceWithinReachIsFoundAgain) {
     EXPECT_LT(worst_going_on, 1e-9);
 }
 
-TEST(FalconKinematics, APlaceIsFoundFromAnyOther) {
+TEST(FalconKinematics, ConvergesFromAnyStart) {
     std::mt19937 random(11);
     for (int go = 0; go < 3000; ++go) {
         const glm::dvec3 place = anywhere(random, falcon_reach), start = anywhere(random, falcon_reach);
@@ -186,13 +186,13 @@ TEST(FalconKinematics, APlaceIsFoundFromAnyOther) {
 }
 
 // 35 degrees, and 360 / 1280 * 14.25 / 110 for each count.
-TEST(FalconKinematics, CountsAreAngles) {
+TEST(FalconKinematics, ConvertsCountsToAngles) {
     EXPECT_NEAR(falcon_angle(0), 35 * degrees, 1e-15);
     EXPECT_NEAR(falcon_angle(1000), 71.43465909090909 * degrees, 1e-12);
     EXPECT_NEAR(falcon_angle(-2000), -37.86931818181818 * degrees, 1e-12);
 }
 
-TEST(FalconKinematics, ACountIsFeltAsAFewHundredthsOfAMillimetre) {
+TEST(FalconKinematics, ResolvesHundredthsOfMillimetre) {
     const auto angles = falcon_angles(glm::dvec3(0.0));
     auto next = *angles;
     next[0] += falcon_angle(1) - falcon_angle(0);
@@ -201,7 +201,7 @@ TEST(FalconKinematics, ACountIsFeltAsAFewHundredthsOfAMillimetre) {
     EXPECT_LT(step, 1e-4);
 }
 
-TEST(FalconKinematics, AnglesThatFitNoPlaceAreRefused) {
+TEST(FalconKinematics, RejectsUnreachableAngles) {
     EXPECT_FALSE(falcon_pose({90 * degrees, -80 * degrees, 10 * degrees}));
     EXPECT_FALSE(falcon_pose({falcon_angle(32767), falcon_angle(32767), falcon_angle(32767)}));
     EXPECT_FALSE(falcon_pose({falcon_angle(-32768), falcon_angle(0), falcon_angle(0)}));
@@ -213,7 +213,7 @@ TEST(FalconKinematics, AnglesThatFitNoPlaceAreRefused) {
     EXPECT_FALSE(falcon_angles(glm::dvec3(none)));
 }
 
-TEST(FalconKinematics, WhateverTheCountsAPlaceIsTheirsOrThereIsNone) {
+TEST(FalconKinematics, PositionAlwaysFitsItsCounts) {
     std::mt19937 random(12);
     int refused = 0, found = 0;
     for (int go = 0; go < 20000; ++go) {
@@ -236,7 +236,7 @@ TEST(FalconKinematics, WhateverTheCountsAPlaceIsTheirsOrThereIsNone) {
     EXPECT_GT(found, 100);
 }
 
-TEST(FalconKinematics, TheGripMovesAsDifferencesOfPlacesSay) {
+TEST(FalconKinematics, JacobianMatchesFiniteDifferences) {
     std::mt19937 random(13);
     for (int go = 0; go < 300; ++go) {
         const auto angles = *falcon_angles(anywhere(random, falcon_reach));
@@ -254,7 +254,7 @@ TEST(FalconKinematics, TheGripMovesAsDifferencesOfPlacesSay) {
 }
 
 // Worked out in another program.
-TEST(FalconForce, InTheMiddleItIsWhatThePublicDriverSends) {
+TEST(FalconForce, MatchesPublicDriverAtCentre) {
     const auto pose = falcon_pose(*falcon_angles(glm::dvec3(0.0)));
     const auto pulled = falcon_motor_words(*pose, {0, 0, 8});
     EXPECT_EQ(pulled, (std::array<std::int16_t, 3>{-2019, -2019, -2019}));
@@ -263,7 +263,7 @@ TEST(FalconForce, InTheMiddleItIsWhatThePublicDriverSends) {
 }
 
 // The public driver sends 47716 here, which its packet makes -17820: a force the other way round.
-TEST(FalconForce, EightyNewtonsAcrossNeverReverse) {
+TEST(FalconForce, LargeForceNeverReverses) {
     for (const double x : {-80.0, 80.0}) {
         const auto pose = falcon_pose(*falcon_angles({0, 0, -0.003}));
         const auto much = falcon_motor_words(*pose, {x, 0, 0}),
@@ -275,7 +275,7 @@ TEST(FalconForce, EightyNewtonsAcrossNeverReverse) {
     }
 }
 
-TEST(FalconForce, HoweverLargeItKeepsItsDirection) {
+TEST(FalconForce, SaturationKeepsDirection) {
     std::mt19937 random(14);
     for (int go = 0; go < 3000; ++go) {
         const auto pose = falcon_pose(*falcon_angles(anywhere(random, falcon_reach)));
@@ -290,7 +290,7 @@ TEST(FalconForce, HoweverLargeItKeepsItsDirection) {
     }
 }
 
-TEST(FalconForce, WhatIsNoNumberIsNoForce) {
+TEST(FalconForce, NonFiniteForceIsZero) {
     const auto pose = falcon_pose(*falcon_angles(glm::dvec3(0.0)));
     const double none = std::numeric_limits<double>::quiet_NaN();
     const double endless = std::numeric_limits<double>::infinity();

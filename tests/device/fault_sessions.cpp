@@ -54,7 +54,7 @@ void FaultyLine::in_pieces(std::int64_t due_ns, const Message& message, const gl
 void FaultyLine::tell(Message message, const glm::dvec3& place) {
     const Fault now = fault();
     std::int64_t due_ns = time_.now_ns() + manner_.answers_after_ns;
-    // Of what overtakes each other each has a delay of its own.
+    // Messages that may overtake each other have a delay each.
     if (now == Fault::late) due_ns += manner_.reorders ? below(40) * VirtualTime::ms : delay_ns_;
     if (now == Fault::stalled) due_ns = std::max(due_ns, until_ns_);
     if (!manner_.reorders) due_ns = std::max(due_ns, last_due_ns_);
@@ -88,7 +88,7 @@ void FaultyLine::tell(Message message, const glm::dvec3& place) {
     lay(due_ns, std::move(message));
 }
 
-/// What loses its plug loses its power.
+/// A device that loses its plug loses its power.
 bool FaultyLine::is_cut() {
     const bool cut = fault() == Fault::unplugged;
     if (cut) {
@@ -176,7 +176,7 @@ public:
             1e3 * oldest_s_, 1e3 * HapticDevice::oldest_s, static_cast<double>(longest_call_ns_) * 1e-6);
         ASSERT_EQ(violation_, "");
         EXPECT_EQ(left_on_, 0);
-        // It has not met faults alone.
+        // The device had sound times too.
         EXPECT_GT(placed_, ticks_ / 4);
         EXPECT_GT(oldest_s_, device_.exerts ? 0.019 : 0);
         EXPECT_GT(placeless_, ticks_ / 50);
@@ -205,7 +205,7 @@ private:
             play(until_ns_ - time_.now_ns());
             struck_ += line_.struck() ? 1 : 0;
         }
-        // It ends in the middle of a fault, or of sound times.
+        // The session ends in the middle of a fault, or of sound times.
         if (one_in(2)) {
             begin_a_fault();
             play(std::min(2 * a_millisecond, until_ns_ - time_.now_ns()));
@@ -226,7 +226,7 @@ private:
         line_.begin(device_.faults[device_.chance() % device_.faults.size()], lasts);
     }
 
-    /// What the device's thread does.
+    /// A turn of the device's thread.
     void play(std::int64_t ns) {
         const std::int64_t until = time_.now_ns() + ns;
         while (time_.now_ns() < until && violation_.empty()) {
@@ -237,7 +237,7 @@ private:
         }
     }
 
-    /// What the haptic thread does.
+    /// A tick of the haptic thread.
     void tick() {
         device_.live(static_cast<double>(time_.now_ns()) * 7.5e-9);
         if (!driven_) return;

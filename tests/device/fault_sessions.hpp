@@ -18,7 +18,7 @@
 
 namespace touchable::test {
 
-/// Time that passes only when somebody waits for something. Each of its milliseconds is a haptic tick, also
+/// Time that passes only while a thread waits. Each of its milliseconds is a haptic tick, also
 /// those that pass while a device's thread waits.
 class VirtualTime {
 public:
@@ -40,9 +40,9 @@ private:
     std::int64_t now_ns_ = ms, next_tick_ns_ = 2 * ms;
 };
 
-/// What lies between a device that a test plays and the driver: what the device tells arrives after a while,
-/// and meets faults on its way. It keeps what has arrived when, and which force the last bytes ask for that
-/// went out.
+/// The line between a device that a test plays and the driver: the device's messages arrive after a while,
+/// and meet faults on their way. It records what has arrived when, and which force the last bytes ask for
+/// that went out.
 class FaultyLine {
 public:
     using Message = std::vector<std::byte>;
@@ -63,7 +63,7 @@ public:
     struct Manner {
         std::int64_t answers_after_ns = VirtualTime::ms;
         bool is_stream = false;     ///< of bytes: pieces of a message are as good as the whole
-        bool has_checksum = false;  ///< damage is seen, whatever it is
+        bool has_checksum = false;  ///< damage of any kind is seen
         bool reorders = false;      ///< what is late is overtaken
         double place_step = 1e-6;   ///< m: places that differ by less are the same
         double longest_force = 0;   ///< that may go out, in the unit of `went_out`
@@ -73,8 +73,8 @@ public:
         : manner_(manner), time_(time), chance_(chance) {}
 
     const Manner& manner() const { return manner_; }
-    /// From now on, for so long. A fault of `refuses` is one transfer that fails; what is told while the line
-    /// is `stalled` arrives at its end.
+    /// Starts a fault that lasts so long. A fault of `refuses` is one transfer that fails; messages of a
+    /// `stalled` line arrive at its end.
     void begin(Fault fault, std::int64_t lasts_ns);
     void end() { until_ns_ = 0; }
     void forget() { struck_ = false; }
@@ -87,22 +87,22 @@ public:
     void tell(Message message, const glm::dvec3& place);
 
     // The fake transport's.
-    /// Nothing passes, and the driver is told so.
+    /// True if nothing passes; the driver gets an error.
     bool is_cut();
-    /// Whether bytes pass to the device; where they do, the force that they ask for goes to `went_out`.
+    /// True if bytes pass to the device; then the force that they ask for goes to `went_out`.
     bool passes();
     void went_out(double force) { force_ = force; }
     /// The next that has arrived; it is waited for.
     std::optional<Message> next(std::chrono::microseconds patience);
-    /// What was on its way is gone, as when a connection is made anew.
+    /// Drops the messages on their way, as a new connection does.
     void clear();
 
     // The test's.
     double force() const { return force_; }
-    /// How long ago the device's word of this place had come, s; infinite: it has not told it. What came
-    /// damaged may have told any place.
+    /// The time since the device's message of this place arrived, s; infinite: it has not told it. A damaged
+    /// message may have told any place.
     double age_of(const glm::dvec3& place) const;
-    /// How long ago the last word came that may have told a place.
+    /// The time since the last message that may have told a place, s.
     double silence_s() const;
 
 private:
@@ -145,13 +145,13 @@ public:
     virtual ~FaultyDevice() = default;
 
     virtual std::unique_ptr<DeviceDriver> driver() = 0;
-    /// Each millisecond: its hand is at this angle of a circle that it goes around, rad.
+    /// Called each millisecond with the angle of its hand on a circle, rad.
     virtual void live(double angle) = 0;
-    /// What a person does who is told this prompt.
+    /// A person's answer to this prompt.
     virtual void tend(const std::string&) {}
     /// A fault that no other device has; they come seldom, because it takes long to recover from them.
     virtual void suffer_its_own() { line.begin(Fault::unplugged, 5 * VirtualTime::ms); }
-    /// How long ago its word of this place had come, s.
+    /// The time since its message of this place arrived, s.
     virtual double age_of(const glm::dvec3& place) { return line.age_of(place); }
 
     const std::string name;
@@ -165,9 +165,9 @@ public:
 
 /// Whole sessions with such a device at 1 kHz in virtual time, from open to close, a hundred faults each at
 /// random moments: 10^4 in all, 2,000 in a short run (sweep.hpp), under sanitizers a twentieth. Of each tick
-/// it is checked that no force is out that nobody asks for or that answers a place older than promised, and
-/// that no such place is read; of each session, that it leaves no force. Prints a line of what came of it,
-/// with the longest call of the haptic thread.
+/// it is checked that no force is out that no caller asks for or that answers a place older than promised,
+/// and that no such place is read; of each session, that it leaves no force. Prints a line of what came of
+/// it, with the longest call of the haptic thread.
 void run_fault_sessions(FaultyDevice& device);
 
 /// A hand that presses falls silent for 10 to 100 ms, in virtual time: below 50 ms its force returns by

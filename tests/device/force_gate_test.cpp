@@ -48,8 +48,8 @@ bool same_bits(const Force& a, const Force& b) {
     return std::bit_cast<std::array<std::uint64_t, 3>>(a) == std::bit_cast<std::array<std::uint64_t, 3>>(b);
 }
 
-/// What is wrong with what comes out; nullptr: nothing. Squares of doubles below 1e-150 underflow: there only
-/// the bounds count.
+/// The fault of a result; nullptr: none. Squares of doubles below 1e-150 underflow: there only the bounds
+/// count.
 const char* fault_of(const Force& in, double ceiling, double limit, double ramp) {
     Force out = in;
     const double most = force_gate(out.data(), ceiling, limit, ramp);
@@ -60,7 +60,7 @@ const char* fault_of(const Force& in, double ceiling, double limit, double ramp)
     if (!(square <= top * (1 + 0x1p-50L) + 1e-320L)) return "the force is longer than the ceiling";
 
     const bool is_finite = std::isfinite(in[0]) && std::isfinite(in[1]) && std::isfinite(in[2]);
-    if (!is_finite) return square == 0 ? nullptr : "what is no number gives a force";
+    if (!is_finite) return square == 0 ? nullptr : "a value that is not finite gives a force";
     const long double asked = squared_length(in);
     if (asked <= top * (1 - 0x1p-50L) && most > 1e-150) {
         return same_bits(in, out) ? nullptr : "a force within the ceiling is changed";
@@ -108,7 +108,7 @@ std::vector<double> borders(std::initializer_list<double> bounds) {
     return values;
 }
 
-TEST(ForceGate, LetsShortForcesThroughAndShortensLongOnes) {
+TEST(ForceGate, ShortensOnlyLongForces) {
     Force force{3, -2, 1};
     EXPECT_EQ(force_gate(force.data(), 8, 8, 0), 8);
     EXPECT_EQ(force, (Force{3, -2, 1}));
@@ -124,7 +124,7 @@ TEST(ForceGate, LetsShortForcesThroughAndShortensLongOnes) {
     EXPECT_NEAR(force[2], -0.6, 1e-14);
 }
 
-TEST(ForceGate, LeavesNoForceOfWhatIsNoNumber) {
+TEST(ForceGate, InvalidValuesGiveZeroForce) {
     for (const double bad : {quiet_nan, -quiet_nan, endless, -endless})
         for (std::size_t axis = 0; axis < 3; ++axis) {
             Force force{1, 1, 1};
@@ -144,7 +144,7 @@ TEST(ForceGate, LeavesNoForceOfWhatIsNoNumber) {
     }
 }
 
-TEST(ForceGate, KeepsItsPromisesAtEveryBorder) {
+TEST(ForceGate, HoldsAtBoundaryForces) {
     for (const double limit : {8.0, 0.1, 1e9, 1e-160, Limits::denorm_min()}) {
         const std::vector<double> values = borders({limit});
         for (const double x : values)
@@ -154,7 +154,7 @@ TEST(ForceGate, KeepsItsPromisesAtEveryBorder) {
     }
 }
 
-TEST(ForceGate, KeepsItsPromisesAtEveryCeiling) {
+TEST(ForceGate, HoldsAtBoundaryCeilings) {
     const std::vector<double> values = borders({8, 0.08, 7.92});
     for (const double ceiling : values)
         for (const double limit : values)
@@ -166,7 +166,7 @@ TEST(ForceGate, KeepsItsPromisesAtEveryCeiling) {
             }
 }
 
-TEST(ForceGate, KeepsItsPromisesForRandomBits) {
+TEST(ForceGate, HoldsForRandomBits) {
     std::mt19937_64 random(7);
     // Half of them any bits, half of them near to each other, where the answer is not plain.
     const auto any = [&] { return std::bit_cast<double>(random()); };
@@ -182,8 +182,8 @@ TEST(ForceGate, KeepsItsPromisesForRandomBits) {
     }
 }
 
-/// Whatever is asked for: after n calls no force is longer than n ramps, and none is ever beyond the limit.
-TEST(ForceGate, RisesByItsRampAndNoMore) {
+/// For any request: after n calls no force is longer than n ramps, and none is ever beyond the limit.
+TEST(ForceGate, CeilingRisesByRamp) {
     std::mt19937_64 random(11);
     constexpr double limit = 8, ramp = 0.08;
     double ceiling = 0;

@@ -28,7 +28,7 @@ protected:
         control.to_device(std::span(&guarded, 1), ticks, std::span(&out, 1));
         return out;
     }
-    /// Until the force is all there.
+    /// Asks for forces, and ticks until they have risen.
     void ask() {
         control.ask_force(true);
         felt({0, 0, 0});
@@ -40,7 +40,7 @@ protected:
     HandControl control{1, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)}};
 };
 
-TEST_F(Control, PlacesAreMappedByASimilarity) {
+TEST_F(Control, MapsPositionsBySimilarity) {
     const glm::dvec3 at = goal({0.001, -0.002, 0.003});
     EXPECT_NEAR(at.x, 10, 1e-9);
     EXPECT_NEAR(at.y, -20, 1e-9);
@@ -48,7 +48,7 @@ TEST_F(Control, PlacesAreMappedByASimilarity) {
     EXPECT_TRUE(std::isnan(goal({0, nowhere, 0}).y));
 }
 
-TEST_F(Control, ATurnedDeviceFeelsForcesInItsOwnAxes) {
+TEST_F(Control, RotatesForcesIntoDeviceAxes) {
     // The device's x is the person's y, its y is the person's -x.
     control.set_mapping({Workspace{1, {0, 0, 0}}, glm::dmat3(0, 1, 0, -1, 0, 0, 0, 0, 1)});
     EXPECT_EQ(goal({0.1, 0, 0}), glm::dvec3(0, 0.1, 0));
@@ -56,13 +56,13 @@ TEST_F(Control, ATurnedDeviceFeelsForcesInItsOwnAxes) {
     EXPECT_EQ(felt({0, 3, 0}), glm::dvec3(3, 0, 0));
 }
 
-TEST_F(Control, NoForceUnlessItIsAskedFor) {
+TEST_F(Control, ForcesAreOffUntilRequested) {
     goal({0, 0, 0});
     for (int tick = 0; tick < 1000; ++tick) EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
     EXPECT_FALSE(control.exerts());
 }
 
-TEST_F(Control, AFingerInsideFeelsNothingUntilItHasBeenFreeAndThenItRises) {
+TEST_F(Control, ForceWaitsForFreeFinger) {
     control.ask_force(true);
     for (int tick = 0; tick < 1000; ++tick) EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
     felt({0, 0, 0});
@@ -75,14 +75,14 @@ TEST_F(Control, AFingerInsideFeelsNothingUntilItHasBeenFreeAndThenItRises) {
     EXPECT_EQ(before, 5);
 }
 
-TEST_F(Control, SkippedTicksCountForTheRise) {
+TEST_F(Control, SkippedTicksAdvanceRamp) {
     control.ask_force(true);
     felt({0, 0, 0});
     felt({0, 0, 1}, 149);
     EXPECT_NEAR(felt({0, 0, 1}, 1).z, 0.5, 1e-12);
 }
 
-TEST_F(Control, OffIsAtOnce) {
+TEST_F(Control, SwitchingOffIsImmediate) {
     ask();
     control.ask_force(false);
     EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
@@ -90,17 +90,17 @@ TEST_F(Control, OffIsAtOnce) {
     EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0)) << "it begins anew";
 }
 
-TEST_F(Control, HavingBeenFreeBeforeForcesWereAskedForDoesNotCount) {
+TEST_F(Control, IgnoresFreeFingerBeforeRequest) {
     goal({0, 0, 0});
     for (int tick = 0; tick < 10; ++tick) felt({0, 0, 0});
     control.ask_force(true);
     for (int tick = 0; tick < 1000; ++tick) EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
 }
 
-TEST_F(Control, SaysThatAFingerWaitsToBeFreeAndForHowLongForcesWereOn) {
+TEST_F(Control, ReportsWaitAndForceTime) {
     goal({0, 0, 0});
     felt({0, 0, 5});
-    EXPECT_FALSE(control.waits_to_be_free()) << "nobody asked";
+    EXPECT_FALSE(control.waits_to_be_free()) << "no request yet";
     EXPECT_EQ(control.figures().exerting, 0);
     control.ask_force(true);
     felt({0, 0, 5});
@@ -119,7 +119,7 @@ TEST_F(Control, SaysThatAFingerWaitsToBeFreeAndForHowLongForcesWereOn) {
     EXPECT_EQ(control.figures().placeless, 1);
 }
 
-TEST_F(Control, TheStopButtonIsStrongerThanTheFirst) {
+TEST_F(Control, StopButtonOverridesFirstButton) {
     goal({0, 0, 0}, 0);
     goal({0, 0, 0}, 3);
     EXPECT_FALSE(control.force_is_asked());
@@ -128,9 +128,9 @@ TEST_F(Control, TheStopButtonIsStrongerThanTheFirst) {
     EXPECT_FALSE(control.force_is_asked());
 }
 
-TEST_F(Control, TheFirstButtonAsksAndThenHoldsAndTheSecondStops) {
+TEST_F(Control, ButtonsRequestHoldAndStop) {
     goal({0, 0, 0}, 1);
-    EXPECT_FALSE(control.force_is_asked()) << "pressed before it was heard: nobody meant that";
+    EXPECT_FALSE(control.force_is_asked()) << "pressed before it was heard: no request";
     goal({0, 0, 0}, 0);
     goal({0, 0, 0}, 1);
     EXPECT_TRUE(control.force_is_asked());
@@ -148,20 +148,21 @@ TEST_F(Control, TheFirstButtonAsksAndThenHoldsAndTheSecondStops) {
     EXPECT_FALSE(control.force_is_asked());
 }
 
-TEST_F(Control, AButtonThatIsHeldThroughAGapIsNotPressedAgain) {
+TEST_F(Control, IgnoresPressDuringGap) {
     goal({0, 0, 0}, 0);
     goal({0, 0, nowhere}, 0);
     goal({0, 0, 0}, 1);
     EXPECT_FALSE(control.force_is_asked());
 }
 
-TEST_F(Control, TheStopButtonCountsAlsoWhereThereIsNoPlace) {
+TEST_F(Control, StopButtonWorksWithoutPosition) {
     ask();
     goal({0, nowhere, 0}, 2);
     EXPECT_FALSE(control.force_is_asked());
 }
 
-TEST_F(Control, ForcesOfAHandThatIsAwayForASecondAreOffUnlessSomebodyInsists) {
+// After a second, unless forces are insisted on.
+TEST_F(Control, MissingHandSwitchesForcesOff) {
     ask();
     for (int tick = 0; tick < 1000; ++tick) goal({0, nowhere, 0});
     EXPECT_TRUE(control.force_is_asked());
@@ -173,7 +174,7 @@ TEST_F(Control, ForcesOfAHandThatIsAwayForASecondAreOffUnlessSomebodyInsists) {
     EXPECT_TRUE(control.force_is_asked());
 }
 
-TEST_F(Control, AHandThatWasLeftAloneHasToBeFreeOnceMore) {
+TEST_F(Control, ReturningHandMustBeFree) {
     ask();
     goal({0, 0, 0});
     control.come_back(101);
@@ -183,7 +184,8 @@ TEST_F(Control, AHandThatWasLeftAloneHasToBeFreeOnceMore) {
     EXPECT_TRUE(control.force_is_asked());
 }
 
-TEST_F(Control, ForcesOfAHandThatWasLeftAloneForASecondAreOffUnlessSomebodyInsists) {
+// After a second, unless forces are insisted on.
+TEST_F(Control, LongAbsenceSwitchesForcesOff) {
     ask();
     control.come_back(HandControl::longest_away_ticks);
     EXPECT_TRUE(control.force_is_asked());
@@ -195,7 +197,7 @@ TEST_F(Control, ForcesOfAHandThatWasLeftAloneForASecondAreOffUnlessSomebodyInsis
     EXPECT_TRUE(control.force_is_asked());
 }
 
-TEST_F(Control, AFingerWithoutPlaceMustBeFree) {
+TEST_F(Control, LostFingerMustBeFree) {
     for (const int skipped : {1, 5}) {
         for (const int placeless : {HandControl::away_ticks - skipped, int{HandControl::away_ticks}}) {
             goal({0, 0, 0});
@@ -218,7 +220,7 @@ TEST_F(Control, AFingerWithoutPlaceMustBeFree) {
     }
 }
 
-TEST(ControlOfTwo, OnlyTheFingerWithoutPlaceWaits) {
+TEST(ControlOfTwo, OnlyLostFingerWaits) {
     HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
     control.ask_force(true);
     const auto felt = [&](double one_place, double force) {
@@ -236,7 +238,7 @@ TEST(ControlOfTwo, OnlyTheFingerWithoutPlaceWaits) {
     EXPECT_EQ(newtons[1].z, 1);
 }
 
-TEST_F(Control, WhatIsPressedWhileTheHandIsLeftAloneAsksForNothing) {
+TEST_F(Control, IgnoresPressDuringAbsence) {
     goal({0, 0, 0}, 0);
     control.come_back(HandControl::longest_away_ticks + 1);
     goal({0, 0, 0}, 1);
@@ -246,7 +248,7 @@ TEST_F(Control, WhatIsPressedWhileTheHandIsLeftAloneAsksForNothing) {
     EXPECT_TRUE(control.force_is_asked()) << "pressed anew";
 }
 
-TEST_F(Control, TheClutchIsHeldThroughAGap) {
+TEST_F(Control, ClutchHoldsThroughGap) {
     goal({0, 0, 0}, 0);
     ask();
     const glm::dvec3 held = goal({0.001, 0, 0}, 1);
@@ -254,7 +256,7 @@ TEST_F(Control, TheClutchIsHeldThroughAGap) {
     EXPECT_EQ(goal({0.005, 0, 0}, 1), held);
 }
 
-TEST_F(Control, ReleasedWhileTheHandIsAwayTheFingerStaysUntilItIsBack) {
+TEST_F(Control, ReleaseDuringAbsenceKeepsFinger) {
     control.hold(true);
     const glm::dvec3 held = goal({0.001, 0, 0});
     goal({0.002, 0, 0});
@@ -264,7 +266,7 @@ TEST_F(Control, ReleasedWhileTheHandIsAwayTheFingerStaysUntilItIsBack) {
     EXPECT_NEAR(goal({0.008, 0, 0}).x, held.x - 10, 1e-9);
 }
 
-TEST(ControlOfTwo, AFingerThatIsLostOrFoundWhileTheClutchIsHeldMovesNobody) {
+TEST(ControlOfTwo, ClutchIgnoresLostFingers) {
     HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
     const auto goals = [&](const glm::dvec3& one, const glm::dvec3& other) {
         std::array<glm::dvec3, 2> places{one, other};
@@ -290,7 +292,7 @@ TEST(ControlOfTwo, AFingerThatIsLostOrFoundWhileTheClutchIsHeldMovesNobody) {
 }
 
 // Force returns only to a finger that has been free, and one that is let go of inside would stay there.
-TEST_F(Control, WhoLetsGoOfTheClutchInsideComesOutOfTheSurface) {
+TEST_F(Control, ReleasingClutchInsideRaisesFinger) {
     const FakeProbe wall = flat_view(520);  // 20 units, or 2 mm, behind the device's middle
     const auto put = [&](const glm::dvec3& place) {
         glm::dvec3 out = place;
@@ -314,7 +316,7 @@ TEST_F(Control, WhoLetsGoOfTheClutchInsideComesOutOfTheSurface) {
     EXPECT_EQ(felt({0, 0, 2}), glm::dvec3(0, 0, 2));
 }
 
-TEST_F(Control, WhoLetsGoOfTheClutchOutsideStaysWhereItIs) {
+TEST_F(Control, ReleasingClutchOutsideMovesNothing) {
     const FakeProbe wall = flat_view(520), holes = camera_view([](double, double) { return std::nullopt; });
     for (const FakeProbe* surface : {&wall, &holes}) {
         const auto put = [&](const glm::dvec3& place) {
@@ -346,7 +348,7 @@ TEST_F(Control, StaysBehindTheCamera) {
     EXPECT_EQ(put(), held);
 }
 
-TEST(ControlOfTwo, BothComeOutTogetherOfAStep) {
+TEST(ControlOfTwo, BothFingersRiseTogether) {
     HandControl control(2, {Workspace{1e-4, {0, 0, -500}}, glm::dmat3(1)});
     const FakeProbe step =
         camera_view([](double x, double) { return std::optional(x < 320 ? 560.0 : 530.0); });
@@ -367,7 +369,7 @@ TEST(ControlOfTwo, BothComeOutTogetherOfAStep) {
     EXPECT_NEAR(glm::length(places[1] - places[0]), 400, 1e-9) << "as far apart as the hand holds them";
 }
 
-TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {
+TEST_F(Control, RecentringMovesHandWithoutForce) {
     ask();
     goal({0.03, 0.01, -0.02});
     control.recentre();
@@ -375,7 +377,7 @@ TEST_F(Control, RecentringPutsTheHandIntoTheMiddleWithoutForce) {
     EXPECT_EQ(felt({0, 0, 5}), glm::dvec3(0));
 }
 
-TEST_F(Control, BeginsAnewAsItWasBeforeAnybodyHeldIt) {
+TEST_F(Control, ResetRestoresInitialState) {
     const glm::dvec3 there(0.05, 0.01, 0), before = goal(there);
     control.recentre();
     EXPECT_NE(goal(there), before);
@@ -390,7 +392,7 @@ TEST_F(Control, BeginsAnewAsItWasBeforeAnybodyHeldIt) {
     EXPECT_EQ(felt({0, 0, 1}), glm::dvec3(0));
 }
 
-TEST_F(Control, RecentringWaitsForAHandAndForTheClutch) {
+TEST_F(Control, RecentringAwaitsHandAndClutch) {
     const glm::dvec3 middle(0, 0, -500);
     control.recentre();
     goal({nowhere, nowhere, nowhere});
@@ -403,7 +405,7 @@ TEST_F(Control, RecentringWaitsForAHandAndForTheClutch) {
     EXPECT_NEAR(glm::length(goal({0.06, 0.01, 0}) - middle), 0, 1e-9) << "once it was released";
 }
 
-TEST_F(Control, AKeyIsAClutchAsWell) {
+TEST_F(Control, KeyActsAsClutch) {
     control.hold(true);
     const glm::dvec3 held = goal({0.005, 0, 0});
     EXPECT_EQ(goal({0.009, 0, 0}), held);
@@ -412,7 +414,7 @@ TEST_F(Control, AKeyIsAClutchAsWell) {
     EXPECT_NEAR(goal({0.010, 0, 0}).x, held.x + 10, 1e-9);
 }
 
-TEST_F(Control, GoesOnAtAnotherScaleWhereTheFingerWas) {
+TEST_F(Control, ScaleChangeKeepsFingerPosition) {
     ask();
     goal({0.002, 0, 0});
     control.recentre();
@@ -433,7 +435,7 @@ TEST_F(Control, GoesOnAtAnotherScaleWhereTheFingerWas) {
     EXPECT_EQ(newtons, glm::dvec3(0)) << "it was not free yet";
 }
 
-TEST_F(Control, GoesOnWithAHandThatIsAway) {
+TEST_F(Control, HandoverKeepsAbsentHand) {
     control.recentre();
     EXPECT_NEAR(goal({0.002, 0, 0}).x, 0, 1e-9);
     EXPECT_NEAR(goal({0, 0, 0}).x, -20, 1e-9);
@@ -451,7 +453,7 @@ TEST_F(Control, GoesOnWithAHandThatIsAway) {
     EXPECT_NEAR(glm::length(place - glm::dvec3(0, 0, -500)), 0, 1e-9);
 }
 
-TEST_F(Control, GoesOnWhileItIsRepositioned) {
+TEST_F(Control, HandoverKeepsHeldClutch) {
     control.hold(true);
     const glm::dvec3 held = goal({0.005, 0, 0});
     goal({0.009, 0, 0});
@@ -471,7 +473,7 @@ TEST_F(Control, GoesOnWhileItIsRepositioned) {
     EXPECT_FALSE(next.is_repositioned());
 }
 
-TEST_F(Control, WhatIsNotFiniteIsToldOn) {
+TEST_F(Control, PassesNonFiniteForceOn) {
     ask();
     EXPECT_TRUE(std::isnan(felt({0, nowhere, 0}).y)) << "so that the device leaves itself unpowered";
 }
@@ -503,7 +505,7 @@ protected:
     PointerDevice device{3, camera, settings};
 };
 
-TEST_F(Pointer, TakesNoForceAndHasNoPlaceWhileItIsClosed) {
+TEST_F(Pointer, RefusesCallsWhileClosed) {
     ASSERT_TRUE(push());
     device.close();
     EXPECT_FALSE(push());
@@ -513,7 +515,7 @@ TEST_F(Pointer, TakesNoForceAndHasNoPlaceWhileItIsClosed) {
     EXPECT_TRUE(push());
 }
 
-TEST_F(Pointer, TakesNoForceAndHasNoPlaceBeforeItIsOpened) {
+TEST_F(Pointer, RefusesCallsBeforeOpening) {
     PointerDevice closed(1, camera);
     const std::array force{glm::dvec3(1)};
     std::array<glm::dvec3, 1> place;
@@ -521,7 +523,7 @@ TEST_F(Pointer, TakesNoForceAndHasNoPlaceBeforeItIsOpened) {
     EXPECT_FALSE(closed.read_positions(place));
 }
 
-TEST_F(Pointer, AForceThatIsNotFiniteEndsItWithAReasonUntilOpenedAgain) {
+TEST_F(Pointer, InvalidForceStopsUntilReopened) {
     for (const double bad : {nan, std::numeric_limits<double>::infinity(), 1e300}) {
         ASSERT_TRUE(push());
         EXPECT_FALSE(push(bad));
@@ -537,7 +539,7 @@ TEST_F(Pointer, AForceThatIsNotFiniteEndsItWithAReasonUntilOpenedAgain) {
     }
 }
 
-TEST_F(Pointer, FingersAreAwayUntilTheyAreMeantSomewhere) {
+TEST_F(Pointer, FingersStayAwayWithoutTarget) {
     EXPECT_EQ(read_for(3), (Places{camera, camera, camera}));
     const glm::dvec3 first(0.02, 0.01, -0.002), second(-0.03, 0, 0.01);
     intend({first, second});
@@ -551,7 +553,7 @@ TEST_F(Pointer, FingersAreAwayUntilTheyAreMeantSomewhere) {
     EXPECT_LT(glm::length(read_for(2000)[0] - camera), 1e-9);
 }
 
-TEST_F(Pointer, FingerThatIsLedForItselfBeginsWhereItIsTold) {
+TEST_F(Pointer, SingleFingerStartsWhereRequested) {
     const glm::dvec3 first(0.02, 0.01, -0.002), second(-0.03, 0, 0.01), near(0.02, 0.01, 0.006);
     intend({second, second});
     read_for(2000);
@@ -571,7 +573,7 @@ TEST_F(Pointer, FingerThatIsLedForItselfBeginsWhereItIsTold) {
     EXPECT_LT(glm::length(before - first), 1e-4);
     device.intend(0, {nan, 0, 0}, near, camera);
     device.intend(0, {1e9, 0, 0}, near, camera);
-    EXPECT_LT(glm::length(read_for(100)[0] - first), 1e-4) << "what is no place changes nothing";
+    EXPECT_LT(glm::length(read_for(100)[0] - first), 1e-4) << "an invalid place changes nothing";
     device.intend(2, first, glm::dvec3(nan), camera);
     EXPECT_LT(glm::length(read()[2] - camera), 0.001) << "it comes from where it is away";
     EXPECT_LT(glm::length(read_for(2000)[2] - first), 1e-6);
@@ -579,7 +581,7 @@ TEST_F(Pointer, FingerThatIsLedForItselfBeginsWhereItIsTold) {
     EXPECT_EQ(read_for(100), (Places{camera, camera, camera}));
 }
 
-TEST_F(Pointer, ComesSlowlyAndLeavesAtOnceOnItsWayToTheEye) {
+TEST_F(Pointer, ApproachesSlowlyAndLeavesQuickly) {
     const glm::dvec3 deep(0.04, -0.02, -0.01);
     intend({deep});
     glm::dvec3 before = read()[0];
@@ -598,7 +600,7 @@ TEST_F(Pointer, ComesSlowlyAndLeavesAtOnceOnItsWayToTheEye) {
     EXPECT_GT(glm::length(before - deep), 0.02);
 }
 
-TEST_F(Pointer, GoesThroughAJumpAtALimitedSpeed) {
+TEST_F(Pointer, LimitsSpeedOfJump) {
     intend({{-0.08, 0, 0}});
     glm::dvec3 before = read_for(3000)[0];
     intend({{0.08, 0, -0.01}});
@@ -612,7 +614,7 @@ TEST_F(Pointer, GoesThroughAJumpAtALimitedSpeed) {
     EXPECT_LT(glm::length(before - glm::dvec3(0.08, 0, -0.01)), 1e-4);
 }
 
-TEST_F(Pointer, IsSlowerAlongTheViewThanAcross) {
+TEST_F(Pointer, MovesSlowerAlongView) {
     const glm::dvec3 eye(0.3, 0, 0);  // it looks along -X
     device.intend(std::array{glm::dvec3(0)}, eye);
     read_for(3000);
@@ -626,8 +628,8 @@ TEST_F(Pointer, IsSlowerAlongTheViewThanAcross) {
     EXPECT_NEAR(along, 1 - (1 + 50.0 / 90) * std::exp(-50.0 / 90), 1e-5);
 }
 
-/// What is higher than relief, a slope or a step, is followed as quickly along the view as across.
-TEST_F(Pointer, AlongTheViewItIsOnALeash) {
+/// Slopes and steps, which are higher than relief, are followed as quickly along the view as across.
+TEST_F(Pointer, LeashLimitsLagAlongView) {
     const glm::dvec3 eye(0, 0, 0.3);
     for (const double way : {-0.02, 0.02}) {
         device.intend(std::array{glm::dvec3(0)}, eye);
@@ -645,8 +647,8 @@ TEST_F(Pointer, AlongTheViewItIsOnALeash) {
     }
 }
 
-/// A goal that goes on is never reached: nor is a finger for that one that still comes from far away.
-TEST_F(Pointer, IsThereOnceItIsAsDeepAsItIsMeant) {
+/// A moving goal is never reached exactly; the finger has arrived all the same, and is quick from then on.
+TEST_F(Pointer, ArrivesAtRequestedDepth) {
     const glm::dvec3 eye(0, 0, 0.3);
     double x = -0.1;
     for (int k = 0; k < 1000; ++k, x += 1e-4) {  // 0.1 m/s
@@ -664,7 +666,7 @@ TEST_F(Pointer, IsThereOnceItIsAsDeepAsItIsMeant) {
     EXPECT_GT(fastest, 2 * settings.approach_speed);
 }
 
-TEST_F(Pointer, StoppingIsAtOnceAndComingBackIsSlow) {
+TEST_F(Pointer, StopsAtOnceReturnsSlowly) {
     const glm::dvec3 deep(0.02, 0, -0.005);
     intend({deep, deep, deep});
     read_for(2000);
@@ -686,7 +688,7 @@ TEST_F(Pointer, StoppingIsAtOnceAndComingBackIsSlow) {
     EXPECT_TRUE(push());
 }
 
-TEST_F(Pointer, AStopBetweenTwoReadingsIsNotLost) {
+TEST_F(Pointer, KeepsStopBetweenReadings) {
     intend({{0.02, 0, -0.005}});
     read_for(2000);
     ASSERT_TRUE(push());
@@ -698,7 +700,7 @@ TEST_F(Pointer, AStopBetweenTwoReadingsIsNotLost) {
     EXPECT_TRUE(push());
 }
 
-TEST_F(Pointer, OpeningAgainBeginsAway) {
+TEST_F(Pointer, ReopeningStartsAway) {
     intend({{0.02, 0, -0.005}});
     read_for(2000);
     device.close();
@@ -706,7 +708,7 @@ TEST_F(Pointer, OpeningAgainBeginsAway) {
     EXPECT_LT(glm::length(read()[0] - camera), 1e-3);
 }
 
-TEST_F(Pointer, APlaceThatIsNoneChangesNothing) {
+TEST_F(Pointer, IgnoresInvalidTargets) {
     const glm::dvec3 place(0.02, 0, 0);
     intend({place, place});
     for (const double bad : {nan, std::numeric_limits<double>::infinity(), 1e200, 1001.0})
@@ -720,7 +722,7 @@ TEST_F(Pointer, APlaceThatIsNoneChangesNothing) {
     EXPECT_LT(glm::length(read_for(3000)[0] - camera), 1e-9);
 }
 
-TEST_F(Pointer, NeverAllocatesInATick) {
+TEST_F(Pointer, TicksNeverAllocate) {
     intend({{0.02, 0, 0}});
     const Places forces{};
     Places places;

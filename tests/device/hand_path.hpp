@@ -7,7 +7,7 @@
 #include "device/hand.hpp"
 #include "tests/device/fake_driver.hpp"
 
-// Where a hand goes over a made-up surface.
+// Paths of a hand over a made-up surface.
 namespace touchable {
 
 using Path = std::vector<glm::dvec3>;

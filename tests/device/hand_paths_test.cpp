@@ -48,7 +48,7 @@ double share_behind(const Path& path, const SurfaceProbe& probe) {
     return static_cast<double>(count) / static_cast<double>(path.size() - down_at);
 }
 
-/// How often a path goes from one side of pixel column x to the other.
+/// The number of times that a path crosses pixel column x.
 int crossings(const Path& path, const SurfaceProbe& probe, double x) {
     int count = 0;
     for (std::size_t at = down_at + 1; at < path.size(); ++at) {
@@ -98,7 +98,7 @@ std::vector<Ground> grounds() {
             {"hole with a far side lower", hole_view(600, 800)}};
 }
 
-TEST(BrokenGround, NoGoalIsDraggedIntoAWall) {
+TEST(BrokenGround, GoalsStayOutOfWalls) {
     for (const Ground& ground : grounds()) {
         for (const std::string hand : {"stroke", "stroke:speed=0.5", "stroke:speed=2,max_speed=2",
                                        "wander:speed=0.3", "poke:speed=0.5"}) {
@@ -108,7 +108,7 @@ TEST(BrokenGround, NoGoalIsDraggedIntoAWall) {
     }
 }
 
-TEST(BrokenGround, StrokeGetsAcrossAndComesDownAgain) {
+TEST(BrokenGround, StrokeCrossesAndDescends) {
     for (const Ground& ground : grounds()) {
         const Path path = run("stroke:speed=0.2", ground.probe);
         EXPECT_GE(crossings(path, ground.probe, 320), 3) << ground.name;
@@ -116,7 +116,7 @@ TEST(BrokenGround, StrokeGetsAcrossAndComesDownAgain) {
     }
 }
 
-TEST(BrokenGround, FingerRisesBeforeTheCliffAndWaitsThere) {
+TEST(BrokenGround, FingerRisesBeforeCliff) {
     const FakeProbe probe = cliff_view(800, 500);
     const Path path = run("stroke:max_speed=1", probe);
     int waited = 0;
@@ -131,7 +131,7 @@ TEST(BrokenGround, FingerRisesBeforeTheCliffAndWaitsThere) {
     EXPECT_GT(waited, 40) << "47 mm at 1 mm a tick";
 }
 
-TEST(BrokenGround, FingerHoversOverAHoleAboveItsRim) {
+TEST(BrokenGround, FingerHoversAboveHoleRim) {
     for (const auto& [left, right] : {std::pair{800.0, 800.0}, {800.0, 600.0}, {600.0, 800.0}}) {
         const FakeProbe probe = hole_view(left, right);
         const Path path = run("stroke", probe);
@@ -146,7 +146,7 @@ TEST(BrokenGround, FingerHoversOverAHoleAboveItsRim) {
     }
 }
 
-TEST(BrokenGround, FingerHopsOnceItHasClimbedAStep) {
+TEST(BrokenGround, FingerHopsAfterClimbingStep) {
     const FakeProbe probe = stairs_view();
     const Path path = run("stroke", probe, 1, 900);  // so far it only goes to the right, up the stairs
     for (const double foot : {440.0, 480.0, 520.0}) {
@@ -161,7 +161,7 @@ TEST(BrokenGround, FingerHopsOnceItHasClimbedAStep) {
     }
 }
 
-TEST(BrokenGround, SmoothSlopesAreFollowedWithoutLifting) {
+TEST(BrokenGround, FollowsSmoothSlopesWithoutLifting) {
     const std::vector<FakeProbe> slopes{
         // Planes of 45 degrees, facing left and up, and a hill of radius 400.
         camera_view([](double x, double) { return 800 / (1 + (x - 320) / 500); }),
@@ -200,13 +200,13 @@ TEST(BrokenGround, PathWaitsForEveryFinger) {
     EXPECT_GT(stopped, 30);
 }
 
-TEST(BrokenGround, PressComesDownBesideACliff) {
-    // It never moves sideways: what stands beside it is no obstacle.
+TEST(BrokenGround, PressDescendsBesideCliff) {
+    // A press never moves sideways: a cliff beside it is no obstacle.
     const FakeProbe probe = cliff_view(800, 500);
     EXPECT_GT(share_behind(run("press:x=0.4995", probe), probe), 0.4);
 }
 
-// What a gliding finger takes its ground for, by the limits of docs/touch.md ("Cliffs, holes and rough
+// The kind of ground that a gliding finger sees, by the limits of docs/touch.md ("Cliffs, holes and rough
 // ground"), on surfaces whose steps, slopes and bends are given.
 
 using Kind = LocalRelief::Kind;
@@ -233,26 +233,26 @@ LocalRelief beside_step(double up_mm) {
     return in_the_middle(usual_reach, [up_mm](double right) { return right > 0.25 ? up_mm : 0; });
 }
 
-TEST(LocalRelief, AStepOfMoreThanSixMillimetresIsACliff) {
+TEST(LocalRelief, SixMillimetreStepIsCliff) {
     EXPECT_EQ(beside_step(6.1).kind, Kind::broken);
     EXPECT_EQ(beside_step(-6.1).kind, Kind::broken);
     EXPECT_EQ(beside_step(5.9).kind, Kind::rough);
     EXPECT_EQ(beside_step(-5.9).kind, Kind::rough);
 }
 
-TEST(LocalRelief, KnowsTheHighestWithinReach) {
+TEST(LocalRelief, FindsHighestPointWithinReach) {
     EXPECT_DOUBLE_EQ(beside_step(6.5).highest, 800 - 6.5);
     EXPECT_DOUBLE_EQ(beside_step(2).highest, 800 - 2);
     EXPECT_EQ(beside_step(-6.5).highest, 800);
 }
 
-TEST(LocalRelief, WhatIsBeyondReachIsNotMinded) {
+TEST(LocalRelief, IgnoresWallBeyondReach) {
     const auto wall = [](double right) { return right > 0.65 ? 50.0 : 0.0; };
     EXPECT_EQ(in_the_middle(usual_reach, wall).kind, Kind::smooth);
     EXPECT_EQ(in_the_middle(0.0007, wall).kind, Kind::broken);
 }
 
-TEST(LocalRelief, AHoleWithinReachIsACliff) {
+TEST(LocalRelief, HoleWithinReachIsCliff) {
     const auto hole = [](double right) { return right > 0.25 ? std::nullopt : std::optional(0.0); };
     const LocalRelief local_relief = in_the_middle(usual_reach, hole);
     EXPECT_EQ(local_relief.kind, Kind::broken);
@@ -260,7 +260,7 @@ TEST(LocalRelief, AHoleWithinReachIsACliff) {
 }
 
 /// A hand so fast that it looks 8 mm far rises by more than 6 mm on a slope that it may well follow.
-TEST(LocalRelief, ASlopeIsACliffFrom65Degrees) {
+TEST(LocalRelief, SteepSlopeIsCliff) {
     for (const double side : {-1.0, 1.0}) {
         const auto slope = [side](double degrees) {
             return [slope = side * tangent(degrees)](double right) { return slope * right; };
@@ -272,7 +272,7 @@ TEST(LocalRelief, ASlopeIsACliffFrom65Degrees) {
 }
 
 /// A fold straight under the finger: what it leaves of the straight line through its sides.
-TEST(LocalRelief, AFoldOfATenthOfAMillimetreIsRough) {
+TEST(LocalRelief, TenthMillimetreFoldIsRough) {
     for (const double side : {-1.0, 1.0}) {
         const auto fold = [side](double mm) {
             return [=](double right) { return side * 0.5 * mm * std::fabs(right) / 0.6; };
@@ -298,7 +298,7 @@ TEST(LocalRelief, SeesBumpInEachDirection) {
     }
 }
 
-TEST(LocalRelief, ARidgeIsSmoothBelowATenthOfAMillimetreHoweverSharp) {
+TEST(LocalRelief, LowSharpRidgeIsSmooth) {
     const auto ridge = [](double mm) {
         return [=](double right) { return std::fabs(right) > 0.1 ? 0 : 0.5 * mm; };
     };
@@ -306,7 +306,7 @@ TEST(LocalRelief, ARidgeIsSmoothBelowATenthOfAMillimetreHoweverSharp) {
     EXPECT_EQ(in_the_middle(usual_reach, ridge(0.105)).kind, Kind::rough);
 }
 
-TEST(LocalRelief, FartherOffAFoldIsRoughFromTenDegrees) {
+TEST(LocalRelief, TenDegreeFoldIsRough) {
     for (const double side : {-1.0, 1.0}) {
         const auto fold = [side](double degrees) {
             return [slope = side * tangent(degrees / 2)](double right) { return slope * std::fabs(right); };
@@ -316,7 +316,7 @@ TEST(LocalRelief, FartherOffAFoldIsRoughFromTenDegrees) {
     }
 }
 
-TEST(LocalRelief, WhereNoFingerGoesNothingIsMinded) {
+TEST(LocalRelief, IgnoresGroundOutsideArea) {
     const FakeProbe probe = camera_view([](double x, double) { return x > 320 ? 400.0 : 800.0; });
     const LocalReliefSearch search(usual_reach, 0.001, {{0, 0}, {320, 479}});
     EXPECT_EQ(search.about({320, 240}, 800, probe).kind, Kind::smooth);
@@ -332,7 +332,7 @@ double left_after(double t, double time_constant) {
     return (1 + t / time_constant) * std::exp(-t / time_constant);
 }
 
-TEST(LedPoint, GoesAsACriticallyDampedSpringDoes) {
+TEST(LedPoint, MovesAsCriticallyDampedSpring) {
     LedPoint point(times, tick);
     const glm::dvec3 start(0.01, 0.02, -0.03), way(0.02, -0.01, 0.04), goal = start + way;
     const glm::dvec3 along = glm::dot(way, slow_way) * slow_way, across = way - along;
@@ -363,14 +363,14 @@ double swing(double frequency) {
     return (greatest - least) / 2;
 }
 
-TEST(LedPoint, GoesWithTheLargeShapeAndNotWithSmallBumps) {
+TEST(LedPoint, FollowsShapeAndSmoothsBumps) {
     for (const double frequency : {0.25, 2.0, 10.0}) {
         const double x = 2 * pi * frequency * times.along_s;
         EXPECT_NEAR(swing(frequency), 0.001 / (1 + x * x), 3e-6) << frequency;  // held goals: nearly this
     }
 }
 
-TEST(LedPoint, IsNeverFasterThanItMayBeAndNeverGoesTooFar) {
+TEST(LedPoint, NeverExceedsSpeedOrOvershoots) {
     for (const double max_speed : {0.1, 1.0, 5.0}) {
         LedPoint point(times, tick);
         const glm::dvec3 goal(0.3, 0.2, -0.5);
@@ -391,7 +391,7 @@ TEST(LedPoint, IsNeverFasterThanItMayBeAndNeverGoesTooFar) {
     }
 }
 
-TEST(LedPoint, ATurnOfTheViewDoesNotMoveIt) {
+TEST(LedPoint, ViewRotationCausesNoMotion) {
     LedPoint still(times, tick), moving(times, tick);
     for (int k = 0; k < 100; ++k) {
         const glm::dvec3 along(sine(0.1 * k), 0, -cosine(0.1 * k));
@@ -403,11 +403,11 @@ TEST(LedPoint, ATurnOfTheViewDoesNotMoveIt) {
     }
 }
 
-TEST(LedPoint, IsTheSameBitsEverywhere) {
+TEST(LedPoint, IsBitIdenticalEverywhere) {
     LedPoint point({0.025, 0.09}, tick);
     const glm::dvec3 along(0.6, 0, -0.8);
     for (int k = 0; k < 150; ++k) point.follow({0.01 + 1e-5 * k, 0.02, -0.03}, along, 0.3);
-    // Of GCC and Clang, with and without optimisation.
+    // The bits of GCC and Clang, with and without optimisation.
     EXPECT_EQ(point.place(), glm::dvec3(0x1.a67e41bc62aa8p-10, 0x1.413ff5415eb9cp-6, -0x1.1913c64c6fed4p-6));
     EXPECT_EQ(point.velocity(),
               glm::dvec3(0x1.103cd07e1cc86p-4, 0x1.b5d01460bc636p-7, -0x1.62e2c610b3f8fp-4));
@@ -420,7 +420,7 @@ FakeProbe speck_at(double at_x, double at_y) {
     });
 }
 
-TEST(NearestSurface, IsTheStartWhereThereIsOne) {
+TEST(NearestSurface, ReturnsStartOnSurface) {
     const FakeProbe probe = flat_view();
     const auto found = nearest_surface(probe, {10.25, 20.5}, middle_of(probe, 1));
     ASSERT_TRUE(found);
@@ -428,7 +428,7 @@ TEST(NearestSurface, IsTheStartWhereThereIsOne) {
     EXPECT_EQ(found->depth, 800);
 }
 
-TEST(NearestSurface, FindsASinglePixelAnywhereInTheBox) {
+TEST(NearestSurface, FindsSinglePixelInBox) {
     for (const glm::dvec2 at :
          {glm::dvec2(0, 0), {639, 479}, {639, 0}, {0, 479}, {320, 240}, {321, 7}, {3, 240}}) {
         const FakeProbe probe = speck_at(at.x, at.y);
@@ -439,12 +439,12 @@ TEST(NearestSurface, FindsASinglePixelAnywhereInTheBox) {
     }
 }
 
-TEST(NearestSurface, LooksNowhereOutsideTheBox) {
+TEST(NearestSurface, IgnoresPixelsOutsideBox) {
     const FakeProbe probe = speck_at(10, 10);
     EXPECT_FALSE(nearest_surface(probe, {320, 240}, middle_of(probe, 0.5)));
 }
 
-TEST(NearestSurface, PrefersTheClosestOfARing) {
+TEST(NearestSurface, PrefersClosestInRing) {
     const FakeProbe probe = camera_view([](double x, double y) -> std::optional<double> {
         if (x == 326 && y == 246) return 1.0;
         if (x == 314 && y == 240) return 2.0;
@@ -453,7 +453,7 @@ TEST(NearestSurface, PrefersTheClosestOfARing) {
     EXPECT_EQ(nearest_surface(probe, {320, 240}, middle_of(probe, 1))->depth, 2.0);
 }
 
-TEST(MiddleOf, IsCentredAndScaled) {
+TEST(PictureMiddle, IsCentredAndScaled) {
     const FakeProbe probe = flat_view();
     const HandArea whole = middle_of(probe, 1), half = middle_of(probe, 0.5);
     EXPECT_EQ(whole.least, glm::dvec2(0, 0));
@@ -462,7 +462,7 @@ TEST(MiddleOf, IsCentredAndScaled) {
     EXPECT_EQ(half.greatest, glm::dvec2(479.25, 359.25));
 }
 
-TEST(Workspace, DefaultSpansSixteenCentimetresAtTheMedianDepth) {
+TEST(Workspace, DefaultSpansSixteenCentimetres) {
     const Workspace workspace = default_workspace(640, 500, 800);
     EXPECT_EQ(workspace.origin, glm::dvec3(0, 0, -800));
     EXPECT_EQ(device_depth(workspace), 800);
@@ -473,7 +473,7 @@ TEST(Workspace, DefaultSpansSixteenCentimetresAtTheMedianDepth) {
     EXPECT_NEAR(right.z, 0, 1e-15);
 }
 
-TEST(Workspace, GoesThereAndBack) {
+TEST(Workspace, RoundTripKeepsPosition) {
     const Workspace workspace{0.004, {1, 2, -30}};
     const glm::dvec3 there = workspace.to_scene({0.008, -0.004, 0.02});
     EXPECT_NEAR(there.x, 3, 1e-12);
@@ -482,7 +482,7 @@ TEST(Workspace, GoesThereAndBack) {
     EXPECT_NEAR(workspace.to_device(there).z, 0.02, 1e-15);
 }
 
-/// Of a plane at 800 mm; a millimetre of the scene is one of the device.
+/// Goals about a plane at 800 mm; a millimetre of the scene is one of the device.
 class WatchedGoals : public ::testing::Test {
 protected:
     void look(int times, const glm::dvec3& goal) {
@@ -504,7 +504,7 @@ protected:
         "1.0 % of the goals lie outside the picture, where there is only the wall around it"};
 };
 
-TEST_F(WatchedGoals, FarBelowIsMoreThanTenMillimetres) {
+TEST_F(WatchedGoals, ReportsGoalsFarBelowSurface) {
     look(100, below(9.9));
     EXPECT_TRUE(watch.remarks().empty());
     look(1, below(10.1));
@@ -514,13 +514,13 @@ TEST_F(WatchedGoals, FarBelowIsMoreThanTenMillimetres) {
     EXPECT_EQ(watch.remarks(), far_below) << "two of 200";
 }
 
-TEST_F(WatchedGoals, ThePicturesEdgeIsInIt) {
+TEST_F(WatchedGoals, CountsEdgeAsInside) {
     look(96, at(320, 240));
     for (const auto& [x, y] : {std::pair{0, 0}, {639, 0}, {0, 479}, {639, 479}}) look(25, at(x, y));
     EXPECT_TRUE(watch.remarks().empty());
 }
 
-TEST_F(WatchedGoals, WhatIsBesideThePictureOrBehindTheCameraOrNowhereIsOutside) {
+TEST_F(WatchedGoals, ReportsGoalsOutsidePicture) {
     constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
     for (const glm::dvec3& goal : {at(-0.5, 240), at(639.5, 240), at(320, -0.5), at(320, 479.5),
                                    glm::dvec3(0, 0, 5), glm::dvec3(0, 0, 0), glm::dvec3(nowhere)}) {
@@ -539,7 +539,7 @@ namespace {
 
 constexpr std::int64_t tick_ns = 1'000'000;
 
-TEST(PlausibleMotion, BelievesAHandThatMoves) {
+TEST(PlausibleMotion, AcceptsMovingHand) {
     PlausibleMotion motion;
     for (std::int64_t tick = 1; tick <= 1000; ++tick)
         ASSERT_TRUE(
@@ -547,7 +547,7 @@ TEST(PlausibleMotion, BelievesAHandThatMoves) {
             << tick;
 }
 
-TEST(PlausibleMotion, LeavesOutOneDamagedPlaceAndGoesOn) {
+TEST(PlausibleMotion, SkipsSingleBadPosition) {
     PlausibleMotion motion;
     ASSERT_TRUE(motion.believe({0, 0, 0}, 1 * tick_ns));
     EXPECT_FALSE(motion.believe({0.131, 0, 0}, 2 * tick_ns));
@@ -558,7 +558,7 @@ TEST(PlausibleMotion, LeavesOutOneDamagedPlaceAndGoesOn) {
     EXPECT_EQ(next->x, 0.001);
 }
 
-TEST(PlausibleMotion, AFingerThatIsElsewhereIsLostFirst) {
+TEST(PlausibleMotion, AcceptsNewPositionAfterDelay) {
     PlausibleMotion motion;
     ASSERT_TRUE(motion.believe({0, 0, 0}, 1 * tick_ns));
     for (std::int64_t tick = 2; tick < 152; ++tick)
@@ -566,14 +566,14 @@ TEST(PlausibleMotion, AFingerThatIsElsewhereIsLostFirst) {
     EXPECT_TRUE(motion.believe({0.3, 0, 0}, 152 * tick_ns));
 }
 
-TEST(PlausibleMotion, PlacesThatLeapAboutAreNeverBelieved) {
+TEST(PlausibleMotion, RejectsJumpingPositions) {
     PlausibleMotion motion;
     ASSERT_TRUE(motion.believe({0, 0, 0}, 1 * tick_ns));
     for (std::int64_t tick = 2; tick < 1000; ++tick)
         EXPECT_FALSE(motion.believe({tick % 2 == 0 ? 0.3 : -0.3, 0, 0}, tick * tick_ns));
 }
 
-TEST(PlausibleMotion, AGapIsNoLicenceToLeap) {
+TEST(PlausibleMotion, RejectsJumpAfterGap) {
     PlausibleMotion motion;
     ASSERT_TRUE(motion.believe({0, 0, 0}, 1 * tick_ns));
     EXPECT_FALSE(motion.believe({0.06, 0, 0}, 1000 * tick_ns));
@@ -582,7 +582,7 @@ TEST(PlausibleMotion, AGapIsNoLicenceToLeap) {
 }
 
 /// docs/devices.md: 5 m/s, and 52 mm after any gap; 2 mm of them are slack.
-TEST(PlausibleMotion, AHandGoesFiveMetresASecondAndNoFartherThan52MillimetresUnseen) {
+TEST(PlausibleMotion, LimitsSpeedAndUnseenDistance) {
     const auto believes = [](double metres, std::int64_t ms) {
         PlausibleMotion motion;
         EXPECT_TRUE(motion.believe({0, 0, 0}, tick_ns));
@@ -598,7 +598,7 @@ TEST(PlausibleMotion, AHandGoesFiveMetresASecondAndNoFartherThan52MillimetresUns
     }
 }
 
-TEST(PlausibleMotion, NothingIsBeyondTheRoom) {
+TEST(PlausibleMotion, RejectsPositionsBeyondRoom) {
     PlausibleMotion motion;
     EXPECT_FALSE(motion.believe({0, 5.1, 0}, 1 * tick_ns));
     EXPECT_TRUE(motion.believe({0, 4.9, 0}, 2 * tick_ns));
@@ -649,7 +649,7 @@ void expect_proper(const glm::dmat3& r) {
     EXPECT_NEAR(glm::determinant(r), 1, 1e-14);
 }
 
-TEST(PrincipalRotation, IsProperAndOrdersTheVariances) {
+TEST(PrincipalRotation, IsProperAndOrdersVariances) {
     for (unsigned seed = 0; seed < 50; ++seed) {
         Points points = cloud(some_rotation(seed), {0.2, 0.1, 0.01}, seed);
         const glm::dmat3 rotation = principal_rotation(points);
@@ -662,7 +662,7 @@ TEST(PrincipalRotation, IsProperAndOrdersTheVariances) {
     }
 }
 
-TEST(PrincipalRotation, LargestComponentOfTheFirstTwoAxesIsPositive) {
+TEST(PrincipalRotation, LargestAxisComponentIsPositive) {
     for (unsigned seed = 0; seed < 50; ++seed) {
         const glm::dmat3 rotation = principal_rotation(cloud(some_rotation(seed), {0.2, 0.1, 0.01}, seed));
         for (int axis = 0; axis < 2; ++axis) {
@@ -674,12 +674,12 @@ TEST(PrincipalRotation, LargestComponentOfTheFirstTwoAxesIsPositive) {
     }
 }
 
-TEST(PrincipalRotation, AxesThatAreThereAlreadyStay) {
+TEST(PrincipalRotation, KeepsAlignedAxes) {
     const Points points{{2, 0, 0}, {-2, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 0.5}, {0, 0, -0.5}};
     EXPECT_EQ(principal_rotation(points), glm::dmat3(1.0));
 }
 
-TEST(PrincipalRotation, FlatLinearAndSinglePointsGiveProperRotations) {
+TEST(PrincipalRotation, HandlesDegenerateClouds) {
     expect_proper(principal_rotation(Points{{1, 2, 3}}));
     expect_proper(principal_rotation(Points{{0, 0, 0}, {1, 2, 3}}));
     expect_proper(principal_rotation(Points{{0, 0, 0}, {1, 2, 3}, {3, 2, 1}}));

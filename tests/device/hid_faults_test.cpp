@@ -152,17 +152,17 @@ private:
     std::int64_t looked_ns_ = 0;
 };
 
-TEST(WoodenFaults, AtRandomMoments) {
+TEST(WoodenFaults, NeverCauseUnsafeForce) {
     FaultyWooden wooden;
     run_fault_sessions(wooden);
 }
 
-TEST(WoodenFaults, ForceAfterSilence) {
+TEST(WoodenFaults, ForceReturnsAfterShortSilence) {
     FaultyWooden wooden;
     expect_force_after_silence(wooden);
 }
 
-TEST(SpaceMouseFaults, AtRandomMoments) {
+TEST(SpaceMouseFaults, NeverCauseStalePosition) {
     FaultySpaceMouse puck;
     run_fault_sessions(puck);
 }
@@ -181,7 +181,7 @@ void lay_node(const fs::path& root, const std::string& node, const std::string& 
     std::ofstream(device / "uevent") << uevent;
 }
 
-TEST(HidNode, IdsAndNameAreReadFromTheUevent) {
+TEST(HidNode, ReadsIdsAndName) {
     const auto node = read_hid_uevent(
         "DRIVER=hid-generic\nHID_ID=0003:0000256F:0000C635\nHID_NAME=3Dconnexion SpaceMouse Compact\n"
         "HID_PHYS=usb-0000:00:14.0-2/input0\nHID_UNIQ=\nMODALIAS=hid:b0003g0001v0000256Fp0000C635\n");
@@ -192,13 +192,13 @@ TEST(HidNode, IdsAndNameAreReadFromTheUevent) {
     EXPECT_EQ(node->name, "3Dconnexion SpaceMouse Compact");
 }
 
-TEST(HidNode, TextWithoutIdsIsNone) {
+TEST(HidNode, RejectsTextWithoutIds) {
     for (const char* text : {"", "\n\n", "HID_NAME=x\n", "HID_ID=\n", "HID_ID=0003:256F\n", "HID_ID=g:h:i\n",
                              "HID_ID=0003:0001256F:0000C635\n", "HID_ID=0003:0000256F:0000C635:1\n"})
         EXPECT_FALSE(read_hid_uevent(text)) << text;
 }
 
-TEST(HidNode, NodesStandByTheirNumbersAndAreFoundByIds) {
+TEST(HidNode, ListsAndFindsNodes) {
     const test::TemporaryFolder root;
     lay_node(root.path(), "hidraw10", "HID_ID=0003:0000256F:0000C635\nHID_NAME=later\n");
     lay_node(root.path(), "hidraw9", "HID_ID=0005:0000256F:0000C63A\nHID_NAME=sooner\n");
@@ -216,12 +216,12 @@ TEST(HidNode, NodesStandByTheirNumbersAndAreFoundByIds) {
     EXPECT_FALSE(find_hid_node([](std::uint16_t, std::uint16_t) { return false; }, root.path()));
 }
 
-TEST(HidNode, ASystemWithoutHidHasNone) {
+TEST(HidNode, IsAbsentWithoutHid) {
     const test::TemporaryFolder root;
     EXPECT_TRUE(hid_nodes(root.path()).empty());
 }
 
-TEST(HidTransport, WhatIsNoHidDeviceIsRefusedInALine) {
+TEST(HidTransport, RejectsNonHidFiles) {
     const TemporaryFile file("plain", "text");
     for (const std::string& node : {std::string("/dev/hidraw-none"), file.path(), std::string("/dev/null")}) {
         const auto opened = HidTransport::open(node);
@@ -233,7 +233,7 @@ TEST(HidTransport, WhatIsNoHidDeviceIsRefusedInALine) {
 }
 
 /// A device that is lost and found again often has its old descriptor's number.
-TEST(ZeroForcePacket, GoesToTheDeviceThatCameBackUnderTheSameNumber) {
+TEST(ZeroForcePacket, ReachesDeviceAfterReplug) {
     int lost[2], found[2];
     ASSERT_EQ(pipe(lost), 0);
     ASSERT_EQ(pipe(found), 0);
@@ -270,24 +270,24 @@ SpaceMouseReport decoded(std::initializer_list<int> bytes) {
     return report ? *report : SpaceMouseReport{};
 }
 
-TEST(SpaceMouseProtocol, TranslationIsThreeIntegersWithTheLowByteFirst) {
+TEST(SpaceMouseProtocol, DecodesLittleEndianTranslation) {
     const auto report = decoded({0x01, 0x5e, 0x01, 0xa2, 0xfe, 0xff, 0xff});
     EXPECT_EQ(report.translation, glm::ivec3(350, -350, -1));
     EXPECT_FALSE(report.buttons);
 }
 
-TEST(SpaceMouseProtocol, SomeModelsSendTheRotationBehindIt) {
+TEST(SpaceMouseProtocol, IgnoresRotationBehindTranslation) {
     const auto report =
         decoded({0x01, 0x0a, 0x00, 0x00, 0x00, 0xf6, 0xff, 0x5e, 0x01, 0x5e, 0x01, 0x5e, 0x01});
     EXPECT_EQ(report.translation, glm::ivec3(10, 0, -10));
 }
 
-TEST(SpaceMouseProtocol, RotationIsNoTranslation) {
+TEST(SpaceMouseProtocol, IgnoresRotationReport) {
     const auto report = decoded({0x02, 0x00, 0x00, 0xe2, 0xff, 0x00, 0x00});
     EXPECT_FALSE(report.translation || report.buttons);
 }
 
-TEST(SpaceMouseProtocol, ButtonsAreBits) {
+TEST(SpaceMouseProtocol, DecodesButtonBits) {
     EXPECT_EQ(decoded({0x03, 0x01, 0x00}).buttons, 1u);
     EXPECT_EQ(decoded({0x03, 0x02, 0x00}).buttons, 2u);
     EXPECT_EQ(decoded({0x03, 0x03, 0x00}).buttons, 3u);
@@ -295,12 +295,12 @@ TEST(SpaceMouseProtocol, ButtonsAreBits) {
     EXPECT_EQ(decoded({0x03, 0x00, 0x10, 0x00, 0x80, 0xff, 0xff}).buttons, 0x80001000u);
 }
 
-TEST(SpaceMouseProtocol, ABatteryTellsNothing) {
+TEST(SpaceMouseProtocol, IgnoresBatteryReport) {
     const auto report = decoded({0x17, 0x64});
     EXPECT_FALSE(report.translation || report.buttons);
 }
 
-TEST(SpaceMouseProtocol, WhatIsTooShortIsRefused) {
+TEST(SpaceMouseProtocol, RejectsShortReports) {
     EXPECT_FALSE(decode_spacemouse_report({}));
     EXPECT_FALSE(decode_spacemouse_report(bytes_of({3})));
     for (const int number : {1, 2}) {
@@ -311,7 +311,7 @@ TEST(SpaceMouseProtocol, WhatIsTooShortIsRefused) {
     }
 }
 
-TEST(SpaceMouseProtocol, IdsAreThoseOfPucksAndNotOfMice) {
+TEST(SpaceMouseProtocol, DistinguishesPucksFromMice) {
     EXPECT_TRUE(is_spacemouse(0x046d, 0xc626));   // SpaceNavigator
     EXPECT_TRUE(is_spacemouse(0x046d, 0xc62b));   // SpaceMouse Pro
     EXPECT_TRUE(is_spacemouse(0x256f, 0xc635));   // SpaceMouse Compact
@@ -322,7 +322,7 @@ TEST(SpaceMouseProtocol, IdsAreThoseOfPucksAndNotOfMice) {
     EXPECT_FALSE(is_spacemouse(0x0403, 0xcb48));
 }
 
-TEST(SpaceMouseMotion, AFullPushIsTheSpeedAlongEachAxis) {
+TEST(SpaceMouseMotion, FullPushMovesAtSpeed) {
     const std::pair<glm::ivec3, glm::dvec3> pushes[] = {
         {{350, 0, 0}, {0.02, 0, 0}}, {{0, 350, 0}, {0, 0, 0.02}}, {{0, 0, 350}, {0, -0.02, 0}}};
     for (const auto& [counts, metres] : pushes) {
@@ -332,13 +332,13 @@ TEST(SpaceMouseMotion, AFullPushIsTheSpeedAlongEachAxis) {
     }
 }
 
-TEST(SpaceMouseMotion, ADiagonalPushIsNotFaster) {
+TEST(SpaceMouseMotion, DiagonalPushIsNotFaster) {
     SpaceMouseMotion motion({0.1, 0.08}, 0);
     motion.deflect({350, 350, -350}, 0);
     EXPECT_NEAR(glm::length(motion.place(100 * ms)), 0.01, 1e-12);
 }
 
-TEST(SpaceMouseMotion, ARestingHandDoesNotMoveIt) {
+TEST(SpaceMouseMotion, DeadZoneIgnoresRestingHand) {
     SpaceMouseMotion motion({0.1, 0.08}, 0);
     motion.deflect({10, -10, 8}, 0);  // 16.2 counts long; the dead zone is 17.5
     EXPECT_EQ(motion.place(200 * ms), glm::dvec3(0));
@@ -347,7 +347,7 @@ TEST(SpaceMouseMotion, ARestingHandDoesNotMoveIt) {
     EXPECT_NEAR(motion.place(300 * ms).z, 0.1 * 0.1 * (184 - 17.5) / (350 - 17.5), 1e-12);
 }
 
-TEST(SpaceMouseMotion, SilenceIsAReleasedPuck) {
+TEST(SpaceMouseMotion, SilenceMeansReleasedPuck) {
     SpaceMouseMotion motion({0.1, 0.08}, 0);
     motion.deflect({350, 0, 0}, 0);
     EXPECT_NEAR(motion.place(199 * ms).x, 0.0199, 1e-12);
@@ -356,7 +356,7 @@ TEST(SpaceMouseMotion, SilenceIsAReleasedPuck) {
     EXPECT_NEAR(motion.place(6010 * ms).x, 0.021, 1e-12);
 }
 
-TEST(SpaceMouseMotion, SkippedTurnsDoNotChangeTheWay) {
+TEST(SpaceMouseMotion, SkippedTurnsKeepDistance) {
     SpaceMouseMotion often({0.1, 0.08}, 0), seldom({0.1, 0.08}, 0);
     often.deflect({200, 0, 0}, 0);
     seldom.deflect({200, 0, 0}, 0);
@@ -364,7 +364,7 @@ TEST(SpaceMouseMotion, SkippedTurnsDoNotChangeTheWay) {
     EXPECT_NEAR(often.place(150 * ms).x, seldom.place(150 * ms).x, 1e-12);
 }
 
-TEST(SpaceMouseMotion, ItStaysWithinReach) {
+TEST(SpaceMouseMotion, StaysWithinReach) {
     SpaceMouseMotion motion({1, 0.05}, 0);
     for (int turn = 0; turn < 100; ++turn) motion.deflect({350, 350, 350}, turn * 100 * ms);
     EXPECT_EQ(motion.place(10'000 * ms), glm::dvec3(0.05, -0.05, 0.05));
@@ -372,7 +372,7 @@ TEST(SpaceMouseMotion, ItStaysWithinReach) {
     EXPECT_NEAR(motion.place(10'010 * ms).x, 0.04, 1e-12);
 }
 
-TEST(SpaceMouseKeys, AreReadAndRefused) {
+TEST(SpaceMouseKeys, AreReadOrRejected) {
     const auto given = read_spacemouse_settings("speed=0.25,reach=0.05,node=/dev/hidraw7");
     ASSERT_TRUE(given);
     EXPECT_EQ(given->pace.speed, 0.25);
@@ -400,7 +400,7 @@ struct Puck {
     }
 };
 
-TEST(SpaceMouseDriver, APuckAtRestIsSilentAndThere) {
+TEST(SpaceMouseDriver, SilentPuckStaysConnected) {
     Puck puck;
     ASSERT_TRUE(puck.driver.connect());
     for (int turn = 0; turn < 5000; ++turn) ASSERT_TRUE(puck.receive());
@@ -412,7 +412,7 @@ TEST(SpaceMouseDriver, APuckAtRestIsSilentAndThere) {
     EXPECT_GT(puck.driver.limits().max_stiffness, 0);
 }
 
-TEST(SpaceMouseDriver, PushesMoveItAndButtonsArePressed) {
+TEST(SpaceMouseDriver, ReadsPushesAndButtons) {
     Puck puck;
     ASSERT_TRUE(puck.driver.connect());
     puck.wire->lay(bytes_of({0x01, 0x5e, 0x01, 0, 0, 0, 0}));
@@ -426,7 +426,7 @@ TEST(SpaceMouseDriver, PushesMoveItAndButtonsArePressed) {
     EXPECT_NEAR(puck.sample.metres[0].x, 0.005, 1e-9);
 }
 
-TEST(SpaceMouseDriver, DamagedReportsAreLeftOut) {
+TEST(SpaceMouseDriver, SkipsDamagedReports) {
     Puck puck;
     ASSERT_TRUE(puck.driver.connect());
     puck.wire->lay(bytes_of({0x01, 0x5e, 0x01}));
@@ -437,7 +437,7 @@ TEST(SpaceMouseDriver, DamagedReportsAreLeftOut) {
     EXPECT_EQ(puck.sample.metres[0], glm::dvec3(0));
 }
 
-TEST(SpaceMouseDriver, OneThatIsPulledOutIsGoneAndComesBack) {
+TEST(SpaceMouseDriver, ReconnectsAfterUnplugging) {
     Puck puck;
     ASSERT_TRUE(puck.driver.connect());
     puck.wire->unplug();
@@ -448,7 +448,7 @@ TEST(SpaceMouseDriver, OneThatIsPulledOutIsGoneAndComesBack) {
     EXPECT_TRUE(puck.receive());
 }
 
-TEST(SpaceMouseDriver, TheHapticThreadHasAPlaceWhileThePuckRests) {
+TEST(SpaceMouseDriver, RestingPuckHasPosition) {
     auto wire = std::make_shared<FakeWire>();
     wire->waits = true;
     DrivenDevice device(std::make_unique<SpaceMouseDriver>(

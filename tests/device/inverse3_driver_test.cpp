@@ -21,13 +21,13 @@ using std::chrono::microseconds;
 
 constexpr microseconds no_time{0};
 
-/// What went over the wire, and what comes next.
+/// The messages that went over the wire, and those that come next.
 struct Wire {
     std::vector<std::string> sent;
     std::deque<std::string> coming;
     std::string version = R"({"project_version":"3.5.0.0"})";
     std::string scale = "0.5";  // its force scale
-    std::int64_t now_ns = 1;    // passes where somebody waits for what does not come
+    std::int64_t now_ns = 1;    // passes in a wait for what does not come
     bool answers = true;        // each message with `state`
     bool broken = false;
     std::string state = arm_text("049D", "");
@@ -101,7 +101,7 @@ struct Driven {
     }
 };
 
-TEST(Inverse3Driver, TellsThePlaceFromTheCentreOfItsWorkspace) {
+TEST(Inverse3Driver, MeasuresPositionFromWorkspaceCentre) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     EXPECT_EQ(driven.wire.sent, std::vector<std::string>{zero_force}) << "unpowered before all else";
@@ -116,7 +116,7 @@ TEST(Inverse3Driver, TellsThePlaceFromTheCentreOfItsWorkspace) {
     EXPECT_FALSE(*driven.driver.receive(sample, no_time)) << "one answer to one message";
 }
 
-TEST(Inverse3Driver, TheLastThatGoesOutIsZero) {
+TEST(Inverse3Driver, DisconnectSendsZeroForce) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     ASSERT_TRUE(driven.push({0, 0, 4}));
@@ -129,7 +129,7 @@ TEST(Inverse3Driver, TheLastThatGoesOutIsZero) {
     EXPECT_FALSE(driven.push({0, 0, 0}));
 }
 
-TEST(Inverse3Driver, TheZeroForcePacketIsTheZeroForceAsAFrame) {
+TEST(Inverse3Driver, FramesZeroForcePacket) {
     Driven driven;
     EXPECT_FALSE(driven.driver.zero_force_packet());
     ASSERT_TRUE(driven.connect());
@@ -147,7 +147,7 @@ TEST(Inverse3Driver, TheZeroForcePacketIsTheZeroForceAsAFrame) {
     EXPECT_FALSE(driven.driver.zero_force_packet());
 }
 
-TEST(Inverse3Driver, AServiceThatDoesNotAnswerIsNotFilledButHearsTheZero) {
+TEST(Inverse3Driver, LimitsMessagesToSilentService) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     driven.wire.answers = false;
@@ -159,7 +159,7 @@ TEST(Inverse3Driver, AServiceThatDoesNotAnswerIsNotFilledButHearsTheZero) {
     EXPECT_EQ(driven.wire.sent.back(), zero_force);
 }
 
-TEST(Inverse3Driver, AServiceThatDoesNotAnswerForHalfASecondIsGone) {
+TEST(Inverse3Driver, DropsSilentService) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     driven.wire.answers = false;
@@ -175,7 +175,7 @@ TEST(Inverse3Driver, AServiceThatDoesNotAnswerForHalfASecondIsGone) {
     EXPECT_NE(gone.error().message.find("has not answered for half a second"), std::string::npos);
 }
 
-TEST(Inverse3Driver, AServiceThatMakesForcesLongerIsGivenShorterOnes) {
+TEST(Inverse3Driver, CompensatesForceScaleAboveOne) {
     for (const auto& [scale, sent] : {std::pair{"2.0", R"("z":2.0)"}, {"0.5", R"("z":4.0)"}}) {
         Driven driven;
         driven.wire.scale = scale;
@@ -185,7 +185,7 @@ TEST(Inverse3Driver, AServiceThatMakesForcesLongerIsGivenShorterOnes) {
     }
 }
 
-TEST(Inverse3Driver, OfLateAnswersTheNewestCounts) {
+TEST(Inverse3Driver, TakesNewestLateAnswer) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     driven.wire.coming = {
@@ -198,7 +198,7 @@ TEST(Inverse3Driver, OfLateAnswersTheNewestCounts) {
 }
 
 /// Answers to another process, which spoke to the service while this one stood still.
-TEST(Inverse3Driver, WhatCameWhileNobodyAskedIsForgotten) {
+TEST(Inverse3Driver, ForgetsAnswersToOtherProcess) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     driven.wire.answers = false;
@@ -215,7 +215,7 @@ TEST(Inverse3Driver, WhatCameWhileNobodyAskedIsForgotten) {
     EXPECT_FALSE(*came);
 }
 
-TEST(Inverse3Driver, NonsenseIsLeftOutUntilItIsTooMuch) {
+TEST(Inverse3Driver, ToleratesLimitedNonsense) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     DeviceSample sample;
@@ -231,7 +231,7 @@ TEST(Inverse3Driver, NonsenseIsLeftOutUntilItIsTooMuch) {
     EXPECT_FALSE(driven.driver.receive(sample, no_time));
 }
 
-TEST(Inverse3Driver, AnArmThatIsGoneIsAFaultAndACutWireToo) {
+TEST(Inverse3Driver, ReportsLostArmAndConnection) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     driven.wire.coming = {R"({"inverse3":[]})"};
@@ -248,7 +248,7 @@ TEST(Inverse3Driver, AnArmThatIsGoneIsAFaultAndACutWireToo) {
     EXPECT_TRUE(driven.connect()) << "and it is found again";
 }
 
-TEST(Inverse3Driver, AnArmThatIsNotCalibratedHasNoPlaceAndSaysSo) {
+TEST(Inverse3Driver, UncalibratedArmHasNoPosition) {
     Driven driven;
     ASSERT_TRUE(driven.connect());
     const auto tells = [&](const std::string& status) {
@@ -266,7 +266,7 @@ TEST(Inverse3Driver, AnArmThatIsNotCalibratedHasNoPlaceAndSaysSo) {
               "the Haply service multiplies forces by 0.5; change it in Haply Hub if that is not meant");
 }
 
-TEST(Inverse3Driver, SaysWhichServiceItSpeaksWith) {
+TEST(Inverse3Driver, DescribesItsService) {
     Driven driven;
     driven.wire.state = Wire::arm_text("049D", R"("config":{"filters":{"force_gate":{"gain":0.3}}},)");
     EXPECT_EQ(driven.driver.service_in_words(), "");
@@ -275,7 +275,7 @@ TEST(Inverse3Driver, SaysWhichServiceItSpeaksWith) {
               "Inverse3 049D, Haply Inverse Service 3.5: force gate 0.3, force scale 0.5");
 }
 
-TEST(Inverse3Driver, RefusesWhatItDoesNotKnow) {
+TEST(Inverse3Driver, RejectsUnknownServices) {
     {
         Driven driven;
         driven.wire.version = R"({"project_version":"4.0.1.0"})";
@@ -305,7 +305,7 @@ TEST(Inverse3Driver, RefusesWhatItDoesNotKnow) {
     }
 }
 
-TEST(Inverse3Driver, AVersionThatIsGivenIsNotAskedFor) {
+TEST(Inverse3Driver, GivenVersionSkipsQuery) {
     Driven driven(*read_inverse3_choice("service=3.4"));
     driven.wire.version = "";
     ASSERT_TRUE(driven.connect());
@@ -313,7 +313,7 @@ TEST(Inverse3Driver, AVersionThatIsGivenIsNotAskedFor) {
 }
 
 /// Short, corrupt, repeated, late, lost and cut at random moments.
-TEST(Inverse3Driver, WhateverComesItEndsWithZeroAndTellsNumbers) {
+TEST(Inverse3Driver, RandomFaultsEndWithZero) {
     int losses = 0;
     for (unsigned seed = 1; seed <= 4; ++seed) {
         SCOPED_TRACE("seed " + std::to_string(seed));
@@ -351,7 +351,7 @@ TEST(Inverse3Driver, WhateverComesItEndsWithZeroAndTellsNumbers) {
     EXPECT_GT(losses, 15);
 }
 
-TEST(Inverse3Driver, GivesUpConnectingWhenItIsToldTo) {
+TEST(Inverse3Driver, ConnectingCanBeCancelled) {
     Driven driven;
     driven.wire.state = "garbage";
     std::stop_source given_up;
@@ -468,12 +468,12 @@ private:
     std::int64_t gone_until_ns_ = 0;
 };
 
-TEST(Inverse3Faults, AtRandomMoments) {
+TEST(Inverse3Faults, NeverCauseUnsafeForce) {
     FaultyInverse3 arm;
     run_fault_sessions(arm);
 }
 
-TEST(Inverse3Faults, ForceAfterSilence) {
+TEST(Inverse3Faults, ForceReturnsAfterShortSilence) {
     FaultyInverse3 arm;
     expect_force_after_silence(arm);
 }
@@ -486,7 +486,7 @@ namespace {
 
 // Messages are written by hand, after the examples of the service's public pages.
 
-TEST(Inverse3Protocol, AForceIsTurnedToTheServicesAxes) {
+TEST(Inverse3Protocol, EncodesForceInServiceAxes) {
     // Ours x right, y up, z towards the person; the service's x right, y forward, z up.
     EXPECT_EQ(encode_inverse3_force(Inverse3Dialect::vector, "049D", {1.5, -2, 0.25}),
               R"({"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":{"vector":)"
@@ -499,7 +499,7 @@ TEST(Inverse3Protocol, AForceIsTurnedToTheServicesAxes) {
               R"({"x":0.0,"y":0.0,"z":0.0}}}}]})");
 }
 
-TEST(Inverse3Protocol, AnInventoryTellsArmsAndTheirSettings) {
+TEST(Inverse3Protocol, DecodesInventory) {
     const auto message = decode_inverse3_message(R"({"session_id": 7, "inverse3": [
         {"device_id": "049D",
          "config": {"type": "inverse3", "handedness": "right",
@@ -527,7 +527,7 @@ TEST(Inverse3Protocol, AnInventoryTellsArmsAndTheirSettings) {
     EXPECT_FALSE(message->arms[1].calibrated);
 }
 
-TEST(Inverse3Protocol, AStateBefore35IsRead) {
+TEST(Inverse3Protocol, DecodesStateBefore35) {
     const auto message = decode_inverse3_message(
         R"({"inverse3":[{"device_id":"04EA","state":{"angular_position":{"a0":-30.9,"a1":53.8,"a2":-6.6},)"
         R"("control_mode":"idle","current_cursor_force":{"x":0,"y":0,"z":0},)"
@@ -540,14 +540,14 @@ TEST(Inverse3Protocol, AStateBefore35IsRead) {
     EXPECT_EQ(message->buttons, 0b101u);
 }
 
-TEST(Inverse3Protocol, AWiredGripHasOneButton) {
+TEST(Inverse3Protocol, DecodesWiredGripButton) {
     const auto pressed = decode_inverse3_message(R"({"verse_grip":[{"state":{"button":true,"hall":1}}]})");
     ASSERT_TRUE(pressed);
     EXPECT_EQ(pressed->buttons, 1u);
     EXPECT_EQ(decode_inverse3_message(R"({"verse_grip":[{"state":{"button":1}}]})")->buttons, 0u);
 }
 
-TEST(Inverse3Protocol, WhatIsNoMessageIsRefused) {
+TEST(Inverse3Protocol, RejectsInvalidMessages) {
     for (const std::string text : {"", "{", "[]", "7", "null", "\"inverse3\"",
                                    "{\"inverse3\":[{\"device_id\":", "\xff\xfe", "{} {}"}) {
         const auto message = decode_inverse3_message(text);
@@ -559,7 +559,7 @@ TEST(Inverse3Protocol, WhatIsNoMessageIsRefused) {
     EXPECT_FALSE(decode_inverse3_message(std::string(100'000, '[') + std::string(100'000, ']')));
 }
 
-TEST(Inverse3Protocol, MembersOfAWrongTypeAreMissing) {
+TEST(Inverse3Protocol, IgnoresMembersOfWrongType) {
     for (const std::string arms :
          {R"(7)", R"({})", R"([7, null, "a"])", R"([{}])", R"([{"device_id": 7}])", R"([{"device_id": ""}])",
           R"([{"device_id": "a b"}])", R"([{"device_id": "ä"}])"}) {
@@ -584,7 +584,7 @@ TEST(Inverse3Protocol, MembersOfAWrongTypeAreMissing) {
         R"({"inverse3":[{"device_id":"1","state":{"cursor_position":{"x":1e999,"y":0,"z":0}}}]})"));
 }
 
-TEST(Inverse3Protocol, VersionsAreReadAndUnknownOnesRefusedByName) {
+TEST(Inverse3Protocol, RejectsUnknownVersionsByName) {
     const auto dialect = [](const char* words) {
         const auto version = parse_inverse3_version(words);
         EXPECT_TRUE(version) << words;
@@ -604,7 +604,7 @@ TEST(Inverse3Protocol, VersionsAreReadAndUnknownOnesRefusedByName) {
         EXPECT_FALSE(parse_inverse3_version(words)) << words;
 }
 
-TEST(Inverse3Protocol, TheVersionIsFoundInWhatTheServiceAnswers) {
+TEST(Inverse3Protocol, FindsVersionInAnswer) {
     const auto bare = decode_inverse3_version(
         R"({"git_branch":"main","git_describe":"3.5.0-2-gce34c39e","git_tag":"3.5.0","project_version":"3.5.0.0"})");
     ASSERT_TRUE(bare);
@@ -616,7 +616,7 @@ TEST(Inverse3Protocol, TheVersionIsFoundInWhatTheServiceAnswers) {
         EXPECT_FALSE(decode_inverse3_version(answer)) << answer;
 }
 
-TEST(Inverse3Protocol, TheForceScaleIsANumberOrNothing) {
+TEST(Inverse3Protocol, DecodesForceScale) {
     EXPECT_EQ(decode_force_scale(R"({"ok":true,"data":0.5})"), 0.5);
     EXPECT_EQ(decode_force_scale(R"({"ok":true,"data":{"value":2}})"), 2.0);
     EXPECT_EQ(decode_force_scale(R"({"devices/force_scale":0.25})"), 0.25);
@@ -630,7 +630,7 @@ std::vector<std::byte> bytes(std::initializer_list<int> values) {
     return made;
 }
 
-TEST(Inverse3Protocol, AFrameIsThatOfRfc6455) {
+TEST(Inverse3Protocol, FramesFollowRfc6455) {
     // Section 5.7: "A single-frame masked text message".
     EXPECT_EQ(web_socket_frame("Hello", 0x37fa213d),
               bytes({0x81, 0x85, 0x37, 0xfa, 0x21, 0x3d, 0x7f, 0x9f, 0x4d, 0x51, 0x58}));

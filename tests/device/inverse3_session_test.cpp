@@ -28,8 +28,8 @@ struct lws_context;
 
 namespace touchable::test {
 
-/// Haply's service as its public description has it, on a free port: it tells its inventory to whoever
-/// connects, and answers each message with one state. In the service's axes.
+/// Haply's service as its public description has it, on a free port: it tells its inventory to each
+/// client, and answers each message with one state. In the service's axes.
 class FakeHaplyService {
 public:
     struct Manner {
@@ -336,26 +336,26 @@ void play_a_session(FakeHaplyService::Manner manner) {
     EXPECT_EQ(service.misunderstood(), 0);
 }
 
-TEST(Inverse3Session, From35On) {
+TEST(Inverse3Session, SpeaksVersion35) {
     play_a_session({});
 }
 
-TEST(Inverse3Session, Before35) {
+TEST(Inverse3Session, SpeaksVersionBefore35) {
     play_a_session({.version = "3.3.2.0", .force_member = "values"});
 }
 
-TEST(Inverse3Session, SplitMessagesAndGarbageAndSlowAnswers) {
+TEST(Inverse3Session, ToleratesSplitAndGarbledAnswers) {
     play_a_session({.split = true, .garbage_each = 3, .answers_after_ms = 8});
 }
 
-TEST(Inverse3Session, LongForcesAreShortened) {
+TEST(Inverse3Session, ShortensLongForces) {
     FakeHaplyService service({});
     const auto device = device_at(service.port(), ",force=2");
     ASSERT_TRUE(device->open());
     EXPECT_TRUE(is_felt(*device, service, {0, 50, 0}, {0, 0, 2}));
 }
 
-TEST(Inverse3Session, OneOfTwoArmsIsChosen) {
+TEST(Inverse3Session, ChoosesOneOfTwoArms) {
     FakeHaplyService service({.ids = {"049D", "04BA"}});
     const auto opened = device_at(service.port())->open();
     ASSERT_FALSE(opened);
@@ -369,7 +369,7 @@ TEST(Inverse3Session, OneOfTwoArmsIsChosen) {
     for (const auto& force : service.forces()) EXPECT_EQ(force.id, "04BA");
 }
 
-TEST(Inverse3Session, AServiceThatRestartsIsFoundAgain) {
+TEST(Inverse3Session, ReconnectsAfterServiceRestart) {
     const std::uint16_t port = test::unused_port();
     auto service = std::make_unique<FakeHaplyService>(FakeHaplyService::Manner{}, port);
     DrivenSettings driven;
@@ -387,7 +387,7 @@ TEST(Inverse3Session, AServiceThatRestartsIsFoundAgain) {
     EXPECT_TRUE(is_felt(*device, *service, {0, 1, 0}, {0, 0, 1}));
 }
 
-TEST(Inverse3Session, NoServiceIsOneLine) {
+TEST(Inverse3Session, ReportsMissingService) {
     const std::uint16_t port = test::unused_port();
     const std::string where = "ws://localhost:" + std::to_string(port);
     for (const std::string more : {"", ",service=3.5"}) {
@@ -400,7 +400,7 @@ TEST(Inverse3Session, NoServiceIsOneLine) {
     }
 }
 
-/// Answers whoever connects with "403", as something else at that port might.
+/// A server that answers each client with "403", as another program at that port might.
 class SomethingElse {
 public:
     SomethingElse() : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
@@ -436,7 +436,7 @@ private:
     std::thread thread_;
 };
 
-TEST(Inverse3Session, SomethingElseAtThatPortIsNoService) {
+TEST(Inverse3Session, RejectsOtherServiceAtPort) {
     const SomethingElse there;
     const auto opened = device_at(there.port(), ",service=3.5")->open();
     ASSERT_FALSE(opened);
@@ -448,7 +448,7 @@ TEST(Inverse3Session, SomethingElseAtThatPortIsNoService) {
         << asked.error().message;
 }
 
-TEST(Inverse3Session, AnotherGenerationAndAServiceWithoutAVersionAreRefused) {
+TEST(Inverse3Session, RejectsUnsupportedServiceVersions) {
     FakeHaplyService next({.version = "4.1.0.0"});
     const auto opened = device_at(next.port())->open();
     ASSERT_FALSE(opened);
@@ -461,7 +461,7 @@ TEST(Inverse3Session, AnotherGenerationAndAServiceWithoutAVersionAreRefused) {
     EXPECT_TRUE(device_at(silent.port(), ",service=3.6")->open());
 }
 
-TEST(Inverse3Session, TheZeroForcePacketLeavesTheArmLimp) {
+TEST(Inverse3Session, ZeroForcePacketUnpowersArm) {
     FakeHaplyService service({});
     Inverse3Choice choice;
     Inverse3Driver driver(choice, std::make_unique<LocalHaplyService>(service.port()));

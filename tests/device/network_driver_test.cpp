@@ -43,7 +43,7 @@ public:
     Peer(const Peer&) = delete;
     Peer& operator=(const Peer&) = delete;
 
-    /// One to whom nobody listens is told so by an error of the next call.
+    /// A port without a listener shows as an error of the next call.
     void say(const std::vector<std::byte>& bytes) const {
         const auto whole = static_cast<ssize_t>(bytes.size());
         if (::send(socket_, bytes.data(), bytes.size(), 0) != whole) {
@@ -120,7 +120,7 @@ protected:
     NetworkDriver driver{settings, std::make_unique<UdpSocket>(), [this] { return now; }};
 };
 
-TEST_F(NetworkHand, TellsPlacesAndGetsForces) {
+TEST_F(NetworkHand, ExchangesPositionsAndForces) {
     const Peer peer(driver.port());
     EXPECT_NE(driver.prompt().find("waiting for a hand at UDP 127.0.0.1:"), std::string::npos);
     peer.say(1, {0.01, 0, 0});
@@ -143,7 +143,7 @@ bool takes_one_from_here(NetworkDriver& driver) {
     return came && *came;
 }
 
-TEST(NetworkHandFrom, OnlyPacketsOfTheAddressThatIsNamedCount) {
+TEST(NetworkAccess, AcceptsOnlyNamedAddress) {
     NetworkSettings settings{.listen = "0.0.0.0", .port = unused_port()};
     for (const auto& [from, counts] : {std::pair{"127.0.0.1", true}, std::pair{"192.0.2.7", false}}) {
         settings.from = from;
@@ -158,7 +158,7 @@ TEST(NetworkHandFrom, OnlyPacketsOfTheAddressThatIsNamedCount) {
     }
 }
 
-TEST(NetworkHandFrom, ThatAnybodyMayTouchIsSaidWhereThatIsSo) {
+TEST(NetworkAccess, WarnsWhenAnyoneMayConnect) {
     for (const auto& [listen, anybody] :
          {std::pair{"0.0.0.0", true}, std::pair{"::", true}, std::pair{"127.0.0.1", false},
           std::pair{"127.0.0.2", false}, std::pair{"::1", false}}) {
@@ -168,17 +168,17 @@ TEST(NetworkHandFrom, ThatAnybodyMayTouchIsSaidWhereThatIsSo) {
     }
 }
 
-TEST(NetworkHandFrom, ThatIsNoAddressIsRefused) {
+TEST(NetworkAccess, RejectsInvalidAddress) {
     const auto settings = read_network_settings("from=my-robot");
     ASSERT_FALSE(settings);
     EXPECT_EQ(settings.error().kind, ErrorKind::usage);
     EXPECT_NE(settings.error().message.find("from=my-robot"), std::string::npos) << settings.error().message;
     NetworkDriver driver({.listen = "127.0.0.1", .port = unused_port(), .from = "my-robot"});
-    EXPECT_FALSE(driver.connect()) << "and lets nobody touch";
+    EXPECT_FALSE(driver.connect()) << "and admits no hand";
 }
 
 /// While this process stood still.
-TEST_F(NetworkHand, PlacesThatWaitedAreForgottenAndAnswered) {
+TEST_F(NetworkHand, ForgetsQueuedPositionsButAnswers) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
@@ -192,7 +192,7 @@ TEST_F(NetworkHand, PlacesThatWaitedAreForgottenAndAnswered) {
     EXPECT_NE(driver.prompt(), "") << "it has said that it ends";
 }
 
-TEST_F(NetworkHand, TheNewestCountsWhateverOrderTheyComeIn) {
+TEST_F(NetworkHand, TakesNewestOfReorderedPackets) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
     peer.say(4, {0.04, 0, 0});
@@ -204,7 +204,7 @@ TEST_F(NetworkHand, TheNewestCountsWhateverOrderTheyComeIn) {
     EXPECT_TRUE(hears_nothing()) << "older than 4";
 }
 
-TEST_F(NetworkHand, ACounterComesRound) {
+TEST_F(NetworkHand, SequenceCounterWrapsAround) {
     const Peer peer(driver.port());
     peer.say(0xfffffffe, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
@@ -212,7 +212,7 @@ TEST_F(NetworkHand, ACounterComesRound) {
     EXPECT_TRUE(hears({0.02, 0, 0}));
 }
 
-TEST_F(NetworkHand, GarbageIsLeftOutAndNamed) {
+TEST_F(NetworkHand, SkipsAndNamesGarbage) {
     const Peer peer(driver.port());
     peer.say(std::vector<std::byte>(100, std::byte{7}));
     EXPECT_TRUE(hears_nothing());
@@ -228,7 +228,7 @@ TEST_F(NetworkHand, GarbageIsLeftOutAndNamed) {
     EXPECT_EQ(driver.left_out(), 4);
 }
 
-TEST_F(NetworkHand, ForcesAreNoPlaces) {
+TEST_F(NetworkHand, RejectsForcePackets) {
     const Peer peer(driver.port());
     NetworkPacket packet;
     packet.kind = NetworkPacket::Kind::forces;
@@ -238,7 +238,7 @@ TEST_F(NetworkHand, ForcesAreNoPlaces) {
     EXPECT_NE(driver.prompt().find("kind 1"), std::string::npos) << driver.prompt();
 }
 
-TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
+TEST_F(NetworkHand, CountsRejectedPackets) {
     EXPECT_EQ(driver.why_no_position(),
               "no hand ever came to UDP 127.0.0.1:" + std::to_string(driver.port()));
     const Peer peer(driver.port());
@@ -263,14 +263,14 @@ TEST_F(NetworkHand, WhatCameIsCountedWhereNoHandDid) {
     for (int size = 1; size < 40; ++size) peer.say(std::vector<std::byte>(static_cast<std::size_t>(size)));
     EXPECT_TRUE(hears_nothing());
     EXPECT_NE(driver.why_no_position().find("and others ("), std::string::npos) << driver.why_no_position();
-    EXPECT_LT(driver.why_no_position().size(), 1500u) << "whatever somebody sends";
+    EXPECT_LT(driver.why_no_position().size(), 1500u) << "for any packets";
     EXPECT_EQ(driver.left_out(), 44);
     peer.say(4, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
     EXPECT_EQ(driver.why_no_position(), "");
 }
 
-TEST_F(NetworkHand, OnePeerAtATimeUntilItEnds) {
+TEST_F(NetworkHand, AcceptsNextPeerAfterEnd) {
     const Peer first(driver.port()), second(driver.port());
     first.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
@@ -290,7 +290,7 @@ TEST_F(NetworkHand, OnePeerAtATimeUntilItEnds) {
     EXPECT_EQ(driver.prompt(), "");
 }
 
-TEST_F(NetworkHand, PlacesOfAHandThatHasGoneAtOnceDoNotCount) {
+TEST_F(NetworkHand, IgnoresPositionsBeforeImmediateEnd) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
     peer.say(2, {0.02, 0, 0}, true);
@@ -298,7 +298,7 @@ TEST_F(NetworkHand, PlacesOfAHandThatHasGoneAtOnceDoNotCount) {
     EXPECT_NE(driver.prompt().find("waiting for a hand"), std::string::npos);
 }
 
-TEST_F(NetworkHand, PlacesOfAnotherDoNotCountWhileAHandIsThere) {
+TEST_F(NetworkHand, IgnoresSecondPeer) {
     const Peer first(driver.port());
     const Peer second(driver.port());
     first.say(1, {0.01, 0, 0});
@@ -307,7 +307,7 @@ TEST_F(NetworkHand, PlacesOfAnotherDoNotCountWhileAHandIsThere) {
     EXPECT_EQ(driver.left_out(), 1);
 }
 
-TEST_F(NetworkHand, APeerThatIsSilentForASecondIsToldToBeLimpAndMakesRoomLater) {
+TEST_F(NetworkHand, UnpowersAndReplacesSilentPeer) {
     const Peer first(driver.port()), second(driver.port());
     first.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
@@ -324,7 +324,8 @@ TEST_F(NetworkHand, APeerThatIsSilentForASecondIsToldToBeLimpAndMakesRoomLater) 
     EXPECT_EQ(comes_to_be_heard_after(second), 1200);
 }
 
-TEST_F(NetworkHand, EachPacketIsAnsweredOnceAndASilentHandGetsZeros) {
+/// A hand that falls silent gets zeros.
+TEST_F(NetworkHand, AnswersEachPacketOnce) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
@@ -343,19 +344,19 @@ TEST_F(NetworkHand, EachPacketIsAnsweredOnceAndASilentHandGetsZeros) {
     EXPECT_EQ(peer.hear_all().size(), 21U) << "an answer, and as many anew";
 }
 
-TEST_F(NetworkHand, APeerThatHasGoneMakesRoomForAnother) {
+TEST_F(NetworkHand, ReplacesClosedPeer) {
     {
         const Peer first(driver.port());
         first.say(1, {0.01, 0, 0});
         ASSERT_TRUE(hears({0.01, 0, 0}));
     }
     for (int zeros = 0; zeros < 2; ++zeros)
-        exert({0, 0, 0});  // nobody is there any more, which the second is told
+        exert({0, 0, 0});  // the peer is gone, which the second send reports
     const Peer second(driver.port());
     EXPECT_EQ(comes_to_be_heard_after(second), 1200) << "long before a second of silence";
 }
 
-TEST_F(NetworkHand, LeavesZerosBehind) {
+TEST_F(NetworkHand, DisconnectSendsZeroForces) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
@@ -370,7 +371,7 @@ TEST_F(NetworkHand, LeavesZerosBehind) {
     }
 }
 
-TEST_F(NetworkHand, ItsZeroForcePacketIsZeroForce) {
+TEST_F(NetworkHand, ZeroForcePacketReachesPeer) {
     const Peer peer(driver.port());
     peer.say(1, {0.01, 0, 0});
     ASSERT_TRUE(hears({0.01, 0, 0}));
@@ -392,12 +393,13 @@ TEST(NetworkDevice, ReadsItsKeys) {
     EXPECT_EQ(settings->listen, "0.0.0.0");
     EXPECT_EQ(settings->limits.max_force, 4);
     EXPECT_EQ(settings->limits.max_stiffness, 1500);
-    EXPECT_EQ(read_network_settings("").value().listen, "127.0.0.1") << "nobody else, unless asked for";
+    EXPECT_EQ(read_network_settings("").value().listen, "127.0.0.1")
+        << "this machine alone, unless asked for";
     EXPECT_EQ(read_network_settings("fingers=11").error().kind, ErrorKind::usage);
     EXPECT_EQ(read_network_settings("adress=1").error().kind, ErrorKind::usage);
 }
 
-TEST(NetworkDevice, AnAddressThatIsNotOursIsOneLine) {
+TEST(NetworkDevice, RejectsForeignListenAddress) {
     auto device = make_device("network:listen=192.0.2.1,port=5999", {});
     ASSERT_TRUE(device);
     const auto opened = (*device)->open();
@@ -426,7 +428,7 @@ public:
                                         .has_checksum = true,
                                         .reorders = true,
                                         .longest_force = 10.0 + 1e-9}) {
-        // What UDP cannot do.
+        // A fault that UDP cannot have.
         std::erase(faults, Fault::refuses);
     }
 
@@ -501,12 +503,12 @@ private:
     std::optional<FaultyLine::Message> intruders_;
 };
 
-TEST(NetworkFaults, AtRandomMoments) {
+TEST(NetworkFaults, NeverCauseUnsafeForce) {
     FaultyNetwork network;
     run_fault_sessions(network);
 }
 
-TEST(NetworkFaults, ForceAfterSilence) {
+TEST(NetworkFaults, ForceReturnsAfterShortSilence) {
     FaultyNetwork network;
     expect_force_after_silence(network);
 }
@@ -561,7 +563,7 @@ private:
 
 class NetworkLoop : public testing::Test {
 protected:
-    /// How far it moves, to and fro, in the last tenth of a second for that after the nudge.
+    /// The ratio of its swings in the last tenth of a second to those after the nudge.
     double growth(double stiffness, std::size_t delay_ticks) {
         const std::uint16_t port = unused_port();
         std::int64_t now = 1;
@@ -575,7 +577,7 @@ protected:
         hand.handle().intend({0, 0, rest - 3.0 / 300});
         std::deque<glm::dvec3> under_way(delay_ticks, glm::dvec3(0, 0, 3));
         double early = 0, late = 0;
-        // Its force rises first, and somebody holds the handle meanwhile.
+        // The force rises first; the handle is held meanwhile.
         for (int tick = -120; tick < 400; ++tick) {
             now += 1'000'000;
             hand.tell();
@@ -603,7 +605,7 @@ protected:
     }
 };
 
-TEST_F(NetworkLoop, RestsUpToTheBoundaryOfItsDelayAndShakesBeyond) {
+TEST_F(NetworkLoop, ShakesOnlyBeyondTheoreticalBoundary) {
     for (const std::size_t delay : {0U, 1U, 2U}) {
         const double boundary =
             5 / (period_s / 2 + static_cast<double>(delay) * period_s);  // Gil et al. 2009
@@ -628,7 +630,7 @@ const auto forces = bytes_of(
     "544348440102020107000000000000000900000000000000000000000000f03f00000000000000400000000000000840"
     "00000000000010c000000000000000009a9999999999b93fe59c275e");
 
-TEST(NetworkPacket, IsTheseBytes) {
+TEST(NetworkPacket, EncodesKnownBytes) {
     NetworkPacket packet;
     packet.sequence = 0x01020304;
     packet.buttons = 5;
@@ -647,7 +649,7 @@ TEST(NetworkPacket, IsTheseBytes) {
     EXPECT_EQ(encode(packet), forces);
 }
 
-TEST(NetworkPacket, IsReadFromTheseBytes) {
+TEST(NetworkPacket, DecodesKnownBytes) {
     const auto packet = decode_network_packet(places);
     ASSERT_TRUE(packet) << packet.error().message;
     EXPECT_EQ(packet->kind, NetworkPacket::Kind::places);
@@ -664,7 +666,7 @@ TEST(NetworkPacket, IsReadFromTheseBytes) {
     EXPECT_EQ(last->vectors[1], glm::dvec3(-4, 0, 0.1));
 }
 
-TEST(NetworkPacket, EveryCutAndEveryChangedBitIsRefused) {
+TEST(NetworkPacket, RejectsCutsAndBitFlips) {
     for (const auto& whole : {places, forces}) {
         for (std::size_t length = 0; length < whole.size(); ++length)
             EXPECT_FALSE(decode_network_packet(std::span(whole).first(length))) << length;
@@ -679,7 +681,7 @@ TEST(NetworkPacket, EveryCutAndEveryChangedBitIsRefused) {
     }
 }
 
-TEST(NetworkPacket, AnotherVersionIsRefusedByName) {
+TEST(NetworkPacket, RejectsOtherVersionByName) {
     auto newer = places;
     newer[4] = std::byte{2};
     EXPECT_NE(decode_network_packet(newer).error().message.find("version 2"), std::string::npos);

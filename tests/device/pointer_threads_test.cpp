@@ -27,7 +27,7 @@ Places all_at(const glm::dvec3& place) {
     return places;
 }
 
-TEST(PointerThreads, NobodyEverSeesHalfOfWhatAnotherSaid) {
+TEST(PointerThreads, ReadersNeverSeePartialUpdate) {
     PointerDevice device(fingers, refuge);
     ASSERT_TRUE(device.open());
     std::atomic<bool> done{false};
@@ -116,19 +116,19 @@ bool comes_true(Condition&& condition) {
     return false;
 }
 
-TEST(DrivenThreads, ForcesReachTheHardwareAndEndWithTheirCaller) {
+TEST(DrivenThreads, ForcesEndWithTheirCaller) {
     Hardware hardware;
     DrivenDevice device(std::make_unique<ThreadedDriver>(hardware), {.look_again_s = 0.001});
     ASSERT_TRUE(device.open());
     glm::dvec3 place;
     EXPECT_TRUE(comes_true([&] { return tick(device, place) && hardware.force == 2; }));
-    EXPECT_TRUE(comes_true([&] { return hardware.force == 0; })) << "nobody renews it";
+    EXPECT_TRUE(comes_true([&] { return hardware.force == 0; })) << "no caller renews it";
     EXPECT_TRUE(comes_true([&] { return tick(device, place) && hardware.force == 2; }));
     device.close();
     EXPECT_EQ(hardware.force, 0);
 }
 
-TEST(DrivenThreads, NoHapticCallAllocatesOrWaitsForTheHardware) {
+TEST(DrivenThreads, CallsNeverAllocateOrBlock) {
     Hardware hardware;
     DrivenDevice device(std::make_unique<ThreadedDriver>(hardware));
     ASSERT_TRUE(device.open());
@@ -144,7 +144,7 @@ TEST(DrivenThreads, NoHapticCallAllocatesOrWaitsForTheHardware) {
     EXPECT_TRUE(comes_true([&] { return hardware.force == 0; }));
 }
 
-TEST(DrivenThreads, FaultsAtRandomMomentsUnderASecondThread) {
+TEST(DrivenThreads, SurviveRandomFaults) {
     Hardware hardware;
     DrivenDevice device(std::make_unique<ThreadedDriver>(hardware), {.away_s = 60, .look_again_s = 0.001});
     ASSERT_TRUE(device.open());

@@ -50,7 +50,7 @@ std::string refusal(const std::string& log) {
     return driver.error().message.substr(file.path().size() + 2);
 }
 
-TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
+TEST(RecordedDevice, ReplaysTicksOnTime) {
     const TemporaryFile file("device.csv", log_header +
                                                "5.000,0,0.1,0.2,0.3,0,1,0,0,0,0\n"
                                                "5.000,1,-0.1,0,0,0,1,0,0,0,0\n"
@@ -68,7 +68,7 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_EQ(sample.metres[1], glm::dvec3(-0.1, 0, 0));
     EXPECT_EQ(sample.buttons, 0u);
     EXPECT_FALSE(*driver->receive(sample, microseconds(400)));
-    EXPECT_EQ(time, milliseconds(700) + microseconds(400)) << "it waits no longer than it is told";
+    EXPECT_EQ(time, milliseconds(700) + microseconds(400)) << "it waits no longer than asked";
     const glm::dvec3 pushes[2] = {{0, 0, 9}, {0, 0, 9}};
     EXPECT_TRUE(driver->send(pushes));
     ASSERT_TRUE(*driver->receive(sample, milliseconds(5)));
@@ -92,7 +92,7 @@ TEST(RecordedDevice, TellsEachTickAtItsTimeAndThenNothing) {
     EXPECT_EQ(sample.metres[0], glm::dvec3(0.1, 0.2, 0.3));
 }
 
-TEST(RecordedDevice, TicksThatWereMissedAreGone) {
+TEST(RecordedDevice, SkipsMissedTicks) {
     std::string log = log_header;
     for (int tick = 0; tick < 100; ++tick)
         log += "0." + std::string(tick < 10 ? "00" : "0") + std::to_string(tick) + ",0," +
@@ -108,7 +108,7 @@ TEST(RecordedDevice, TicksThatWereMissedAreGone) {
     EXPECT_FALSE(*driver->receive(sample, microseconds(0)));
 }
 
-TEST(RecordedDevice, KeysFollowTheFile) {
+TEST(RecordedDevice, ReadsKeysAfterFile) {
     const TemporaryFile file("with:colon.csv", log_header + "0,0,0,0,0,0,1,0,0,0,0\n");
     nanoseconds time{0};
     EXPECT_EQ(replay(file.path(), time)->limits().max_force, 10);
@@ -123,7 +123,7 @@ TEST(RecordedDevice, KeysFollowTheFile) {
     }
 }
 
-TEST(RecordedDevice, FaultyLogsAreRefusedByLineAndColumn) {
+TEST(RecordedDevice, LocatesErrorsInLogs) {
     const std::string first = "1,0,0,0,0,0,1,0,0,0,0\n";
     EXPECT_EQ(refusal("time_s,finger,x,y,z\n1,0,0,0,0\n"),
               "line 1 names no column 'buttons'; a device's log has time_s, finger, x, y, z, buttons");
@@ -164,7 +164,7 @@ TEST(RecordedDevice, FaultyLogsAreRefusedByLineAndColumn) {
     EXPECT_EQ(nowhere.error().kind, ErrorKind::input);
 }
 
-TEST(RecordedDevice, ALogOfEmptyPlacesIsALog) {
+TEST(RecordedDevice, AcceptsLogWithoutPositions) {
     const TemporaryFile file("device.csv", log_header + "0,0,,,,0,,0,0,0,0\n0.001,0,,,,0,,0,0,0,0\n");
     nanoseconds time{0};
     const auto driver = replay(file.path(), time);
@@ -173,7 +173,7 @@ TEST(RecordedDevice, ALogOfEmptyPlacesIsALog) {
     EXPECT_TRUE(std::isnan(sample.metres[0].y));
 }
 
-TEST(RecordedDevice, IsADeviceLikeAnyOther) {
+TEST(RecordedDevice, RunsAsOrdinaryDevice) {
     std::string log = log_header;  // of 0.6 s, so that it is seen where this thread stands still for a while
     for (int tick = 0; tick < 600; ++tick)
         log += std::to_string(0.001 * tick) + ",0,0.25,0.5,-0.125,3,1,0,0,0,0\n";
@@ -223,7 +223,7 @@ std::vector<std::string> documented_driver() {
     return calls;
 }
 
-TEST(DeviceDriver, IsDocumentedAsItIs) {
+TEST(DeviceDriver, MatchesDocumentation) {
     std::ifstream in(std::string(TOUCHABLE_SOURCE_DIR) + "/device/drivers/device_driver.hpp");
     const std::string header((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
     const auto calls = documented_driver();
@@ -238,7 +238,7 @@ TEST(DeviceDriver, IsDocumentedAsItIs) {
     }
 }
 
-TEST(DeviceLogs, TheDocumentedScriptReadsOne) {
+TEST(DeviceLogs, AreReadByDocumentedScript) {
     const std::string text = documented_script();
     ASSERT_EQ(std::count(text.begin(), text.end(), '\n'), 10);
     const TemporaryFile script("read.py", text), out("out.txt", "");

@@ -54,7 +54,7 @@ TEST(CsvTable, ReadsNamedColumns) {
     EXPECT_FALSE(table->numbers(2));
 }
 
-TEST(CsvTable, WithoutAHeaderColumnsHaveNumbersFromOne) {
+TEST(CsvTable, NumbersColumnsWithoutHeader) {
     const TemporaryFile file("table.csv", "1,2\n3,4\n");
     const Result<CsvTable> table = CsvTable::read(file.path());
     ASSERT_TRUE(table);
@@ -64,7 +64,7 @@ TEST(CsvTable, WithoutAHeaderColumnsHaveNumbersFromOne) {
     EXPECT_FALSE(table->column("3"));
 }
 
-TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
+TEST(CsvTable, AcceptsLineEndsAndBom) {
     for (const std::string text :
          {"a,b\n1,2\n", "a,b\r\n1,2\r\n", "a,b\n1,2", "a,b\n1,2\n\n", "a,b\n1,2\n\n \r\n\t\n",
           "\xEF\xBB\xBF"
@@ -78,7 +78,7 @@ TEST(CsvTable, LineEndsByteOrderMarkAndLastLineDoNotMatter) {
     }
 }
 
-TEST(CsvTable, OtherSeparatorsAreRead) {
+TEST(CsvTable, ReadsOtherSeparators) {
     for (const std::string text :
          {"t_s;x;note, such as this\n0;1;a,b\n0.5;-2;c\n", "t_s\tx\tnote\n0\t1\t\n0.5\t-2\tc d\n",
           "t_s x  note\n 0   1 a\n0.5\t-2 \"b c\" \n", "t_s, x, a;b\n0, 1, c;d\n0.5, -2, e\n"}) {
@@ -97,7 +97,7 @@ TEST(CsvTable, OtherSeparatorsAreRead) {
               "line 2, column 'x' holds '1,5'; expected a finite number");
 }
 
-TEST(CsvTable, LargeFilesAreRefusedBeforeTheyAreRead) {
+TEST(CsvTable, RejectsLargeFilesUnread) {
     const TemporaryFile file("table.csv", "t_s,x\n0,1\n");
     std::filesystem::resize_file(file.path(), std::uintmax_t{4} << 30);
     const test::LimitedMemory little(256);
@@ -106,14 +106,14 @@ TEST(CsvTable, LargeFilesAreRefusedBeforeTheyAreRead) {
     EXPECT_NE(table.error().message.find("is larger than 256 MiB"), std::string::npos);
 }
 
-TEST(CsvTable, RowsAreCounted) {
+TEST(CsvTable, LimitsRowCount) {
     std::string text;
     for (int n = 0; n < 10'000'002; ++n) text += "1\n";
     EXPECT_EQ(table_refusal(text, "1"),
               "has more than 10000000 rows; give a recorded motion of at most an hour");
 }
 
-TEST(CsvTable, WhatIsQuotedIsShort) {
+TEST(CsvTable, KeepsErrorMessagesShort) {
     const std::string wide(3'000'000, 'x');
     EXPECT_LT(table_refusal("a,b\n1,2\n3," + wide + "\n", "b").size(), 200u);
     EXPECT_LT(table_refusal("a," + wide + "\n1,2\n", "c").size(), 600u);
@@ -139,7 +139,7 @@ TEST(CsvTable, RefusalNamesLineAndColumn) {
               "line 2 holds bytes that are no text; give a comma-separated table");
 }
 
-TEST(CsvTable, AFieldMayBeEmptyWhereThatIsAsked) {
+TEST(CsvTable, AllowsEmptyFieldsOnRequest) {
     const TemporaryFile file("table.csv", "a,b\n1,2\n,x\n3,4\n");
     const Result<CsvTable> table = CsvTable::read(file.path());
     ASSERT_TRUE(table) << table.error().message;
@@ -155,7 +155,7 @@ TEST(CsvTable, AFieldMayBeEmptyWhereThatIsAsked) {
     EXPECT_TRUE(letter.error().message.ends_with("line 3, column 'b' holds 'x'; expected a finite number"));
 }
 
-TEST(CsvTable, RefusesWhatIsNoFile) {
+TEST(CsvTable, RejectsUnreadablePaths) {
     EXPECT_FALSE(CsvTable::read(::testing::TempDir() + "there-is-no-such.csv"));
     EXPECT_FALSE(CsvTable::read(::testing::TempDir()));
 }
@@ -177,7 +177,7 @@ std::vector<glm::dvec3> goals_of(Hand& hand, const SurfaceProbe& probe) {
     return goals;
 }
 
-TEST(RecordedMotion, LinearDataIsResampledExactly) {
+TEST(RecordedMotion, ResamplesLinearDataExactly) {
     // Rows at odd times; x goes at 3 units a second.
     const TemporaryFile file(
         "line.csv", "t_s,x\n0,1\n0.0007,1.0021\n0.0031,1.0093\n0.0040,1.012\n0.0059,1.0177\n0.0100,1.03\n");
@@ -193,7 +193,7 @@ TEST(RecordedMotion, LinearDataIsResampledExactly) {
     }
 }
 
-TEST(RecordedMotion, RowsThatFallOnTicksAreKeptToTheBit) {
+TEST(RecordedMotion, KeepsRowsOnTicksExactly) {
     std::string text = "t_s,x\n";
     for (int row = 0; row <= 40; ++row) {
         text += std::to_string(row * 0.0005) + "," + std::to_string((row * row * 7919) % 1000) + "\n";
@@ -208,7 +208,7 @@ TEST(RecordedMotion, RowsThatFallOnTicksAreKeptToTheBit) {
     }
 }
 
-TEST(RecordedMotion, RateStandsInForTimes) {
+TEST(RecordedMotion, RateReplacesTimes) {
     const TemporaryFile file("bare.csv", "0\n1\n2\n3\n4\n5\n");
     const auto motion = read_motion(file.path(), {.columns = {"1"}, .rate = 2000});
     ASSERT_TRUE(motion);
@@ -217,12 +217,12 @@ TEST(RecordedMotion, RateStandsInForTimes) {
     EXPECT_EQ((*motion)[2].z, -4);
 }
 
-TEST(RecordedMotion, NegativeScaleTurnsTheMotionRound) {
+TEST(RecordedMotion, NegativeScaleReversesMotion) {
     const TemporaryFile file("line.csv", "t_s,x\n0,1\n0.001,2\n");
     EXPECT_EQ((*read_motion(file.path(), {.columns = {"x"}, .scale = -0.5}))[1].z, 1);
 }
 
-TEST(RecordedMotion, SpatialMotionIsLaidFlatCentredAndScaled) {
+TEST(RecordedMotion, FlattensCentresAndScalesMotion) {
     // An ellipse of 4 x 2 in the plane x + y + z = 5.
     std::string text = "t_s,x,y,z\n";
     const glm::dvec3 a = glm::normalize(glm::dvec3(1, -1, 0)), n = glm::normalize(glm::dvec3(1, 1, 1));
@@ -259,7 +259,7 @@ std::string refusal_of(const std::string& text, const MotionSettings& settings) 
     return motion.error().message.substr(file.path().size() + 2);
 }
 
-TEST(RecordedMotion, RefusalsNameTheLineAndWhatWouldBeRight) {
+TEST(RecordedMotion, RefusalNamesLineAndRemedy) {
     const MotionSettings x{.columns = {"x"}};
     EXPECT_EQ(refusal_of("t_s,x\n0,1\n0,2\n", x),
               "line 3: time does not increase; expected seconds that grow from row to row");
@@ -280,7 +280,7 @@ TEST(RecordedMotion, RefusalsNameTheLineAndWhatWouldBeRight) {
               "does not move, so that extent= has nothing to scale; give scale= instead");
 }
 
-TEST(RecordedHand, HoldsItsLastPositionAfterItsEnd) {
+TEST(RecordedHand, HoldsLastPositionAfterEnd) {
     const TemporaryFile file("short.csv", "t_s,x\n0,0\n0.005,0.01\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x", 1, workspace, probe);
@@ -292,7 +292,7 @@ TEST(RecordedHand, HoldsItsLastPositionAfterItsEnd) {
     EXPECT_EQ(last, later);
 }
 
-TEST(RecordedHand, OneColumnMovesAlongZAtThePicturesCentre) {
+TEST(RecordedHand, SingleColumnMovesAlongZ) {
     const TemporaryFile file("press.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x,contact=0.25", 1, workspace, probe);
@@ -305,7 +305,7 @@ TEST(RecordedHand, OneColumnMovesAlongZAtThePicturesCentre) {
     EXPECT_NEAR(share_under(goals, probe), 0.25, 0.01);
 }
 
-TEST(RecordedHand, ContactIsTheShareAskedFor) {
+TEST(RecordedHand, ContactMatchesRequestedShare) {
     std::string text = "t_s,x,y,z\n";
     for (int row = 0; row <= 400; ++row) {
         const double t = row * 0.01;
@@ -324,8 +324,8 @@ TEST(RecordedHand, ContactIsTheShareAskedFor) {
     }
 }
 
-// As `touch --forces` writes goals: nothing is turned, scaled or shifted.
-TEST(RecordedHand, AMotionInSceneCoordinatesIsTakenAsItIs) {
+// Goals as `touch --forces` writes them: nothing is turned, scaled or shifted.
+TEST(RecordedHand, KeepsSceneCoordinates) {
     const TemporaryFile file("goals.csv", "t_s,x,y,z\n0,12,-7,-700\n0.002,14,-7,-900\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x+y+z,space=scene", 1, workspace, probe);
@@ -340,7 +340,7 @@ TEST(RecordedHand, AMotionInSceneCoordinatesIsTakenAsItIs) {
     }
 }
 
-TEST(RecordedHand, GoalsDeeperThanTheirLimitAreRaisedAlongTheirRays) {
+TEST(RecordedHand, RaisesDeepGoalsAlongRays) {
     const TemporaryFile file("goals.csv", "t_s,x,y,z\n0,12,-7,-700\n0.001,12,-7,-900\n0.002,9000,-7,-900\n");
     const FakeProbe probe = flat_view(800);
     const std::string words = "csv:" + file.path() + ":columns=x+y+z,space=scene";
@@ -375,7 +375,7 @@ TEST(RecordedHand, FingersKeepTheirCircle) {
     }
 }
 
-TEST(RecordedHand, WithoutAnySurfaceItMovesAboutTheDevicesCentre) {
+TEST(RecordedHand, MovesAboutCentreWithoutSurface) {
     const TemporaryFile file("press.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe nothing = camera_view([](double, double) { return std::optional<double>(); });
     auto hand = make_hand("csv:" + file.path() + ":columns=x", 2, workspace, nothing);
@@ -383,7 +383,7 @@ TEST(RecordedHand, WithoutAnySurfaceItMovesAboutTheDevicesCentre) {
     for (const glm::dvec3& goal : goals_of(**hand, nothing)) EXPECT_NEAR(goal.z, -800, 100);
 }
 
-TEST(RecordedHand, StaysInFrontOfTheCamera) {
+TEST(RecordedHand, NeverPassesCamera) {
     const TemporaryFile file("long.csv", "t_s,x\n0,-9\n0.1,9\n");
     const FakeProbe probe = flat_view();
     auto hand = make_hand("csv:" + file.path() + ":columns=x,contact=0.01", 1, workspace, probe);
@@ -391,7 +391,7 @@ TEST(RecordedHand, StaysInFrontOfTheCamera) {
     for (const glm::dvec3& goal : goals_of(**hand, probe)) EXPECT_LT(goal.z, 0);
 }
 
-TEST(RecordedHand, FileNamesMayHoldColons) {
+TEST(RecordedHand, AcceptsColonsInFileNames) {
     const TemporaryFile file("a:b:c.csv", "t_s,x\n0,0\n0.1,0.01\n");
     const FakeProbe probe = flat_view();
     EXPECT_TRUE(make_hand("csv:" + file.path() + ":columns=x", 1, workspace, probe));
@@ -406,7 +406,7 @@ protected:
     void SetUp() override { TOUCHABLE_NEEDS_DATA(recordings); }
 };
 
-TEST_P(RealRecording, LiesUnderTheFirstFrameForSixTenthsOfItsGoals) {
+TEST_P(RealRecording, TouchesSurfaceForSixtyPercent) {
     for (const FakeProbe& probe : {flat_view(), slanted_view()}) {
         for (const int fingers : {1, 5}) {
             auto hand = make_hand("csv:" + recordings + GetParam(), fingers, workspace, probe);
@@ -443,7 +443,7 @@ INSTANTIATE_TEST_SUITE_P(
                       "epfl_wiping/circular_wiping_dataset_2.csv:columns=x_m+y_m+z_m,extent=0.048",
                       "epfl_wiping/circular_wiping_dataset_3.csv:columns=x_m+y_m+z_m,extent=0.048"));
 
-TEST(RecordedMotion, WipingLiesFlatAndFortyEightMillimetresWide) {
+TEST(RecordedMotion, ScalesWipingToExtent) {
     const std::string file = recordings + "epfl_wiping/circular_wiping_dataset_0.csv";
     TOUCHABLE_NEEDS_DATA(file);
     const auto motion = read_motion(file, {.columns = {"x_m", "y_m", "z_m"}, .extent = 0.048});
@@ -509,26 +509,26 @@ FakeProbe holed_view() {
 
 const std::vector<std::string> scripts{"wander", "stroke", "stroke:angle=30", "press", "poke"};
 
-TEST(ScriptedHand, SameDescriptionGivesTheSameBits) {
+TEST(ScriptedHand, SameDescriptionGivesSameBits) {
     for (const std::string& script : scripts) {
         EXPECT_EQ(run(script, broken_view(), 3), run(script, broken_view(), 3)) << script;
     }
 }
 
-TEST(ScriptedHand, AnotherSeedTakesAnotherPath) {
+TEST(ScriptedHand, SeedChangesPath) {
     for (const std::string script : {"wander", "poke"}) {
         EXPECT_NE(run(script + ":seed=1", flat_view()), run(script + ":seed=2", flat_view())) << script;
     }
 }
 
-TEST(ScriptedHand, PathIsTheSameOnEveryCompiler) {
+TEST(ScriptedHand, EveryCompilerGivesSamePath) {
     EXPECT_EQ(hash_of(run("wander", broken_view(), 5)), 8440626929759240434u);
     EXPECT_EQ(hash_of(run("stroke:angle=30", broken_view(), 5)), 4102860940078882624u);
     EXPECT_EQ(hash_of(run("press", broken_view(), 5)), 11301433043578395642u);
     EXPECT_EQ(hash_of(run("poke", broken_view(), 5)), 2180521275585820885u);
 }
 
-TEST(ScriptedHand, KeepsItsSpeedOnAFlatSurface) {
+TEST(ScriptedHand, KeepsSpeedOnFlatSurface) {
     for (const double wanted : {0.05, 0.1, 0.3}) {
         for (const std::string script : {"wander", "stroke:angle=65"}) {
             const std::string key = script == "wander" ? ":speed=" : ",speed=";
@@ -542,7 +542,7 @@ TEST(ScriptedHand, KeepsItsSpeedOnAFlatSurface) {
     }
 }
 
-TEST(ScriptedHand, PenetrationIsTheDepthAskedForOnAverage) {
+TEST(ScriptedHand, MeanPenetrationMatchesDepth) {
     for (const std::string script : {"wander:depth=3.5", "stroke:depth=3.5"}) {
         const Path path = run(script, flat_view(), 1, 20250);
         double sum = 0, least = 1, most = 0;
@@ -558,7 +558,8 @@ TEST(ScriptedHand, PenetrationIsTheDepthAskedForOnAverage) {
     }
 }
 
-TEST(ScriptedHand, ComesDownFromFiftyMillimetresInAQuarterSecond) {
+// From 50 mm above its goal.
+TEST(ScriptedHand, DescendsInQuarterSecond) {
     const Path path = run("wander:depth=2", flat_view(), 1, 300);
     const double above = (800 + path[0].z) * workspace.metres_per_scene_unit;
     EXPECT_NEAR(above, 0.048, 1e-9);
@@ -566,7 +567,7 @@ TEST(ScriptedHand, ComesDownFromFiftyMillimetresInAQuarterSecond) {
     EXPECT_TRUE(is_under(path[250], flat_view()));
 }
 
-TEST(ScriptedHand, NoGoalLeavesTheExtentOfThePicture) {
+TEST(ScriptedHand, GoalsStayWithinExtent) {
     for (const std::string script :
          {"wander:speed=1,extent=0.5", "stroke:angle=80,speed=1,extent=0.5", "poke:speed=1,extent=0.5"}) {
         const FakeProbe probe = flat_view();
@@ -581,7 +582,7 @@ TEST(ScriptedHand, NoGoalLeavesTheExtentOfThePicture) {
     }
 }
 
-TEST(ScriptedHand, WanderReachesMostOfThePicture) {
+TEST(ScriptedHand, WanderCoversMostOfPicture) {
     const FakeProbe probe = flat_view();
     std::vector<bool> visited(8 * 6);
     for (const glm::dvec3& goal : run("wander:speed=0.3,extent=1", probe, 1, 60000)) {
@@ -591,7 +592,7 @@ TEST(ScriptedHand, WanderReachesMostOfThePicture) {
     EXPECT_GE(std::count(visited.begin(), visited.end(), true), 40);
 }
 
-TEST(ScriptedHand, NoGoalOutrunsMaxSpeedAtACliff) {
+TEST(ScriptedHand, KeepsMaxSpeedAtCliff) {
     const FakeProbe cliff = camera_view([](double x, double) { return x < 320 ? 500.0 : 900.0; });
     for (const std::string script : {"wander:speed=0.3,max_speed=", "stroke:speed=0.3,max_speed=",
                                      "poke:speed=0.3,max_speed=", "press:max_speed="}) {
@@ -603,7 +604,7 @@ TEST(ScriptedHand, NoGoalOutrunsMaxSpeedAtACliff) {
         << "the cliff is no trial of the cap";
 }
 
-TEST(ScriptedHand, HoversOverAHoleAtTheDepthItCameFrom) {
+TEST(ScriptedHand, KeepsRimDepthOverHole) {
     const FakeProbe slope_with_hole = camera_view([](double x, double) -> std::optional<double> {
         if (x > 380 && x < 460) return std::nullopt;
         return 700 + 0.25 * x;
@@ -623,7 +624,7 @@ TEST(ScriptedHand, HoversOverAHoleAtTheDepthItCameFrom) {
     EXPECT_GT(over_hole, 50);
 }
 
-TEST(ScriptedHand, WanderIsUnderTheSurfaceMostOfTheTimeDespiteHoles) {
+TEST(ScriptedHand, WanderMostlyTouchesDespiteHoles) {
     const FakeProbe probe = holed_view();
     int holes = 0;
     for (int y = 0; y < 480; ++y) {
@@ -637,7 +638,7 @@ TEST(ScriptedHand, WanderIsUnderTheSurfaceMostOfTheTimeDespiteHoles) {
     }
 }
 
-TEST(ScriptedHand, WanderFindsASurfaceThatHasMovedAway) {
+TEST(ScriptedHand, WanderFindsMovedSurface) {
     const auto patch = [](double left) {
         return camera_view([left](double x, double) -> std::optional<double> {
             if (x < left || x > left + 80) return std::nullopt;
@@ -657,7 +658,7 @@ TEST(ScriptedHand, WanderFindsASurfaceThatHasMovedAway) {
     EXPECT_GT(under, 10000);
 }
 
-TEST(ScriptedHand, SurvivesAViewWithoutAnySurface) {
+TEST(ScriptedHand, SurvivesViewWithoutSurface) {
     const FakeProbe nothing = camera_view([](double, double) { return std::optional<double>(); });
     for (const std::string& script : scripts) {
         for (const glm::dvec3& goal : run(script, nothing, 3, 1000)) {
@@ -679,14 +680,14 @@ TEST(ScriptedHand, SurvivesTinyPictures) {
     }
 }
 
-TEST(ScriptedHand, StaysInFrontOfTheCamera) {
+TEST(ScriptedHand, NeverPassesCamera) {
     const FakeProbe near = camera_view([](double x, double) { return x < 320 ? 5.0 : 900.0; });
     for (const std::string& script : scripts) {
         for (const glm::dvec3& goal : run(script, near, 5)) ASSERT_LT(goal.z, 0) << script;
     }
 }
 
-TEST(ScriptedHand, FingersSitOnACircleEachInItsOwnPhase) {
+TEST(ScriptedHand, CircleFingersHaveSeparatePhases) {
     constexpr std::size_t fingers = 5, ticks = 1000;
     const Path path = run("press:spread=0.02", flat_view(), fingers, ticks);
     const glm::dvec3 centre = flat_view().unproject(319.5, 239.5, 800);
@@ -708,14 +709,14 @@ TEST(ScriptedHand, FingersSitOnACircleEachInItsOwnPhase) {
     }
 }
 
-TEST(ScriptedHand, OneFingerSitsAtTheCentre) {
+TEST(ScriptedHand, SingleFingerSitsAtCentre) {
     const glm::dvec3 goal = run("press:x=0.25,y=0.75,spread=0.1", flat_view(), 1, 251).back();
     const glm::dvec3 seen = flat_view().project({goal.x, goal.y, -800});
     EXPECT_NEAR(seen.x, 0.25 * 639, 1e-9);
     EXPECT_NEAR(seen.y, 0.75 * 479, 1e-9);
 }
 
-TEST(ScriptedHand, PressSwingsFromLiftToDepth) {
+TEST(ScriptedHand, PressReachesLiftAndDepth) {
     const Path path = run("press:depth=3,lift=1,period=0.5", flat_view(), 1, 1250);
     double deepest = -1, highest = -1;
     for (std::size_t tick = 250; tick < path.size(); ++tick) {
@@ -729,7 +730,7 @@ TEST(ScriptedHand, PressSwingsFromLiftToDepth) {
     EXPECT_NEAR(highest, 0.001, 1e-6);
 }
 
-TEST(ScriptedHand, PokeTravelsAboveAndPokesInPlace) {
+TEST(ScriptedHand, PokeNeverSlidesInside) {
     const FakeProbe probe = flat_view();
     const Path path = run("poke:depth=3,lift=2,period=0.2,speed=0.5", probe, 1, 20000);
     int pokes = 0;
@@ -743,7 +744,7 @@ TEST(ScriptedHand, PokeTravelsAboveAndPokesInPlace) {
     EXPECT_LT(pokes, 100);
 }
 
-TEST(ScriptedHand, PokeAimsAtPixelsThatHaveASurface) {
+TEST(ScriptedHand, PokeAimsAtSurfacePixels) {
     const FakeProbe probe = holed_view();
     int inside = 0, over_surface = 0;
     for (const glm::dvec3& goal : run("poke:depth=3,speed=1", probe, 1, 20000)) {
@@ -755,7 +756,7 @@ TEST(ScriptedHand, PokeAimsAtPixelsThatHaveASurface) {
     EXPECT_GT(over_surface, 0.75 * inside);
 }
 
-TEST(ScriptedHand, StrokeIsAStraightLineThroughTheCentreAtItsAngle) {
+TEST(ScriptedHand, StrokeFollowsLineAtAngle) {
     const FakeProbe probe = flat_view();
     const Path path = run("stroke:angle=30,speed=0.3", probe, 1, 3000);
     const glm::dvec3 centre = probe.unproject(319.5, 239.5, 800);
@@ -786,7 +787,7 @@ std::string hand_refusal(const std::string& text) {
     return options.error().message;
 }
 
-TEST(HandOptions, ReadsNumbersAndWordsAndFallsBackToDefaults) {
+TEST(HandOptions, ReadsValuesOrDefaults) {
     const Result<HandOptions> options = HandOptions::parse("hand 'test'", "columns=a+b,seed=7", keys);
     ASSERT_TRUE(options);
     EXPECT_EQ(options->number("seed"), 7);
@@ -796,14 +797,14 @@ TEST(HandOptions, ReadsNumbersAndWordsAndFallsBackToDefaults) {
     EXPECT_FALSE(options->given("speed"));
 }
 
-TEST(HandOptions, RefusalNamesTheLegalKeys) {
+TEST(HandOptions, RefusalNamesLegalKeys) {
     EXPECT_EQ(hand_refusal("sped=1"),
               "hand 'test': unknown key 'sped'; keys are speed (0.001 to 2 m/s), seed (a whole number, 0 to "
               "9007199254740992), columns (names joined by '+')");
     EXPECT_EQ(hand_refusal("speed=3"), "hand 'test': speed=3 is not allowed; speed takes 0.001 to 2 m/s");
 }
 
-TEST(HandOptions, RefusesWhatIsNoNumberOrOutOfRange) {
+TEST(HandOptions, RejectsInvalidValues) {
     for (const std::string text :
          {"speed=", "speed=abc", "speed=0.1x", "speed=nan", "speed=inf", "speed=-1", "speed=0", "speed= 1",
           "seed=1.5", "seed=-1", "seed=1e300", "columns=", "speed", "=1", ",", "speed=1,", "speed=1,,seed=1",
@@ -812,7 +813,7 @@ TEST(HandOptions, RefusesWhatIsNoNumberOrOutOfRange) {
     }
 }
 
-TEST(MakeHand, RefusesUnknownHandsKeysAndCounts) {
+TEST(HandFactory, RejectsInvalidDescriptions) {
     const FakeProbe probe = flat_view();
     const Workspace workspace = default_workspace(640, 500, 800);
     const auto refusal = [&](const std::string& description, int fingers) {

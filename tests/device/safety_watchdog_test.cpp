@@ -1,4 +1,4 @@
-// However a process ends, what it held is left unpowered: the last bytes that reach the other end of a
+// Devices are left unpowered at every end of their process: the last bytes that reach the other end of a
 // socket.
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ std::vector<std::byte> bytes_of(const std::string& text) {
     return {first, first + text.size()};
 }
 
-/// All that comes out of a socket until its other end is closed by everybody; the last of it.
+/// The last message out of a socket before all holders of its other end have closed it.
 std::string last_of(int socket) {
     std::string last;
     char room[64];
@@ -46,7 +46,7 @@ std::string last_of(int socket) {
     return last;
 }
 
-/// What a device hears last of a process that holds it, and ends like this while its forces go out.
+/// The last message to a device from a process that ends like this while its forces go out.
 template <class End>
 std::string zero_force_packet_of_one_that(End&& ends) {
     int device[2];
@@ -73,11 +73,11 @@ std::string zero_force_packet_of_one_that(End&& ends) {
     return last;
 }
 
-TEST(SafetyWatchdog, SpeaksForAProcessThatWasKilled) {
+TEST(SafetyWatchdog, SendsZeroAfterKill) {
     EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { raise(SIGKILL); }), "zero");
 }
 
-TEST(SafetyWatchdog, SpeaksAfterEverySignal) {
+TEST(SafetyWatchdog, SendsZeroAfterEverySignal) {
     for (const int signal :
          {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGPIPE, SIGXCPU})
         EXPECT_EQ(zero_force_packet_of_one_that([signal](auto&) {
@@ -88,19 +88,19 @@ TEST(SafetyWatchdog, SpeaksAfterEverySignal) {
             << signal;
 }
 
-TEST(SafetyWatchdog, SpeaksAfterAbortInAnotherThread) {
+TEST(SafetyWatchdog, SendsZeroAfterThreadAborts) {
     EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { std::thread([] { std::abort(); }).join(); }), "zero");
 }
 
-TEST(SafetyWatchdog, SpeaksAfterAnExceptionThatNobodyCaught) {
+TEST(SafetyWatchdog, SendsZeroAfterUncaughtException) {
     EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { std::thread([] { throw 1; }).join(); }), "zero");
 }
 
-TEST(SafetyWatchdog, SpeaksAfterAnExitThatDestroysNothing) {
+TEST(SafetyWatchdog, SendsZeroAfterImmediateExit) {
     EXPECT_EQ(zero_force_packet_of_one_that([](auto&) { _exit(0); }), "zero");
 }
 
-TEST(SafetyWatchdog, SaysNothingForADeviceThatWasLetGoOf) {
+TEST(SafetyWatchdog, IgnoresReleasedDevice) {
     EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
                   { const SafetyWatchdog::Kept let_go(std::move(kept)); }
                   raise(SIGKILL);
@@ -108,7 +108,7 @@ TEST(SafetyWatchdog, SaysNothingForADeviceThatWasLetGoOf) {
               "force");
 }
 
-TEST(SafetyWatchdog, KeepsTheNewestPacket) {
+TEST(SafetyWatchdog, KeepsNewestPacket) {
     EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
                   int other[2];
                   if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, other) != 0) _exit(1);
@@ -120,7 +120,7 @@ TEST(SafetyWatchdog, KeepsTheNewestPacket) {
         << "the first descriptor is not its any more";
 }
 
-TEST(SafetyWatchdog, RefusesAWordThatIsTooLong) {
+TEST(SafetyWatchdog, RejectsLongPacket) {
     auto watchdog = SafetyWatchdog::start();
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
@@ -128,7 +128,7 @@ TEST(SafetyWatchdog, RefusesAWordThatIsTooLong) {
     EXPECT_FALSE(kept->set_packet({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}));
 }
 
-TEST(SafetyWatchdog, KeepsAFewDevicesAndHasRoomAgainAfterwards) {
+TEST(SafetyWatchdog, LimitsDevicesAndReusesSlots) {
     auto watchdog = SafetyWatchdog::start();
     ASSERT_TRUE(watchdog);
     for (int again = 0; again < 3; ++again) {
@@ -146,18 +146,18 @@ TEST(SafetyWatchdog, KeepsAFewDevicesAndHasRoomAgainAfterwards) {
 
 constexpr std::int64_t beat_ms = 1'000'000;
 
-TEST(HeartWatch, WantsAPacketTwentyMillisecondsAfterTheLastBeat) {
+TEST(HeartWatch, PacketIsDueAfterSilence) {
     HeartWatch watch;
     EXPECT_EQ(watch.due_ns(1000 * beat_ms), 1020 * beat_ms);
     EXPECT_EQ(watch.due_ns(1001 * beat_ms), 1021 * beat_ms) << "it beats";
 }
 
-TEST(HeartWatch, WaitsForAFirstBeat) {
+TEST(HeartWatch, WaitsForFirstBeat) {
     HeartWatch watch;
     EXPECT_EQ(watch.due_ns(0), HeartWatch::never);
 }
 
-TEST(HeartWatch, SendsAgainInTheSameSilenceAndThenStops) {
+TEST(HeartWatch, RepeatsPacketThenStops) {
     HeartWatch watch;
     std::int64_t now = 0;
     for (int word = 0; word < 20; ++word) {
@@ -172,7 +172,7 @@ TEST(HeartWatch, SendsAgainInTheSameSilenceAndThenStops) {
     EXPECT_EQ(watch.due_ns(1000 * beat_ms), HeartWatch::never) << "of a program that is stopped for an hour";
 }
 
-TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
+TEST(HeartWatch, ResumesAfterNextBeat) {
     HeartWatch watch;
     while (watch.due_ns(1000 * beat_ms) != HeartWatch::never) watch.sent(5000 * beat_ms);
     EXPECT_EQ(watch.due_ns(9000 * beat_ms), 9020 * beat_ms);
@@ -181,7 +181,7 @@ TEST(HeartWatch, WatchesAgainOnceTheHeartBeats) {
     EXPECT_EQ(watch.due_ns(0), HeartWatch::never) << "another device in its place";
 }
 
-TEST(WatchdogMonitor, KnowsAfterASecondThatNothingBeats) {
+TEST(WatchdogMonitor, DetectsSilenceAfterOneSecond) {
     WatchdogMonitor watch;
     std::int64_t now = 5'000'000 * beat_ms;
     EXPECT_TRUE(watch.is_alive(7, now));
@@ -191,15 +191,15 @@ TEST(WatchdogMonitor, KnowsAfterASecondThatNothingBeats) {
     EXPECT_TRUE(watch.is_alive(8, now)) << "it beats again";
 }
 
-TEST(WatchdogMonitor, OneThatBeatsSeldomLives) {
+TEST(WatchdogMonitor, AcceptsSlowBeats) {
     WatchdogMonitor watch;
     std::int64_t now = 0;
     for (std::uint32_t beats = 0xfffffff0; beats != 0x10; ++beats)
         for (int looks = 0; looks < 900; ++looks) ASSERT_TRUE(watch.is_alive(beats, now += beat_ms));
 }
 
-/// On a machine that sleeps nobody beats.
-TEST(WatchdogMonitor, TimeInWhichNobodyLookedDoesNotCount) {
+/// No process beats on a machine that sleeps.
+TEST(WatchdogMonitor, IgnoresUnobservedTime) {
     WatchdogMonitor watch;
     std::int64_t now = 0;
     watch.is_alive(7, now);
@@ -221,7 +221,7 @@ HandleDynamics free_body() {
     return d;
 }
 
-TEST(HeldHandle, FreeMassFallsAsGalileoSaid) {
+TEST(HeldHandle, FreeMassAcceleratesUniformly) {
     HeldHandle handle(free_body(), period);
     const glm::dvec3 start{0.01, -0.02, 0.03}, speed{0.1, 0, -0.2}, force{0.3, -1, 2};
     handle.put(start, speed);
@@ -242,7 +242,7 @@ TEST(HeldHandle, ViscousLossIsExponential) {
     EXPECT_NEAR(handle.place().x, 0.3 * (0.4 / 7) * (1 - left), 1e-14);
 }
 
-TEST(HeldHandle, HandsSpringSwingsAsADampedOscillator) {
+TEST(HeldHandle, HandSpringIsDampedOscillator) {
     HandleDynamics d = free_body();
     d.hand_stiffness = 300;
     d.damping = 4;
@@ -255,7 +255,7 @@ TEST(HeldHandle, HandsSpringSwingsAsADampedOscillator) {
     EXPECT_NEAR(handle.place().x, x, 1e-14);
 }
 
-TEST(HeldHandle, CoulombFrictionStopsASlidingMassWhereItMust) {
+TEST(HeldHandle, CoulombFrictionStopsSlidingMass) {
     HandleDynamics d = free_body();
     d.friction = 0.5;
     HeldHandle handle(d, period);
@@ -267,7 +267,7 @@ TEST(HeldHandle, CoulombFrictionStopsASlidingMassWhereItMust) {
     EXPECT_EQ(handle.velocity(), glm::dvec3(0));
 }
 
-TEST(HeldHandle, CoulombFrictionHoldsAgainstLessAndLetsGoOfMore) {
+TEST(HeldHandle, StaticFrictionHoldsBelowThreshold) {
     HandleDynamics d = free_body();
     d.friction = 0.5;
     d.hand_stiffness = 100;
@@ -280,7 +280,7 @@ TEST(HeldHandle, CoulombFrictionHoldsAgainstLessAndLetsGoOfMore) {
     EXPECT_GT(handle.place().x, 0.01);
 }
 
-TEST(HeldHandle, ReadsItsPlaceInWholeQuanta) {
+TEST(HeldHandle, QuantizesReadPosition) {
     HandleDynamics d = free_body();
     d.quantum = 6e-5;
     HeldHandle handle(d, period);
@@ -289,7 +289,7 @@ TEST(HeldHandle, ReadsItsPlaceInWholeQuanta) {
     EXPECT_EQ(handle.place(), glm::dvec3(8.9e-5, -8.9e-5, 9.1e-5));
 }
 
-TEST(HeldHandle, NeverGainsEnergyOnItsOwn) {
+TEST(HeldHandle, NeverGainsEnergy) {
     HandleDynamics d;
     d.friction = 0.3;
     HeldHandle handle(d, period);
@@ -307,13 +307,13 @@ TEST(HeldHandle, NeverGainsEnergyOnItsOwn) {
     EXPECT_LT(last, 5e-4);
 }
 
-TEST(HeldHandle, IsTheSameBitsEverywhere) {
+TEST(HeldHandle, IsBitIdenticalEverywhere) {
     HandleDynamics d;
     d.friction = 0.2;
     HeldHandle handle(d, period);
     handle.put({0.01, 0.02, -0.03}, {0.1, -0.2, 0.3});
     for (int k = 0; k < 150; ++k) handle.advance(-400.0 * handle.place());
-    // Of GCC and Clang, with and without optimisation.
+    // The bits of GCC and Clang, with and without optimisation.
     EXPECT_EQ(handle.place(), glm::dvec3(0x1.2c6d5b7c5a063p-9, 0x1.010ad916a5e66p-7, -0x1.819045a1f8dd5p-7));
     EXPECT_EQ(handle.velocity(),
               glm::dvec3(0x1.393259bcae072p-3, 0x1.3d9d9ff7651c2p-3, -0x1.dc6c6ff317a99p-3));
@@ -333,7 +333,7 @@ std::string heard_at(int socket) {
     return {room, static_cast<std::size_t>(came > 0 ? came : 0)};
 }
 
-TEST(ReplugWatchdog, SpeaksToTheDeviceThatWasOpenedLast) {
+TEST(ReplugWatchdog, SendsToLastOpenedDevice) {
     int old_device[2], new_device[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, old_device), 0);
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, new_device), 0);
@@ -358,7 +358,7 @@ TEST(ReplugWatchdog, SpeaksToTheDeviceThatWasOpenedLast) {
 }
 
 // The process that leaves devices unpowered: a program that stands still, that is dumped, that is ended with
-// all of its group, and who ends that process.
+// all of its group, and signals to that process itself.
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
@@ -404,13 +404,13 @@ public:
 
     pid_t process() const { return process_; }
     pid_t guardian() const { return guardian_; }
-    /// What the device hears next; empty: nobody holds it any more.
+    /// The next message to the device; empty: no process holds it any more.
     std::string hears() const {
         char room[64];
         const ssize_t came = recv(device_, room, sizeof room, 0);
         return {room, static_cast<std::size_t>(came > 0 ? came : 0)};
     }
-    /// Whether it comes to hear that, after other things.
+    /// True if the device comes to hear that, after other messages.
     bool hears_of(const std::string& what) const {
         for (int words = 0; words < 10'000; ++words) {
             const std::string heard = hears();
@@ -418,7 +418,7 @@ public:
         }
         return false;
     }
-    /// Once it beats.
+    /// Stops the program once it beats.
     void stop() const {
         ASSERT_TRUE(hears_of("force"));
         kill(process_, SIGSTOP);
@@ -459,7 +459,7 @@ private:
     int device_ = -1;
 };
 
-/// From `begins` to what it waits for.
+/// The time from `begins` to the message `heard`.
 double milliseconds_of(const std::function<void(BeatingProgram&)>& begins, const std::string& heard,
                        BeatingProgram::Way way = BeatingProgram::Way::beats,
                        const std::function<void()>& before = {}) {
@@ -480,9 +480,9 @@ double quickest_ms(const std::function<void(BeatingProgram&)>& begins, const std
     return quickest;
 }
 
-TEST(WatchdogProcess, AStoppedProgramIsMadeLimpWithoutDying) {
+TEST(WatchdogProcess, UnpowersDeviceOfStoppedProgram) {
     double ms = 0;
-    // Where this test stands still, a go takes longer, or is measured from too late. A watchdog that speaks
+    // If this test stands still, a go takes longer, or is measured from too late. A watchdog that speaks
     // too early does so in every go.
     for (int go = 0; go < most_goes && (ms < 10 || ms > 50); ++go)
         ms = milliseconds_of([](BeatingProgram& program) { program.stop(); }, "meanwhile");
@@ -490,19 +490,19 @@ TEST(WatchdogProcess, AStoppedProgramIsMadeLimpWithoutDying) {
     EXPECT_GE(ms, 10) << "not before it stands still";
 }
 
-TEST(WatchdogProcess, AProgramThatGoesOnIsLeftAloneAndWatchedAgain) {
+TEST(WatchdogProcess, KeepsWatchingResumedProgram) {
     const BeatingProgram program;
     for (int again = 0; again < 3; ++again) {
         program.stop();
         ASSERT_TRUE(program.hears_of("meanwhile"));
         EXPECT_FALSE(program.has_ended());
         kill(program.process(), SIGCONT);
-        ASSERT_TRUE(program.hears_of("anew")) << "it is told that its force begins anew";
+        ASSERT_TRUE(program.hears_of("anew")) << "it hears that its force begins anew";
         ASSERT_TRUE(program.hears_of("force"));
     }
 }
 
-TEST(WatchdogProcess, SaysAWordAgainWhileAProgramIsStopped) {
+TEST(WatchdogProcess, RepeatsPacketDuringStop) {
     const BeatingProgram program;
     program.stop();
     ASSERT_TRUE(program.hears_of("meanwhile"));
@@ -511,7 +511,7 @@ TEST(WatchdogProcess, SaysAWordAgainWhileAProgramIsStopped) {
     EXPECT_TRUE(program.hears_of("last")) << "once it is gone";
 }
 
-TEST(WatchdogProcess, DoesNotWaitForACoreToBeWritten) {
+TEST(WatchdogProcess, ActsBeforeCoreDumpEnds) {
 #ifdef TOUCHABLE_SANITIZED
     GTEST_SKIP() << "a sanitizer's memory is too large to be dumped";
 #endif
@@ -537,7 +537,7 @@ TEST(WatchdogProcess, DoesNotWaitForACoreToBeWritten) {
     std::filesystem::remove_all(folder);
 }
 
-TEST(WatchdogProcess, IsNotMistakenWhenItWasLateItself) {
+TEST(WatchdogProcess, OwnDelayCausesNoPacket) {
     int fewest = 1;
     for (int go = 0; go < most_goes && fewest > 0; ++go) {
         const BeatingProgram program;
@@ -552,8 +552,8 @@ TEST(WatchdogProcess, IsNotMistakenWhenItWasLateItself) {
     EXPECT_EQ(fewest, 0);
 }
 
-/// As a terminal does by Ctrl-C, and a person by kill -9 -GROUP.
-TEST(WatchdogProcess, OutlivesWhatIsSentToTheWholeGroup) {
+/// Signals as of a terminal's Ctrl-C and of kill -9 -GROUP.
+TEST(WatchdogProcess, SurvivesGroupSignals) {
     for (const int signal : {SIGINT, SIGQUIT, SIGHUP, SIGTERM, SIGKILL}) {
         const BeatingProgram program;
         program.hears();
@@ -564,7 +564,7 @@ TEST(WatchdogProcess, OutlivesWhatIsSentToTheWholeGroup) {
     }
 }
 
-TEST(WatchdogProcess, IsNotEndedByWhatEndsPrograms) {
+TEST(WatchdogProcess, SurvivesTerminationSignals) {
     auto watchdog = SafetyWatchdog::start();
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
@@ -582,8 +582,8 @@ std::string contents(pid_t process, const char* what) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The device is in nobody's care then, and must have no force.
-TEST(WatchdogProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
+/// The device is unguarded then, and must have no force.
+TEST(WatchdogProcess, IgnoresReplyToEarlierOrder) {
     auto watchdog = SafetyWatchdog::start();
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
@@ -611,7 +611,7 @@ TEST(WatchdogProcess, WhatItSaysOfAnEarlierOrderIsNoAnswerToTheNext) {
 }
 
 /// `pkill -9 touchable` goes by the one, `pkill -f` by the other.
-TEST(WatchdogProcess, HasANameAndACommandLineOfItsOwn) {
+TEST(WatchdogProcess, HasOwnProcessName) {
     const BeatingProgram program;
     EXPECT_EQ(contents(program.guardian(), "comm"), "safety-watchdog\n");
     const std::string line = contents(program.guardian(), "cmdline");
@@ -621,7 +621,7 @@ TEST(WatchdogProcess, HasANameAndACommandLineOfItsOwn) {
         << "the program keeps its own";
 }
 
-TEST(WatchdogProcess, IsAsUrgentAsItMayBe) {
+TEST(WatchdogProcess, RunsAtHighestAllowedPriority) {
     const BeatingProgram program;
     const pid_t tries = fork();
     if (tries == 0) {
@@ -633,8 +633,8 @@ TEST(WatchdogProcess, IsAsUrgentAsItMayBe) {
     EXPECT_EQ(sched_getscheduler(program.guardian()), WEXITSTATUS(status));
 }
 
-/// Whoever reads a pipe that the program writes waits for its end.
-TEST(WatchdogProcess, HoldsNothingOpenThatItDoesNotNeed) {
+/// A reader of a pipe that the program writes waits for its end.
+TEST(WatchdogProcess, ClosesUnneededDescriptors) {
     int ends[2];
     ASSERT_EQ(pipe(ends), 0);
     auto watchdog = SafetyWatchdog::start();
@@ -653,7 +653,7 @@ TEST(WatchdogProcess, HoldsNothingOpenThatItDoesNotNeed) {
     EXPECT_EQ(held.size(), 2U) << "its socket, and what it keeps";
 }
 
-/// As one whose bus hangs: whoever writes to it waits.
+/// A device whose bus hangs: a writer waits.
 class DeviceThatTakesNothing {
 public:
     DeviceThatTakesNothing() {
@@ -674,7 +674,7 @@ private:
     int ends_[2] = {-1, -1};
 };
 
-TEST(WatchdogProcess, ADeviceThatTakesNothingKeepsNoOtherWaiting) {
+TEST(WatchdogProcess, BlockedDeviceDelaysNoOther) {
     const DeviceThatTakesNothing stuck;
     const BeatingProgram program(
         BeatingProgram::Way::beats, [&] { stuck.let_go_of_its_end(); }, stuck.end());
@@ -688,7 +688,7 @@ TEST(WatchdogProcess, ADeviceThatTakesNothingKeepsNoOtherWaiting) {
     EXPECT_EQ(program.hears(), "last");
 }
 
-TEST(WatchdogProcess, LeavesEachOfTwoDevicesLimp) {
+TEST(WatchdogProcess, UnpowersBothDevices) {
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
     const timeval patience{10, 0};
@@ -704,7 +704,7 @@ TEST(WatchdogProcess, LeavesEachOfTwoDevicesLimp) {
     ::close(ends[0]);
 }
 
-TEST(WatchdogProcess, SpeaksTwice) {
+TEST(WatchdogProcess, SendsPacketTwice) {
     const BeatingProgram program;
     kill(program.process(), SIGKILL);
     ASSERT_TRUE(program.hears_of("last"));
@@ -712,7 +712,7 @@ TEST(WatchdogProcess, SpeaksTwice) {
     EXPECT_EQ(program.hears(), "");
 }
 
-TEST(WatchdogProcess, ThatItIsGoneIsKnown) {
+TEST(WatchdogProcess, DeathIsDetected) {
     auto watchdog = SafetyWatchdog::start();
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
@@ -731,7 +731,7 @@ TEST(WatchdogProcess, ThatItIsGoneIsKnown) {
     EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
 }
 
-TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
+TEST(WatchdogProcess, StallIsDetected) {
     auto watchdog = SafetyWatchdog::start();
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
@@ -752,12 +752,12 @@ TEST(WatchdogProcess, ThatItStandsStillIsKnown) {
         << beat.error().message;
     EXPECT_GE(beats, 50) << "a busy machine may keep it waiting for a while";
     kill((*watchdog)->process(), SIGCONT);
-    EXPECT_FALSE(kept->beat()) << "nobody relies on it again";
+    EXPECT_FALSE(kept->beat()) << "it is not relied on again";
     EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
 }
 
-/// Whether it was known to be stopped or not. (In a process of its own, which would hang.)
-TEST(WatchdogProcess, AStoppedOneDoesNotKeepTheProgramFromItsEnd) {
+/// The program may or may not know that it is stopped. (In a process of its own, which would hang.)
+TEST(WatchdogProcess, StoppedWatchdogDelaysNoExit) {
     const pid_t program = fork();
     if (program == 0) {
         alarm(30);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double period = 0.001;
 
-/// That the search found it within its step, and 5 % for what theory leaves out.
+/// Expects that the search finds the boundary within its step, and 5 % for what theory leaves out.
 void expect_found(BenchDevice& device, double boundary) {
     const auto found = find_stiffness(device, device.pace());
     ASSERT_TRUE(found) << found.error().message;
@@ -40,7 +40,7 @@ TEST(StiffnessSearch, FindsColgateAndSchenkelsBound) {
         }
 }
 
-TEST(StiffnessSearch, FindsGilsBoundWhereForcesComeLate) {
+TEST(StiffnessSearch, FindsGilsBoundWithDelay) {
     for (const int delay : {1, 3}) {
         SCOPED_TRACE(std::to_string(delay) + " ticks late");
         BenchDevice device({.mass = 0.5, .damping = 5, .hand_stiffness = 0}, delay);
@@ -48,7 +48,7 @@ TEST(StiffnessSearch, FindsGilsBoundWhereForcesComeLate) {
     }
 }
 
-TEST(StiffnessSearch, StaysBelowTheBoundWhereEncodersAreCoarse) {
+TEST(StiffnessSearch, CoarseEncodersLowerStiffness) {
     BenchDevice device({.mass = 0.5, .damping = 5, .quantum = 60e-6, .hand_stiffness = 0});
     const auto found = find_stiffness(device, device.pace());
     ASSERT_TRUE(found);
@@ -56,7 +56,7 @@ TEST(StiffnessSearch, StaysBelowTheBoundWhereEncodersAreCoarse) {
     EXPECT_FALSE(found->why.empty());
 }
 
-TEST(StiffnessSearch, EndsAtTheDevicesOwnLimit) {
+TEST(StiffnessSearch, EndsAtDeviceLimit) {
     BenchDevice device({.mass = 0.5, .damping = 20, .hand_stiffness = 0});
     device.limit = {2, 1234};
     const auto found = find_stiffness(device, device.pace());
@@ -67,14 +67,14 @@ TEST(StiffnessSearch, EndsAtTheDevicesOwnLimit) {
     EXPECT_LE(device.longest, 1.0 + 1e-12);
 }
 
-TEST(StiffnessSearch, SaysWhereFrictionHeldItStill) {
+TEST(StiffnessSearch, ReportsHandleHeldByFriction) {
     BenchDevice device({.mass = 0.5, .damping = 5, .friction = 2, .hand_stiffness = 0});
     const auto found = find_stiffness(device, device.pace());
     ASSERT_TRUE(found);
     EXPECT_FALSE(found->moved);
 }
 
-TEST(StiffnessSearch, RefusesADeviceWithoutForce) {
+TEST(StiffnessSearch, RejectsDeviceWithoutForce) {
     BenchDevice device({});
     device.driven = 0;
     const auto found = find_stiffness(device, device.pace());
@@ -83,8 +83,8 @@ TEST(StiffnessSearch, RefusesADeviceWithoutForce) {
     EXPECT_EQ(device.longest, 0);
 }
 
-/// Each in the middle of a spring's trial, in which a force is on.
-TEST(StiffnessSearch, EndsWithoutForceWhateverEndsIt) {
+/// Each end comes in the middle of a spring's trial, in which a force is on.
+TEST(StiffnessSearch, EveryEndRemovesForce) {
     constexpr std::int64_t in_the_nudge = 305;
     BenchDevice stopped({.hand_stiffness = 0}), lost({.hand_stiffness = 0}), broken({.hand_stiffness = 0});
     stopped.stops_at = lost.loses_place_at = broken.breaks_at = in_the_nudge;
@@ -138,7 +138,7 @@ private:
     double is_at_ = 0;
 };
 
-TEST(StiffnessSearch, NudgesByAThirdOfTheForceForTenMilliseconds) {
+TEST(StiffnessSearch, NudgesByThirdOfForce) {
     ScriptedHandle device([](int) { return 0.0; });
     const auto found = find_stiffness(device, device.pace());
     ASSERT_TRUE(found) << found.error().message;
@@ -148,8 +148,8 @@ TEST(StiffnessSearch, NudgesByAThirdOfTheForceForTenMilliseconds) {
     EXPECT_EQ(device.pushes, 10);
 }
 
-/// As one does whose motor's sign is wrong: it creeps off, and never swings.
-TEST(StiffnessSearch, LetsGoOfAHandleThatIsThreeMillimetresAway) {
+/// A handle whose motor has the wrong sign creeps off, and never swings.
+TEST(StiffnessSearch, ReleasesHandleThatDriftsAway) {
     ScriptedHandle device([](int ticks) { return 0.00002 * ticks; });
     const auto found = find_stiffness(device, device.pace());
     ASSERT_TRUE(found) << found.error().message;
@@ -161,7 +161,7 @@ TEST(StiffnessSearch, LetsGoOfAHandleThatIsThreeMillimetresAway) {
 }
 
 /// Swings of 20 ms whose peaks grow by 0.1 mm every tenth of a second.
-TEST(StiffnessSearch, LetsGoOfAHandleWhoseSwingsDouble) {
+TEST(StiffnessSearch, ReleasesHandleOnDoubledSwings) {
     ScriptedHandle device(
         [](int ticks) { return (0.0001 + 0.000001 * ticks) * std::sin(2 * std::acos(-1.0) * ticks / 20); });
     const auto found = find_stiffness(device, device.pace());
@@ -187,7 +187,7 @@ TEST(SpringTrial, EndsWithoutForce) {
     }
 }
 
-TEST(StiffnessSearch, DoesNotPushWhatDoesNotRest) {
+TEST(StiffnessSearch, NeverPushesMovingHandle) {
     // A hand that pulls it away: it swings for long.
     class Swinging final : public HapticDevice {
     public:
@@ -222,9 +222,9 @@ TEST(StiffnessSearch, DoesNotPushWhatDoesNotRest) {
 constexpr std::int64_t ms = 1'000'000;
 
 /// Hardware whose thread has its turn 0.3 ms after each tick of the reader.
-class Watched : public testing::Test {
+class WatchedDevice : public testing::Test {
 protected:
-    Watched() { EXPECT_TRUE(device.open()); }
+    WatchedDevice() { EXPECT_TRUE(device.open()); }
     TickPace pace() {
         return {[this] {
                     now += 300'000;
@@ -247,7 +247,7 @@ protected:
                          .own_thread = false}};
 };
 
-TEST_F(Watched, FiguresAreThoseOfItsTurns) {
+TEST_F(WatchedDevice, MeasuresItsTurns) {
     const auto figures = watch_device(device, times, pace(), 1001);
     ASSERT_TRUE(figures) << figures.error().message;
     EXPECT_EQ(figures->readings, 1001);
@@ -265,7 +265,7 @@ TEST_F(Watched, FiguresAreThoseOfItsTurns) {
     EXPECT_GT(hardware.sent, 900);
 }
 
-TEST_F(Watched, ASilenceShowsInTheFigures) {
+TEST_F(WatchedDevice, FiguresShowSilence) {
     auto beat = pace();
     auto steps = beat.next_tick;
     beat.next_tick = [this, steps] {
@@ -280,14 +280,14 @@ TEST_F(Watched, ASilenceShowsInTheFigures) {
     EXPECT_LE(figures->without_place, 22);
 }
 
-TEST_F(Watched, StopsWhenItIsToldTo) {
+TEST_F(WatchedDevice, StopsOnRequest) {
     stops_at = 10;
     const auto figures = watch_device(device, times, pace(), 1000);
     ASSERT_FALSE(figures);
     EXPECT_EQ(figures.error().kind, ErrorKind::interrupted);
 }
 
-TEST(DeviceWatch, ADeviceThatFailsSaysWhy) {
+TEST(DeviceWatch, ReportsDeviceFailure) {
     BenchDevice device({});
     device.breaks_at = 5;
     const DriveTimes nothing(10);
@@ -296,7 +296,7 @@ TEST(DeviceWatch, ADeviceThatFailsSaysWhy) {
     EXPECT_EQ(figures.error().message, "bench device: broke");
 }
 
-TEST(DeviceWatch, TheLongestCallIsWhatTheDeviceKeptItsReaderFor) {
+TEST(DeviceWatch, MeasuresLongestCall) {
     BenchDevice device({});
     device.takes_ns = 40'000;
     const DriveTimes nothing(10);
@@ -305,7 +305,8 @@ TEST(DeviceWatch, TheLongestCallIsWhatTheDeviceKeptItsReaderFor) {
     EXPECT_NEAR(figures->longest_call_s, 40e-6, 1e-12);
 }
 
-TEST(DriverCounts, OfReportsThatWereLeftOutAreTheDriversOrNone) {
+/// Reports that were left out; -1: the driver does not count them.
+TEST(DriverCounts, AreUnknownWithoutDriverSupport) {
     FakeHardware hardware;
     DrivenDevice device(std::make_unique<FakeDriver>(hardware),
                         {.clock = [] { return ms; }, .own_thread = false});
@@ -316,7 +317,7 @@ TEST(DriverCounts, OfReportsThatWereLeftOutAreTheDriversOrNone) {
 
 // Figures of moments and places, worked out by hand.
 
-TEST(Percentiles, IsOfValuesThatWereThere) {
+TEST(Percentiles, AreActualValues) {
     std::vector<double> values;
     for (int k = 200; k >= 1; --k) values.push_back(k);
     const WatchFigures::Percentiles found = percentiles_of(values);
@@ -328,7 +329,7 @@ TEST(Percentiles, IsOfValuesThatWereThere) {
     EXPECT_EQ(percentiles_of({}).count, 0);
 }
 
-TEST(Intervals, AreFromEachMomentToTheNext) {
+TEST(Intervals, SpanConsecutiveMoments) {
     const std::vector<std::int64_t> times{5'000'000, 6'000'000, 9'000'000};
     const auto intervals = intervals_between(times);
     ASSERT_EQ(intervals.size(), 2u);
@@ -337,7 +338,7 @@ TEST(Intervals, AreFromEachMomentToTheNext) {
     EXPECT_TRUE(intervals_between(std::span(times).first(1)).empty());
 }
 
-TEST(UntilTheNext, AnswersOnlyTheLastBeforeIt) {
+TEST(AnswerWaits, CountOnlyLatestRequest) {
     const std::vector<std::int64_t> asked{1000, 2000, 3000, 9000}, answered{500, 2400, 2500, 5000};
     const auto waits = until_the_next(asked, answered);
     ASSERT_EQ(waits.size(), 2u) << "that of 1000 came after another was asked for, that of 9000 never";
@@ -345,7 +346,7 @@ TEST(UntilTheNext, AnswersOnlyTheLastBeforeIt) {
     EXPECT_NEAR(waits[1], 2000e-9, 1e-15);
 }
 
-TEST(Rest, OfAnEncoderThatFlickersBetweenTwoCounts) {
+TEST(Rest, MeasuresFlickeringEncoder) {
     std::vector<glm::dvec3> places;
     for (int k = 0; k < 100; ++k) places.push_back({k % 2 == 0 ? 0.0 : 40e-6, 0.001, k < 50 ? 0.0 : 10e-6});
     const WatchFigures::Rest rest = rest_of(places);
@@ -359,14 +360,14 @@ TEST(Rest, OfAnEncoderThatFlickersBetweenTwoCounts) {
     EXPECT_FALSE(rest.moved());
 }
 
-TEST(Rest, OfAHandThatWentIsCalledSo) {
+TEST(Rest, DetectsMovingHand) {
     std::vector<glm::dvec3> places;
     for (int k = 0; k <= 100; ++k) places.push_back({0, k * 20e-6, 0});
     EXPECT_TRUE(rest_of(places).moved()) << "1 mm to each side of the mean";
     EXPECT_EQ(rest_of({}).places, 0);
 }
 
-TEST(DriveTimes, GiveWhatWasWithinAndKeepTheNewest) {
+TEST(DriveTimes, KeepNewestWithinRange) {
     DriveTimes times(4);
     for (std::int64_t moment = 1; moment <= 6; ++moment) times.received(moment * 10);
     times.sent(35);

@@ -30,8 +30,8 @@ inline Bytes bytes_of(std::initializer_list<int> values) {
     return bytes;
 }
 
-/// What a test sees of reports, and lays down for a driver to find. Whoever waits for one that does not come
-/// moves the clock instead, unless `waits`.
+/// The reports that a test sees, and those that it lays down for a driver. A wait for a report that does not
+/// come moves the clock instead, unless `waits`.
 class FakeWire {
 public:
     void lay(Bytes report) {
@@ -136,7 +136,7 @@ inline int word_at(const Bytes& bytes, std::size_t at) {
     return value >= 0x8000 ? value - 0x10000 : value;
 }
 
-/// What the firmware does with reports, written from its description.
+/// The firmware's answers to reports, written from its description.
 struct Board {
     std::array<int, 6> counters{};
     std::array<int, 3> milliamperes{};
@@ -188,7 +188,7 @@ struct Bench {
             [wire = wire] { return wire->now_ns(); });
     }
     Result<void> connect() { return driver->connect(); }
-    /// As the device's thread does.
+    /// A turn of the device's thread.
     Result<bool> turn(const glm::dvec3& newtons) {
         const std::array<glm::dvec3, 1> forces{newtons};
         if (auto sent = driver->send(forces); !sent) return sent.error();

@@ -31,20 +31,20 @@ Bytes sent_as(const std::array<std::byte, n>& report) {
     return {report.begin(), report.end()};
 }
 
-TEST(WoodenProtocol, CurrentsAreIntegersBehindAZero) {
+TEST(WoodenProtocol, EncodesCurrents) {
     EXPECT_EQ(sent_as(encode_wooden_currents({1, -2, 0x0102})),
               bytes_of({0x00, 0x01, 0x00, 0xfe, 0xff, 0x02, 0x01, 0, 0, 0, 0, 0, 0, 0, 0}));
     EXPECT_EQ(sent_as(encode_wooden_currents({-32768, 32767, 0})),
               bytes_of({0x00, 0x00, 0x80, 0xff, 0x7f, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
-TEST(WoodenProtocol, CountersAreCommandOneAndNoCurrents) {
+TEST(WoodenProtocol, EncodesCountersAsCommandOne) {
     // Its first three stand behind the command, the last three where currents would.
     EXPECT_EQ(sent_as(encode_wooden_counters({0x0a, 0x0b, -1, 0x0d, 0x0e, 0x0f})),
               bytes_of({0x00, 0x0d, 0, 0x0e, 0, 0x0f, 0, 0x01, 0, 0x0a, 0, 0x0b, 0, 0xff, 0xff}));
 }
 
-TEST(WoodenProtocol, AReadingIsSixCountersAndItsInfo) {
+TEST(WoodenProtocol, DecodesCountersAndInfo) {
     const auto reading = decode_wooden_reading(
         bytes_of({0x70, 0x17, 0xff, 0xff, 0x00, 0x80, 0x01, 0x00, 0x02, 0x00, 0x03, 0x00, 0x01, 0x00}));
     ASSERT_TRUE(reading);
@@ -52,12 +52,12 @@ TEST(WoodenProtocol, AReadingIsSixCountersAndItsInfo) {
     EXPECT_EQ(reading->info, 1);
 }
 
-TEST(WoodenProtocol, AnyOtherLengthIsRefused) {
+TEST(WoodenProtocol, RejectsOtherLengths) {
     for (std::size_t bytes = 0; bytes <= 65; ++bytes)
         EXPECT_EQ(bool(decode_wooden_reading(Bytes(bytes))), bytes == 14) << bytes;
 }
 
-TEST(WoodenKinematics, CountsTurnJointsByTheCable) {
+TEST(WoodenKinematics, ConvertsCountsToAngles) {
     auto build = published_build();
     // A quarter turn of the third joint is three turns of its motor: 12 to 1.
     glm::dvec3 angles = wooden_angles(build, {2000, -4000, 6000});
@@ -68,7 +68,7 @@ TEST(WoodenKinematics, CountsTurnJointsByTheCable) {
     EXPECT_NEAR(wooden_angles(build, {0, 0, 6000})[2], -quarter, 1e-15);
 }
 
-TEST(WoodenKinematics, PosesWorkedOutByHand) {
+TEST(WoodenKinematics, MatchesHandComputedPoses) {
     const auto build = published_build();
     const std::pair<glm::dvec3, glm::dvec3> poses[] = {
         // One link up, the other to the person: 245 mm out of 220, 80 + 205 up of 80.
@@ -83,7 +83,7 @@ TEST(WoodenKinematics, PosesWorkedOutByHand) {
         EXPECT_LT(glm::distance(wooden_place(build, angles), place), 1e-15);
 }
 
-TEST(WoodenKinematics, TheJacobianIsWhatSmallTurnsDo) {
+TEST(WoodenKinematics, JacobianMatchesFiniteDifferences) {
     const auto build = published_build();
     std::mt19937 random(17);
     std::uniform_real_distribution<double> angle(-1.5, 1.5);
@@ -100,7 +100,7 @@ TEST(WoodenKinematics, TheJacobianIsWhatSmallTurnsDo) {
     }
 }
 
-TEST(WoodenKinematics, AForceUpIsOneMotorsAtTheHomePose) {
+TEST(WoodenKinematics, HomeForceUsesOneMotor) {
     // 1 N at the end of a level link of 245 mm, by a cable of 12 to 1, at 25.9 mN m/A: 788.3 mA.
     EXPECT_EQ(wooden_currents(published_build(), {0, 0, quarter}, {0, 1, 0}),
               (std::array<std::int16_t, 3>{0, 0, 788}));
@@ -112,7 +112,7 @@ TEST(WoodenKinematics, AForceUpIsOneMotorsAtTheHomePose) {
               (std::array<std::int16_t, 3>{0, -659, 0}));
 }
 
-TEST(WoodenKinematics, AMotorThatTurnsTheOtherWayGetsTheOtherSign) {
+TEST(WoodenKinematics, ReversedMotorFlipsCurrentSign) {
     auto build = published_build();
     build.joints[2].torque_constant = -0.0259;
     EXPECT_EQ(wooden_currents(build, {0, 0, quarter}, {0, 1, 0}), (std::array<std::int16_t, 3>{0, 0, -788}));
@@ -130,7 +130,7 @@ glm::dvec3 force_of(const WoodenParameters& build, const glm::dvec3& angles,
     return glm::inverse(glm::transpose(wooden_jacobian(build, angles))) * torques;
 }
 
-TEST(WoodenKinematics, ASaturatedForceKeepsItsDirection) {
+TEST(WoodenKinematics, SaturationKeepsDirection) {
     const auto build = published_build();
     std::mt19937 random(3);
     std::uniform_real_distribution<double> part(-1, 1), far(0.5, 1.2);
@@ -148,7 +148,7 @@ TEST(WoodenKinematics, ASaturatedForceKeepsItsDirection) {
     }
 }
 
-TEST(WoodenKinematics, AWeakForceIsExertedAsItIs) {
+TEST(WoodenKinematics, WeakForceIsExact) {
     const auto build = published_build();
     const glm::dvec3 angles(0.3, 0.7, 0.9), force(0.4, -0.3, 0.5);
     EXPECT_LT(glm::distance(force_of(build, angles, wooden_currents(build, angles, force)), force), 0.004);
@@ -159,7 +159,7 @@ std::string example_text() {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-TEST(WoodenParameters, TheExampleIsThePublishedBuildAndIsNotDriven) {
+TEST(WoodenParameters, ExampleMatchesPublishedBuild) {
     const auto read =
         read_wooden_parameters(std::string(TOUCHABLE_SOURCE_DIR) + "/examples/woodenhaptics.json");
     ASSERT_TRUE(read) << read.error().message;
@@ -178,7 +178,7 @@ TEST(WoodenParameters, TheExampleIsThePublishedBuildAndIsNotDriven) {
     }
 }
 
-TEST(WoodenParameters, WhatIsWrongIsNamed) {
+TEST(WoodenParameters, ErrorNamesInvalidField) {
     const struct {
         const char *from, *to, *named;
     } changes[] = {
@@ -212,14 +212,14 @@ TEST(WoodenParameters, WhatIsWrongIsNamed) {
     }
 }
 
-TEST(WoodenParameters, AFileCutAnywhereIsRefused) {
+TEST(WoodenParameters, RejectTruncatedFile) {
     const std::string whole = example_text();
     ASSERT_GT(whole.size(), 1000u);
     for (std::size_t bytes = 0; bytes + 2 < whole.size(); bytes += 7)
         EXPECT_FALSE(parse_wooden_parameters(whole.substr(0, bytes), "cut.json")) << bytes;
 }
 
-TEST(WoodenParameters, AFileThatIsNoneIsRefused) {
+TEST(WoodenParameters, RejectUnreadableFile) {
     for (const std::string& file : {std::string("/nowhere/woodenhaptics.json"), std::string("/")}) {
         const auto read = read_wooden_parameters(file);
         ASSERT_FALSE(read);
@@ -228,7 +228,7 @@ TEST(WoodenParameters, AFileThatIsNoneIsRefused) {
     }
 }
 
-TEST(WoodenKeys, TheFileMustBeNamed) {
+TEST(WoodenKeys, RequireFile) {
     const auto given = read_wooden_settings("file=mine.json,node=/dev/hidraw3,homed=1");
     ASSERT_TRUE(given);
     EXPECT_EQ(given->file, "mine.json");
@@ -245,7 +245,7 @@ TEST(WoodenKeys, TheFileMustBeNamed) {
     EXPECT_EQ(made.error().kind, ErrorKind::input);
 }
 
-TEST(WoodenIds, AreThoseOfItsFirmware) {
+TEST(WoodenIds, MatchFirmware) {
     EXPECT_TRUE(is_woodenhaptics(0x1234, 0x0006));
     EXPECT_FALSE(is_woodenhaptics(0x1234, 0x0007));
 }
@@ -258,7 +258,7 @@ WoodenParameters with_button() {
     return build;
 }
 
-TEST(WoodenDriver, StartsInItsHomePoseWithoutForce) {
+TEST(WoodenDriver, StartsUnpoweredAtHome) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     EXPECT_EQ(bench.board->counters[2], 6000);
@@ -273,7 +273,7 @@ TEST(WoodenDriver, StartsInItsHomePoseWithoutForce) {
     EXPECT_TRUE(bench.driver->prompt().empty());
 }
 
-TEST(WoodenDriver, ForcesAreCurrentsAndPartingIsLimp) {
+TEST(WoodenDriver, SendsCurrentsAndDisconnectsUnpowered) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     ASSERT_TRUE(bench.turn({0, 1, 0}));
@@ -288,7 +288,7 @@ TEST(WoodenDriver, ForcesAreCurrentsAndPartingIsLimp) {
         << "one may be lost";
 }
 
-TEST(WoodenDriver, OneThatMustNotBeDrivenGetsNoCurrent) {
+TEST(WoodenDriver, UndrivenBuildGetsNoCurrent) {
     auto build = published_build();
     build.drive = false;
     Bench bench(build);
@@ -300,7 +300,7 @@ TEST(WoodenDriver, OneThatMustNotBeDrivenGetsNoCurrent) {
     EXPECT_NE(bench.driver->name().find("no force"), std::string::npos);
 }
 
-TEST(WoodenDriver, WithAButtonItHasNoPlaceUntilItWasPressed) {
+TEST(WoodenDriver, ButtonHomingPrecedesPosition) {
     Bench bench(with_button());
     bench.board->counters = {111, 222, 333, 0, 0, 0};
     ASSERT_TRUE(bench.connect());
@@ -319,7 +319,7 @@ TEST(WoodenDriver, WithAButtonItHasNoPlaceUntilItWasPressed) {
     EXPECT_TRUE(bench.driver->prompt().empty());
 }
 
-TEST(WoodenDriver, TwoDamagedReadingsOfItsButtonHomeNothing) {
+TEST(WoodenDriver, DamagedButtonReadingsHomeNothing) {
     Bench bench(with_button());
     bench.board->counters = {111, 222, 333, 0, 0, 0};
     ASSERT_TRUE(bench.connect());
@@ -332,12 +332,12 @@ TEST(WoodenDriver, TwoDamagedReadingsOfItsButtonHomeNothing) {
             EXPECT_FALSE(bench.has_place()) << damaged;
             EXPECT_EQ(bench.wire->last_sent(), unpowered);
         }
-        EXPECT_EQ(bench.board->counters[2], 333) << "nobody knows that it is at home";
+        EXPECT_EQ(bench.board->counters[2], 333) << "it is not known to be at home";
     }
 }
 
 /// Its counters were lost on the way, and one of its readings is damaged: its button seems to be released.
-TEST(WoodenDriver, ABoardThatDidNotTakeItsCountersIsNotAtHome) {
+TEST(WoodenDriver, LostCountersPreventHoming) {
     Bench bench(with_button());
     bench.board->counters = {111, 222, 333, 0, 0, 0};
     ASSERT_TRUE(bench.connect());
@@ -356,7 +356,7 @@ TEST(WoodenDriver, ABoardThatDidNotTakeItsCountersIsNotAtHome) {
     EXPECT_EQ(bench.wire->last_sent(), unpowered);
 }
 
-TEST(WoodenDriver, ABoardThatWasHomedMaySoBeTakenOnce) {
+TEST(WoodenDriver, TrustsHomedOptionOnce) {
     Bench bench(with_button(), true);
     bench.board->counters[2] = 6000;
     ASSERT_TRUE(bench.connect());
@@ -368,7 +368,7 @@ TEST(WoodenDriver, ABoardThatWasHomedMaySoBeTakenOnce) {
     EXPECT_FALSE(bench.has_place());
 }
 
-TEST(WoodenDriver, OneThatWasAwayIsNotTakenToBeAtHome) {
+TEST(WoodenDriver, ReplugRequiresHoming) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     bench.wire->unplug();
@@ -386,7 +386,7 @@ TEST(WoodenDriver, OneThatWasAwayIsNotTakenToBeAtHome) {
     EXPECT_TRUE(bench.has_place());
 }
 
-TEST(WoodenDriver, OneDamagedReadingDoesNotSetTheCounters) {
+TEST(WoodenDriver, DamagedReadingSetsNoCounters) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     bench.board->counters = {100, 200, 6100, 0, 0, 0};
@@ -399,7 +399,7 @@ TEST(WoodenDriver, OneDamagedReadingDoesNotSetTheCounters) {
     EXPECT_EQ(bench.board->counters[2], 6100);
 }
 
-TEST(WoodenDriver, WhatCannotBeIsLeftOut) {
+TEST(WoodenDriver, SkipsImpossibleReadings) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     ASSERT_TRUE(bench.turn({0, 0, 0}));
@@ -414,7 +414,7 @@ TEST(WoodenDriver, WhatCannotBeIsLeftOut) {
     EXPECT_EQ(bench.driver->left_out(), 3);
 }
 
-TEST(WoodenDriver, TheNewestOfManyReadingsCounts) {
+TEST(WoodenDriver, TakesNewestReading) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     for (int late = 0; late < 20; ++late) {
@@ -426,7 +426,7 @@ TEST(WoodenDriver, TheNewestOfManyReadingsCounts) {
                 1e-9);
 }
 
-TEST(WoodenDriver, ABoardThatFallsSilentIsGone) {
+TEST(WoodenDriver, DropsSilentBoard) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     bench.board->silent = true;
@@ -441,7 +441,7 @@ TEST(WoodenDriver, ABoardThatFallsSilentIsGone) {
 }
 
 /// Answers to another process, which spoke to it while this one stood still.
-TEST(WoodenDriver, WhatCameWhileNobodyAskedIsForgotten) {
+TEST(WoodenDriver, ForgetsAnswersToOtherProcess) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     ASSERT_TRUE(bench.turn({0, 0, 0}));
@@ -454,7 +454,7 @@ TEST(WoodenDriver, WhatCameWhileNobodyAskedIsForgotten) {
     EXPECT_FALSE(*came);
 }
 
-TEST(WoodenDriver, ABoardWithoutCommandsIsRefused) {
+TEST(WoodenDriver, RejectsBoardWithoutCommands) {
     Bench bench;
     bench.wire->answer = [](FakeWire& wire, const Bytes&) {
         wire.pass(1'000'000);
@@ -467,7 +467,7 @@ TEST(WoodenDriver, ABoardWithoutCommandsIsRefused) {
     EXPECT_FALSE(bench.connect()) << "it was never held, so it was never away";
 }
 
-TEST(WoodenDriver, WaitingForItCanBeGivenUp) {
+TEST(WoodenDriver, ConnectingCanBeCancelled) {
     Bench bench;
     bench.board->silent = true;
     std::stop_source given_up;
@@ -477,7 +477,7 @@ TEST(WoodenDriver, WaitingForItCanBeGivenUp) {
     EXPECT_EQ(connected.error().kind, ErrorKind::interrupted);
 }
 
-TEST(WoodenDriver, ItTellsAPlaceForEachReportAndNotByItself) {
+TEST(WoodenDriver, TellsPositionOnlyWhenAsked) {
     Bench bench;
     ASSERT_TRUE(bench.connect());
     EXPECT_TRUE(bench.driver->capabilities().answers);
@@ -485,7 +485,7 @@ TEST(WoodenDriver, ItTellsAPlaceForEachReportAndNotByItself) {
     EXPECT_TRUE(*bench.turn({0, 0, 0}));
 }
 
-TEST(WoodenDriver, ItsZeroForcePacketIsAReportWithoutCurrents) {
+TEST(WoodenDriver, ZeroForcePacketLacksCurrents) {
     Bench bench;
     EXPECT_FALSE(bench.driver->zero_force_packet());
     ASSERT_TRUE(bench.connect());
@@ -525,7 +525,7 @@ void damage(std::mt19937& random, FakeWire& wire, const Bytes& sound, Bytes& kep
     }
 }
 
-TEST(WoodenDriver, TenThousandFaultsNeverLeaveAForce) {
+TEST(WoodenDriver, FaultsNeverLeaveForce) {
     Bench bench;
     bench.wire->remembers = false;
     std::mt19937 random(20);
@@ -572,7 +572,7 @@ TEST(WoodenDriver, TenThousandFaultsNeverLeaveAForce) {
     EXPECT_GT(places, 1000);
 }
 
-TEST(WoodenDriver, AHandThatLetsGoOrIsPulledOutIsLimp) {
+TEST(WoodenDriver, UnpowersOnSilenceOrUnplugging) {
     auto wire = std::make_shared<FakeWire>();
     wire->waits = true;
     auto board = std::make_shared<Board>();
@@ -592,7 +592,7 @@ TEST(WoodenDriver, AHandThatLetsGoOrIsPulledOutIsLimp) {
         ASSERT_TRUE(device.write_forces(push));
         std::this_thread::yield();
     }
-    // Nobody writes any more: it goes unpowered by itself.
+    // No caller writes any more: the device goes unpowered by itself.
     while (wire->last_sent() != unpowered) std::this_thread::yield();
     while (!pushed()) {
         ASSERT_TRUE(device.write_forces(push));
