@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <source_location>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,20 +10,21 @@
 
 namespace touchable::test {
 
-[[noreturn]] inline void fail_at(const std::source_location& at, const Error& error) {
-    throw std::runtime_error(at.file_name() + (":" + std::to_string(at.line())) + ": " + error.message);
+/// By builtins of the compiler: Clang 14 has no std::source_location.
+[[noreturn]] inline void fail_at(const char* file, int line, const Error& error) {
+    throw std::runtime_error(file + (":" + std::to_string(line)) + ": " + error.message);
 }
 
 /// The value; without one, the test fails with the reason and the line of the call.
 template <class T>
-T must(Result<T> result, const std::source_location& at = std::source_location::current()) {
-    if (!result) fail_at(at, result.error());
+T must(Result<T> result, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+    if (!result) fail_at(file, line, result.error());
     return std::move(*result);
 }
 
-inline void must(const Result<void>& result,
-                 const std::source_location& at = std::source_location::current()) {
-    if (!result) fail_at(at, result.error());
+inline void must(const Result<void>& result, const char* file = __builtin_FILE(),
+                 int line = __builtin_LINE()) {
+    if (!result) fail_at(file, line, result.error());
 }
 
 /// Fails unless it is an error whose message has these words.

@@ -391,7 +391,7 @@ TEST(Realtime, NamesMemoryLimit) {
     EXPECT_EQ(said, right);
 }
 
-TEST(Realtime, NamesMemoryThatIsNotLocked) {
+TEST(Realtime, NamesUnlockedMemory) {
     const auto words = [](RealtimeGrant::Memory memory, std::optional<std::uint64_t> limit) {
         RealtimeGrant grant;
         grant.memory = memory;

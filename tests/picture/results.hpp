@@ -9,7 +9,6 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
-#include <source_location>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -28,10 +27,10 @@ struct ReadClip {
     std::unique_ptr<ClipReader> clip;
     std::vector<RawFrame> frames;
 };
-inline ReadClip must_read(Result<std::unique_ptr<ClipReader>> opened,
-                          const std::source_location& at = std::source_location::current()) {
-    auto clip = must(std::move(opened), at);
-    auto frames = must(read_all(*clip), at);
+inline ReadClip must_read(Result<std::unique_ptr<ClipReader>> opened, const char* file = __builtin_FILE(),
+                          int line = __builtin_LINE()) {
+    auto clip = must(std::move(opened), file, line);
+    auto frames = must(read_all(*clip), file, line);
     return {std::move(clip), std::move(frames)};
 }
 
