@@ -325,7 +325,7 @@ TEST_F(Materials, RejectInvalidOptions) {
         return Words{"--material", material, "--at", place};
     };
     expect(named("table=gold", "20,40"), 2, "\"gold\" is no material");
-    expect(named("wood", "20,40"), 2, "right would be NAME=MATERIAL");
+    expect(named("wood", "20,40"), 2, "must be NAME=MATERIAL");
     expect(named("table=wood", "20"), 2, "right would be X,Y or X,Y,FRAME");
     expect(named("table=wood", "20,40,-1"), 2, "right would be X,Y or X,Y,FRAME");
     expect(named("table=wood", "5,5"), 2, "no surface at pixel 5,5 of frame 0");
