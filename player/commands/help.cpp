@@ -4,6 +4,7 @@
 // `--help-all` show the rest. Manual pages and completion are made of `option_table`: of the same options.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cctype>
 
@@ -160,7 +161,8 @@ std::string short_text_of(const CLI::Option& option, std::size_t room) {
 /// All but hidden options, and the words first.
 std::vector<const CLI::Option*> options_of(const CLI::App& app) {
     auto options = app.get_options([](const CLI::Option* option) { return !topic_of(*option).empty(); });
-    std::ranges::stable_partition(options, [](const CLI::Option* option) { return is_word(*option); });
+    std::stable_partition(options.begin(), options.end(),
+                          [](const CLI::Option* option) { return is_word(*option); });
     return options;
 }
 
@@ -169,8 +171,9 @@ std::vector<std::string> topics_of(const CLI::App& app) {
     std::vector<std::string> topics;
     for (const CLI::Option* option : options_of(app))
         if (std::ranges::find(topics, topic_of(*option)) == topics.end()) topics.push_back(topic_of(*option));
-    std::ranges::stable_partition(
-        topics, [](const std::string& topic) { return topic != expert_topic && topic != help_topic; });
+    std::stable_partition(topics.begin(), topics.end(), [](const std::string& topic) {
+        return topic != expert_topic && topic != help_topic;
+    });
     return topics;
 }
 
