@@ -38,13 +38,12 @@ std::int64_t row_bytes(const touch_plane& plane) {
 /// Checks what can be told of a plane without its scene.
 Result<void> check_plane(const touch_plane& plane, const PlaneRules& role) {
     if (plane.width < 1 || plane.width > largest_size || plane.height < 1 || plane.height > largest_size)
-        return plane_error(role.name, "has an impossible size; right would be 1 to 16384 pixels each way");
+        return plane_error(role.name, "has an impossible size; must be 1 to 16384 pixels each way");
     if (plane.channels != 1 && plane.channels != 3)
-        return plane_error(role.name,
-                           "has " + std::to_string(plane.channels) + " channels; right would be 1 or 3");
+        return plane_error(role.name, "has " + std::to_string(plane.channels) + " channels; must be 1 or 3");
     const bool is_float = plane.sample == TOUCH_F32;
     if (plane.sample != TOUCH_U8 && plane.sample != TOUCH_U16 && !is_float)
-        return plane_error(role.name, "has samples of an unknown kind; right would be TOUCH_U8 or TOUCH_U16");
+        return plane_error(role.name, "has samples of an unknown kind; must be TOUCH_U8 or TOUCH_U16");
     if (is_float && (!role.may_be_float || plane.channels != 1))
         return plane_error(role.name, "has samples of floats; only depth of one channel may have them");
     const std::int64_t stride = plane.stride_bytes;
@@ -118,7 +117,7 @@ Result<void> check_lost(const LostDepths& lost, std::int64_t kept, const touch_p
                            std::to_string(lost.count() + kept) + " depths lie outside the scene's " +
                            short_number(scene.depth.near * unit) + " to " + short_number(deepest * unit) +
                            " m: at " + lost.range() +
-                           "; right would be depth / 1000 where these are millimetres, a scene with a larger "
+                           "; use depth / 1000 where these are millimetres, a scene with a larger "
                            "far_m (and metres_per_code, for 65535 codes to reach it), or 0 where there is to "
                            "be no surface");
 }
@@ -128,8 +127,7 @@ Result<void> check_lost(const LostDepths& lost, std::int64_t kept, const touch_p
 Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
                                   std::vector<std::uint16_t>& codes, std::int64_t& lost) {
     if (scene.depth.kind == DepthCodingKind::hue || scene.depth_bits <= 8)
-        return plane_error("depth",
-                           "is of floats, but the scene has depth of 8 bits; right would be TOUCH_U8");
+        return plane_error("depth", "is of floats, but the scene has depth of 8 bits; must be TOUCH_U8");
     const auto none = code_of_no_surface(scene.depth);
     if (!none)
         return plane_error("depth",
@@ -188,9 +186,9 @@ Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameSc
     touch_frame given = over_defaults(&frame, touch_frame{});
     if (frame.struct_size < sizeof given) given.lost_pixels = nullptr;  // a part of a pointer is none
     if (given.number < 0 || !is_countable(given.number))
-        return usage_error("the frame's number is out of range; right would be 0 to 2^60");
+        return usage_error("the frame's number is out of range; must be 0 to 2^60");
     if (!is_countable(given.time_ns))
-        return usage_error("the frame's time_ns is out of range; right would be -2^60 to 2^60");
+        return usage_error("the frame's time_ns is out of range; must be -2^60 to 2^60");
     if (given.lost_pixels) *given.lost_pixels = 0;
     RawFrame raw;
     raw.number = given.number;
@@ -232,7 +230,7 @@ Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, Fram
     frame.struct_size = sizeof frame;
     frame.depth = depth;
     if (depth.sample == TOUCH_F32)
-        return plane_error("depth", "is of floats, which are metres already; right would be codes");
+        return plane_error("depth", "is of floats, which are metres already; must be codes");
     TRY_ASSIGN(auto raw, raw_frame(frame, scene, scratch));
     return raw.depth;
 }

@@ -217,8 +217,7 @@ touch_status fail_without(const Use& use, touch_error* error, const char* kind) 
     if (!use.is_of_parent()) return fail_stale(error, kind);
     return fail(
         error, TOUCH_FORKED,
-        "the " + std::string(kind) +
-            " belongs to the parent process; right would be to open or make another one after fork()");
+        "the " + std::string(kind) + " belongs to the parent process; open or make another one after fork()");
 }
 
 /// Size of a struct in the first version that had it, the least that a program may say. A struct that grows

@@ -71,7 +71,7 @@ touch_clip_settings default_clip_settings() {
 }
 
 Error refuse_member(const char* member, const char* right) {
-    return usage_error(std::string(member) + " is out of range; right would be " + right);
+    return usage_error(std::string(member) + " is out of range; must be " + right);
 }
 
 bool is_within(double value, double least, double most) {
@@ -95,8 +95,7 @@ Result<std::optional<SourceDescription>> known_of(const touch_clip_settings& set
     }
     if (settings.fov_degrees != 0) {
         if (!is_within(settings.fov_degrees, 1, 179)) return refuse_member("fov_degrees", "1 to 179");
-        if (known.intrinsics)
-            return usage_error("fx_px and fov_degrees are both set; right would be one of them");
+        if (known.intrinsics) return usage_error("fx_px and fov_degrees are both set; use one of them");
         known.fov = settings.fov_degrees;
     }
     if (settings.metres_per_code != 0) {
@@ -107,8 +106,7 @@ Result<std::optional<SourceDescription>> known_of(const touch_clip_settings& set
     if (settings.preset) known.preset = settings.preset;
     if (known == SourceDescription{}) return std::optional<SourceDescription>();
     if (settings.scene_file)
-        return usage_error(
-            "scene_file is set, and something of the camera beside it; right would be one of them");
+        return usage_error("scene_file is set, and something of the camera beside it; use one of them");
     return std::optional(std::move(known));
 }
 
@@ -255,8 +253,7 @@ touch_status with_reader(touch_clip handle, touch_error* error, Function&& read)
     if (!use) return fail_without(use, error, "clip");
     const TryLock lock(use->reading);
     if (!lock) return fail(error, TOUCH_BUSY, "another thread is reading this clip");
-    if (!use->reader)
-        return fail(error, TOUCH_INPUT, "the clip could not be read on; right would be to open it anew");
+    if (!use->reader) return fail(error, TOUCH_INPUT, "the clip could not be read on; open it anew");
     if (use->stop.stop_requested()) return fail(error, TOUCH_INTERRUPTED, "the clip was interrupted");
     const StopScope until(use->stop.get_token());
     return read(*use);
@@ -516,7 +513,7 @@ touch_status touch_writer_create(const char* path, touch_scene scene, const touc
         const fs::path place = path;
         if (is_stream_url(path) || (!is_folder_name(place) && !is_clip_name(place)))
             return fail(error, TOUCH_USAGE,
-                        place.string() + ": right would be NAME.mkv, NAME.mp4, or the name of a folder");
+                        place.string() + ": must be NAME.mkv, NAME.mp4, or the name of a folder");
         if (auto free = check_place(place, wanted.overwrite != 0); !free) return fail(error, free.error());
         SceneDescription described;
         if (const touch_status read = read_scene(scene, described, error); read != TOUCH_OK) return read;

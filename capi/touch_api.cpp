@@ -110,7 +110,7 @@ HandleTable<SolverObject>& solvers() {
 
 /// Refuses a value that `validate` would not name as the program does.
 Error camera_error(const char* member, const std::string& right) {
-    return usage_error(std::string(member) + " of the camera is out of range; right would be " + right);
+    return usage_error(std::string(member) + " of the camera is out of range; must be " + right);
 }
 
 /// A far plane at a code's depth has that code on it, however the product of code and scale is rounded.
@@ -492,7 +492,7 @@ touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, flo
         const std::int64_t row = std::int64_t{use->scene().width} * std::int64_t{sizeof(float)};
         if (stride_bytes < -longest || stride_bytes > longest || std::abs(stride_bytes) < row)
             return fail(error, TOUCH_USAGE,
-                        "stride_bytes is " + std::to_string(stride_bytes) + "; right would be at least " +
+                        "stride_bytes is " + std::to_string(stride_bytes) + "; must be at least " +
                             std::to_string(row));
         FrameScratch scratch;
         const auto codes = depth_codes(*depth, use->scene(), scratch);
@@ -536,9 +536,9 @@ touch_status touch_surface_create(touch_scene scene, const touch_surface_setting
                         "surface is NULL, or struct_size is not sizeof(touch_surface_settings)");
         const touch_surface_settings wanted = over_defaults(settings, default_surface_settings);
         if (wanted.threads < 1 || wanted.threads > 16)
-            return fail(error, TOUCH_USAGE, "threads is out of range; right would be 1 to 16");
+            return fail(error, TOUCH_USAGE, "threads is out of range; must be 1 to 16");
         if (wanted.frames < 4 || wanted.frames > 64)
-            return fail(error, TOUCH_USAGE, "frames is out of range; right would be 4 to 64");
+            return fail(error, TOUCH_USAGE, "frames is out of range; must be 4 to 64");
         const auto use = scenes().find(scene.id);
         if (!use) return fail_without(use, error, "scene");
         return give_handle(surfaces(),
@@ -622,7 +622,7 @@ touch_status touch_solver_create(touch_surface surface, const touch_solver_setti
                         "solver is NULL, or struct_size is not sizeof(touch_solver_settings)");
         const touch_solver_settings wanted = over_defaults(settings, default_solver_settings());
         if (wanted.fingers < 1 || wanted.fingers > most_fingers)
-            return fail(error, TOUCH_USAGE, "fingers is out of range; right would be 1 to 256");
+            return fail(error, TOUCH_USAGE, "fingers is out of range; must be 1 to 256");
         auto use = surfaces().find(surface.id);
         if (!use) return fail_without(use, error, "surface");
         auto made = solver_of(*use, wanted);
@@ -703,10 +703,10 @@ touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_s
         if (friction != TOUCH_FRICTION_OFF && friction != TOUCH_FRICTION_ON)
             return fail(error, TOUCH_USAGE,
                         "friction is " + std::to_string(friction) +
-                            "; right would be TOUCH_FRICTION_OFF or TOUCH_FRICTION_ON");
+                            "; must be TOUCH_FRICTION_OFF or TOUCH_FRICTION_ON");
         const touch_tick at = over_defaults(moment, touch_tick{});
         if (!is_sound(at))
-            return fail(error, TOUCH_USAGE, "the moment is out of range; right would be -2^60 to 2^60");
+            return fail(error, TOUCH_USAGE, "the moment is out of range; must be -2^60 to 2^60");
         touch_solver_settings wanted = over_defaults(settings, default_solver_settings());
         wanted.ramp_in_ticks = wanted.waits_to_be_free = 0;
         wanted.stale_after_ns = 0;

@@ -54,7 +54,7 @@ install(FILES capi/touchable.h capi/touchable.hpp DESTINATION include)
 file(STRINGS capi/touchable.h touchable_header_version REGEX "^#define TOUCH_VERSION ")
 math(EXPR touchable_version_number "${PROJECT_VERSION_MAJOR} * 10000 + ${PROJECT_VERSION_MINOR} * 100 + ${PROJECT_VERSION_PATCH}")
 if(NOT touchable_header_version STREQUAL "#define TOUCH_VERSION ${touchable_version_number}")
-  message(FATAL_ERROR "capi/touchable.h has \"${touchable_header_version}\"; of version ${PROJECT_VERSION} right would be ${touchable_version_number}")
+  message(FATAL_ERROR "capi/touchable.h has \"${touchable_header_version}\"; must be ${touchable_version_number} for version ${PROJECT_VERSION}")
 endif()
 
 file(RELATIVE_PATH touchable_prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})

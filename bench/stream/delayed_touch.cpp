@@ -145,7 +145,7 @@ Result<void> DelayedTouch::add_figures(const TouchSetup& setup, const std::vecto
     if (off_n > most_off)
         return Error{ErrorKind::check,
                      "the run's forces are not those of what was sent: " + std::to_string(off_n) +
-                         " N off, at most " + std::to_string(most_off) + " would be right"};
+                         " N off; must be at most " + std::to_string(most_off)};
 
     const auto of_the_moment = [&](const Tick& tick) { return sent.newest(tick.time_ns); };
     const auto late_ms = static_cast<std::int64_t>(std::lround(faults.delay_ms));

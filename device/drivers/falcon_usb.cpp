@@ -316,7 +316,7 @@ Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path) {
     TRY_ASSIGN(auto file, GivenFile::open(path, named, right));
     if (file.size() < least_firmware || file.size() > most_firmware)
         return input_error(named + ": has " + std::to_string(file.size()) +
-                           " bytes; right would be the image, of 7 to 9 thousand");
+                           " bytes; must be the image, of 7 to 9 thousand");
     std::vector<std::byte> bytes(static_cast<std::size_t>(file.size()));
     if (auto read = file.read(0, reinterpret_cast<char*>(bytes.data()), bytes.size()); !read)
         return error_at(named, read.error());

@@ -254,7 +254,7 @@ private:
 Error no_haply_service(const std::string& address, const std::string& why) {
     if (why.find("HS:") != std::string::npos || why.starts_with(no_answer))
         return device_error("what answers at " + address + " is no Haply service (" + why +
-                            "); right would be inverse3:port=N with the service's port");
+                            "); use inverse3:port=N with the service's port");
     return device_error("no Haply service at " + address +
                         "; start it (sudo systemctl start haply-inverse-service, or open Haply Hub)");
 }

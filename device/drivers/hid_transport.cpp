@@ -60,7 +60,7 @@ Error hid_not_opened(const std::string& node, int failure) {
                                : std::string(": cannot be opened (") + std::strerror(failure) + ")");
     if (is_forbidden) words += "; the program's rules of udev permit it; then plug it in again";
     if (is_missing || failure == ENODEV || failure == ENXIO)
-        words += "; right would be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
+        words += "; must be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
     return device_error(std::move(words), is_forbidden ? Hints{{Setting::device_rules}} : Hints());
 }
 
@@ -126,7 +126,7 @@ Result<std::unique_ptr<HidTransport>> HidTransport::open(const std::string& node
     // hidapi 0.13 frees what it does not own where a node turns out to be no HID device.
     if (int bytes = 0; ioctl(spare, HIDIOCGRDESCSIZE, &bytes) < 0) {
         ::close(spare);
-        return device_error(node + ": is no HID device; right would be a node such as /dev/hidraw0");
+        return device_error(node + ": is no HID device; must be a node such as /dev/hidraw0");
     }
     const std::lock_guard lock(hid_opening);
     if (hid_device* const device = hid_open_path(node.c_str()))

@@ -17,7 +17,7 @@ using nlohmann::json;
 constexpr std::size_t longest_inverse3_id = 64;
 
 Error no_inverse3_message(const std::string& what) {
-    return device_error("the Haply service sent " + what + "; right would be a state in JSON");
+    return device_error("the Haply service sent " + what + "; expected a state in JSON");
 }
 
 /// A member of an object; null where there is none.
@@ -170,7 +170,7 @@ Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version) {
     if (version.major == 3 && version.minor >= 5) return Inverse3Dialect::vector;
     if (version.major == 3 && version.minor >= 1) return Inverse3Dialect::values;
     return device_error("Haply Inverse Service " + version_in_words(version) +
-                        " is not known here; right would be 3.1 to any other 3.x");
+                        " is not known here; must be 3.1 to any other 3.x");
 }
 
 Result<Inverse3Message> decode_inverse3_message(std::string_view text) {
@@ -284,8 +284,8 @@ Result<void> Inverse3Driver::learn_version() {
         const auto version = decode_inverse3_version(answer);
         if (!version)
             return device_error(service_->address() +
-                                " does not say which version it is (GET /version); right would be "
-                                "a Haply Inverse Service from 3.1 on, or its version, as "
+                                " does not say which version it is (GET /version); use a "
+                                "Haply Inverse Service from 3.1 on, or give its version, as "
                                 "inverse3:service=3.4");
         version_ = *version;
     }
@@ -332,7 +332,7 @@ Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
     }
     if (!settings_.basis.empty() && settings_.basis != "XYZ" && settings_.basis != "+X+Y+Z")
         return device_error("the Haply service turns the axes of " + found->id + " (basis " +
-                            settings_.basis.substr(0, 12) + "); right would be XYZ, set in Haply Hub");
+                            settings_.basis.substr(0, 12) + "); must be XYZ, set in Haply Hub");
     id_ = found->id;
     return {};
 }

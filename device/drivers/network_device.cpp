@@ -71,17 +71,15 @@ private:
 Result<void> check_packet(std::span<const std::byte> bytes) {
     if (bytes.size() < packet_bytes(1) ||
         !std::equal(packet_magic.begin(), packet_magic.end(), bytes.begin()))
-        return input_error(
-            "a packet of " + std::to_string(bytes.size()) +
-            " bytes does not begin with TCHD and a whole head; right would be docs/devices.md's");
+        return input_error("a packet of " + std::to_string(bytes.size()) +
+                           " bytes does not begin with TCHD and a whole head; must be as in docs/devices.md");
     if (const auto version = std::to_integer<int>(bytes[4]); version != NetworkPacket::version)
         return input_error("a packet is of version " + std::to_string(version) +
                            "; this program speaks version " + std::to_string(NetworkPacket::version));
     const auto fingers = std::to_integer<std::size_t>(bytes[6]);
     if (fingers < 1 || fingers > NetworkPacket::most_fingers || bytes.size() != packet_bytes(fingers))
         return input_error("a packet of " + std::to_string(bytes.size()) + " bytes says it has " +
-                           std::to_string(fingers) +
-                           " fingers; right would be 1 to 10, and 28 + 24 bytes for each");
+                           std::to_string(fingers) + " fingers; must be 1 to 10, and 28 + 24 bytes for each");
     PacketReader crc(bytes.last(crc_bytes));
     if (crc.take<std::uint32_t>() != packet_crc(bytes.first(bytes.size() - crc_bytes)))
         return input_error(
@@ -149,7 +147,7 @@ Result<NetworkPacket> decode_network_packet(std::span<const std::byte> bytes) {
     const auto kind = in.take<std::uint8_t>();
     if (kind != 1 && kind != 2)
         return input_error("a packet is of kind " + std::to_string(kind) +
-                           "; right would be 1 (places) or 2 (forces)");
+                           "; must be 1 (places) or 2 (forces)");
     packet.kind = static_cast<NetworkPacket::Kind>(kind);
     packet.fingers = in.take<std::uint8_t>();
     const auto flags = in.take<std::uint8_t>();
@@ -187,8 +185,7 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
     close();
     const std::string where = "UDP " + address + ":" + std::to_string(port);
     auto own = read_udp_address(address);
-    if (!own)
-        return device_error(where + ": is no address in figures; right would be 127.0.0.1, 0.0.0.0 or ::1");
+    if (!own) return device_error(where + ": is no address in figures; use 127.0.0.1, 0.0.0.0 or ::1");
     descriptor_ = socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (descriptor_ < 0) return socket_error(where);
     const int off = 0;
@@ -201,7 +198,7 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
         error.message += ": another program listens there; take another port";
         error.hints = {{Setting::device, "network:port=N"}};
     }
-    if (errno == EADDRNOTAVAIL) error.message += ": right would be an address that this machine has";
+    if (errno == EADDRNOTAVAIL) error.message += ": must be an address that this machine has";
     close();
     return error;
 }
@@ -250,7 +247,7 @@ Result<void> NetworkDriver::connect() {
     peer_.reset();
     if (!settings_.from.empty() && !from_)
         return device_error("network:from=" + settings_.from +
-                            ": is no address in figures; right would be such as 192.168.1.7");
+                            ": is no address in figures; must be like 192.168.1.7");
     TRY(socket_->bind(settings_.listen, settings_.port));
     const std::lock_guard lock(words_mutex_);
     listens_at_ = "UDP " + settings_.listen + ":" + std::to_string(socket_->port());
@@ -414,7 +411,7 @@ Result<NetworkSettings> read_network_settings(std::string_view keys) {
     if (given.given("from")) settings.from = given.words("from");
     if (!settings.from.empty() && !read_udp_address(settings.from))
         return usage_error("device 'network': from=" + settings.from +
-                           " is no address in figures; right would be such as 192.168.1.7");
+                           " is no address in figures; must be like 192.168.1.7");
     settings.port = static_cast<std::uint16_t>(given.number("port"));
     settings.fingers = static_cast<int>(given.number("fingers"));
     settings.limits = {given.number("force"), given.number("stiffness") * 1000};

@@ -45,7 +45,7 @@ Result<void> check_log_row(const CsvTable& table, const LogValues& values, std::
     const std::size_t finger = row % fingers;
     if (values[log_finger][row] != static_cast<double>(finger))
         return log_fault(table, row, log_finger,
-                         "is " + trimmed_number(values[log_finger][row]) + "; right would be " +
+                         "is " + trimmed_number(values[log_finger][row]) + "; must be " +
                              std::to_string(finger) + ", as each tick has " + std::to_string(fingers));
     const double time = values[log_time][row];
     if (finger > 0 && time != values[log_time][row - 1])
@@ -142,8 +142,7 @@ Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text
     const auto [name, pairs] = HandOptions::file_and_pairs(text);
     const std::string file(name);
     if (file.empty())
-        return usage_error(
-            "device 'recorded': no file is given; right would be recorded:FILE with a device's log");
+        return usage_error("device 'recorded': no file is given; must be recorded:FILE with a device's log");
     TRY_ASSIGN(const auto given, HandOptions::parse("device 'recorded'", pairs, recorded_keys));
     TRY_ASSIGN(auto log, DeviceLog::read(file));
     const DeviceLimits limits{given.number("force"), given.number("stiffness") * 1000};

@@ -14,7 +14,7 @@ constexpr std::chrono::microseconds spacemouse_turn{1000};  // a finger that mov
 
 Error report_too_short(std::span<const std::byte> bytes, std::size_t right) {
     return device_error("a SpaceMouse's report " + std::to_string(std::to_integer<int>(bytes[0])) + " has " +
-                        std::to_string(bytes.size()) + " bytes; right would be " + std::to_string(right) +
+                        std::to_string(bytes.size()) + " bytes; must be " + std::to_string(right) +
                         " or more");
 }
 

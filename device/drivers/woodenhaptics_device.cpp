@@ -198,7 +198,7 @@ std::array<std::int16_t, 3> wooden_currents(const WoodenParameters& build, const
 Result<WoodenReading> decode_wooden_reading(std::span<const std::byte> report) {
     if (report.size() != WoodenReading::bytes)
         return device_error("a report of " + std::to_string(report.size()) +
-                            " bytes came; right would be the 14 of WoodenHaptics' firmware");
+                            " bytes came; expected the 14 of WoodenHaptics' firmware");
     WoodenWords words;
     for (std::size_t word = 0; word < words.size(); ++word) words[word] = report_word(report, 2 * word);
     return WoodenReading{{words[0], words[1], words[2], words[3], words[4], words[5]}, words[6]};
@@ -304,7 +304,7 @@ Result<WoodenSettings> read_wooden_settings(std::string_view keys) {
     TRY_ASSIGN(const auto given, HandOptions::parse("device 'woodenhaptics'", keys, wooden_keys));
     if (!given.given("file"))
         return usage_error(
-            "device 'woodenhaptics': no file is named that says how it is built; right would be "
+            "device 'woodenhaptics': no file is named that says how it is built; use "
             "woodenhaptics:file=FILE, with a copy of " +
             std::string(wooden_example));
     return WoodenSettings{given.words("node"), given.words("file"), given.number("homed") == 1};

@@ -169,7 +169,7 @@ std::string no_such_material(std::string_view name) {
     for (const PaletteMaterial& material : materials) names.emplace_back(material.name);
     const std::string meant = nearest_word(name, names);
     return in_quotes(name) + " is no material" + (meant.empty() ? "" : " (" + meant + "?)") +
-           "; right would be one of " + material_names();
+           "; must be one of " + material_names();
 }
 
 PixelOfFrame read_place(const checked_json::Node& node) {

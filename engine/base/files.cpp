@@ -68,7 +68,7 @@ Result<std::string> all_of(Result<GivenFile> given, const std::string& named, co
                            std::size_t largest) {
     if (!given) return given.error();
     if (given->size() > largest)
-        return named_error(named, "is larger than " + in_bytes(largest) + "; right would be " + right);
+        return named_error(named, "is larger than " + in_bytes(largest) + "; expected " + right);
     std::string bytes(static_cast<std::size_t>(given->size()), '\0');
     if (auto read = given->read(0, bytes.data(), bytes.size()); !read)
         return named.empty() ? read.error() : error_at(named, read.error());
@@ -107,7 +107,7 @@ int add_name(const fs::path& from, const fs::path& to) {
 
 Result<GivenFile> GivenFile::open(const fs::path& file, const std::string& named, const std::string& right) {
     const auto refused = [&](const std::string& why) {
-        return named_error(named, why + "; right would be " + right);
+        return named_error(named, why + "; expected " + right);
     };
     // Opening a device may do something to it, so first a look; then another, at what was opened.
     struct stat about = {};

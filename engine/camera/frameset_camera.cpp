@@ -76,12 +76,12 @@ Result<FramesetHeader> read_header(std::span<const std::uint8_t> bytes) {
     const std::uint32_t flags = whole_at(bytes, 88);
     if (!is_picture_size(width, height))
         return input_error("gives depth of " + size_text(width, height) +
-                           " pixels; right are sides of 1 to 16384, and 16777216 pixels at most");
+                           " pixels; must have sides of 1 to 16384, and 16777216 pixels at most");
     const bool has_colour = colour_width != 0 || colour_height != 0;
     if (has_colour && !is_picture_size(colour_width, colour_height))
-        return input_error("gives colour of " + size_text(colour_width, colour_height) +
-                           " pixels; right are 0x0 for none, or sides of 1 to 16384, and 16777216 pixels "
-                           "at most");
+        return input_error(
+            "gives colour of " + size_text(colour_width, colour_height) +
+            " pixels; must be 0x0 for none, or sides of 1 to 16384, and 16777216 pixels at most");
     if (flags > 1)
         return input_error("gives framesets with flags " + std::to_string(flags) + "; known are 0 and 1");
     FramesetHeader header;
@@ -99,11 +99,11 @@ Result<FramesetHeader> read_header(std::span<const std::uint8_t> bytes) {
     header.colour_is_registered = flags == 1;
     if (!(header.metres_per_unit >= 1e-7 && header.metres_per_unit <= 1))
         return input_error(
-            formatted("gives a unit of %.6g m; right is 0.0000001 to 1, such as 0.001 for millimetres",
+            formatted("gives a unit of %.6g m; must be 0.0000001 to 1, such as 0.001 for millimetres",
                       header.metres_per_unit));
     if (!is_lens(header))
         return input_error("gives a lens with " + lens_text(header) + ", which no picture of " +
-                           size_text(width, height) + " has; right are pixels");
+                           size_text(width, height) + " has; must be pixels");
     return header;
 }
 
@@ -186,7 +186,7 @@ Result<SocketAddress> read_address(const std::string& words) {
                              : std::nullopt;
     if (address) return *address;
     return usage_error("tcp://" + printable(words) +
-                       ": right would be an address in numbers or localhost, and a port, such as "
+                       ": must be an address in numbers or localhost, and a port, such as "
                        "tcp://192.168.0.5:7000 or tcp://[::1]:7000");
 }
 

@@ -80,7 +80,7 @@ std::string node_trouble(const std::string& node, int failure) {
             return name + ": does not exist; touchable cameras lists the cameras that are there";
         case EACCES:
         case EPERM:
-            return name + ": may not be opened by this user; right would be " + permission_words(node);
+            return name + ": may not be opened by this user; use " + permission_words(node);
         case EBUSY: {
             const std::string users = users_of_node(node);
             return name + ": another program has the camera" + (users.empty() ? "" : ": " + users) +

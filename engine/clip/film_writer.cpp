@@ -307,8 +307,7 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
     silence_ffmpeg();
     const bool is_mp4 = is_mp4_name(file);
     if (!is_mp4 && !has_ending(file, ".mkv"))
-        return usage_error(file.string() +
-                           " is no name of a film; right would be one that ends in .mp4 or .mkv");
+        return usage_error(file.string() + " is no name of a film; must end in .mp4 or .mkv");
     auto film = std::make_unique<FfmpegFilm>(file, existing);
     TRY(film->open(is_mp4 ? "mp4" : "matroska"));
     return film;

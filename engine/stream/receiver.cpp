@@ -275,8 +275,7 @@ Result<void> StreamReceiver::connect(const StreamSource& source,
     if (!is_transport_stream && *first != first_of_matroska) {
         if (const std::string why = refusal_in(*bytes); !why.empty())
             return input_error(name_ + ": the sender refuses: " + printable(why));
-        return input_error(name_ +
-                           ": sends neither Matroska nor MPEG-TS; right would be a touchable serve there");
+        return input_error(name_ + ": sends neither Matroska nor MPEG-TS; expected a touchable serve there");
     }
     TRY_ASSIGN(pictures_, (is_transport_stream ? open_transport_stream : open_matroska_pictures)(
                               std::move(bytes), name_, described));

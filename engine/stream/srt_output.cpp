@@ -217,7 +217,7 @@ public:
     }
     Result<void> open_door() {
         const auto address = own_address(url_);
-        if (!address) return usage_error("right would be an address of this machine in numbers");
+        if (!address) return usage_error("must be an address of this machine in numbers");
         TRY_ASSIGN(door_, SrtSocket::create(settings_, SrtSocket::Direction::sends));
         return door_.listen(*address, may_come_);
     }
@@ -358,7 +358,7 @@ Result<std::unique_ptr<SrtOutput>> SrtOutput::create(const StreamUrl& url, const
         return error.kind == ErrorKind::usage ? refused(error.message)
                                               : input_error(url.name() + ": " + error.message);
     };
-    if (url.transport != StreamTransport::srt) return refused("right would be srt://");
+    if (url.transport != StreamTransport::srt) return refused("must be srt://");
     if (url.port == 0) return refused("it needs a port from 1 to 65535");
     auto settings = read_srt_settings(url);
     if (!settings) return failed(settings.error());

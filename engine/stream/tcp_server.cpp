@@ -291,7 +291,7 @@ private:
         const auto address = own_address(url);
         if (!address)
             return usage_error(in_quotes(url.name()) +
-                               ": right would be an address of this machine in numbers, such as " +
+                               ": must be an address of this machine in numbers, such as " +
                                std::string(scheme_words(url)) + "0.0.0.0:7000 for all of them");
         Door door{
             Descriptor(::socket(address->storage.ss_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)),

@@ -244,7 +244,7 @@ Result<void> settle_filters(const std::optional<MeasuredDepth>& measured, const 
     if (scene.filter.temporal && scene.filter.temporal_noise == DepthLength{})
         return usage_error(
             "the temporal filter is to be on, but the scene does not say how noisy its depth is, and its "
-            "first frames show no noise; right would be that noise in scene units",
+            "first frames show no noise; give that noise in scene units",
             {{Setting::temporal, "1.5"}});
     if (auto valid = validate(scene); !valid) return usage_error(valid.error().message);
     return {};

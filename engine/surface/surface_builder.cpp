@@ -26,11 +26,11 @@ std::string complaint(const PlaneView& plane, const PlaneForm& form, const Scene
         return "is " + size_text(plane.width, plane.height) + ", the scene says " +
                size_text(scene.width, scene.height);
     if (plane.channels != form.channels)
-        return "has " + std::to_string(plane.channels) + " channels, " + std::to_string(form.channels) +
-               " would be right";
+        return "has " + std::to_string(plane.channels) + " channels; must be " +
+               std::to_string(form.channels);
     if (plane.bytes_per_sample < form.least_bytes || plane.bytes_per_sample > form.greatest_bytes)
-        return "has samples of " + std::to_string(8 * plane.bytes_per_sample) + " bits, " +
-               std::to_string(8 * form.least_bytes) + " would be right";
+        return "has samples of " + std::to_string(8 * plane.bytes_per_sample) + " bits; must be " +
+               std::to_string(8 * form.least_bytes);
     const std::ptrdiff_t row_bytes = std::ptrdiff_t{plane.width} * plane.channels * plane.bytes_per_sample;
     if (plane.height > 1 && std::abs(plane.stride) < row_bytes)
         return "has rows of " + std::to_string(row_bytes) + " bytes, but only " +

@@ -16,7 +16,7 @@ def take_lens(info):
 def take_depth(image):
     global number
     if image.encoding not in ("16UC1", "mono16") or image.is_bigendian:
-        sys.exit(f"{depth_topic} has {image.encoding}; right is 16UC1, little-endian, in millimetres")
+        sys.exit(f"{depth_topic} has {image.encoding}; must be 16UC1, little-endian, in millimetres")
     if lens is None:
         return
     data, used = bytes(image.data), 2 * image.width

@@ -25,7 +25,7 @@ def main(folder):
     counts, asked = defaultdict(Counter), Counter()  # of choices: answer -> people; who was asked
     people = 0
     if not Path(folder).is_dir():
-        sys.exit(f"means.py: {folder} is no folder; right would be the one of --results")
+        sys.exit(f"means.py: {folder} is no folder; must be the one of --results")
     for table in sorted(Path(folder).glob("participant-*[0-9].csv")):
         people += 1
         for row in csv.DictReader(table.open(newline="", encoding="utf-8")):

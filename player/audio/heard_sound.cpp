@@ -50,7 +50,7 @@ constexpr std::int64_t longest_skip_ms = 1000;  // of ticks that are not known: 
 Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesystem::path& file) {
     const auto refuse = [&file](const std::string& why) {
         return input_error(file.string() + ": " + why +
-                           "; right would be a sound of up to 60 s, such as a WAV file");
+                           "; expected a sound of up to 60 s, such as a WAV file");
     };
     if (const auto there = GivenFile::open(file, file.string(), "a sound of up to 60 s, such as a WAV file");
         !there)

@@ -33,7 +33,7 @@ Result<std::optional<SourceDescription>> with_likely_pixels(SourceDescription kn
     message += short_number(fx);
     message += " and fy " + short_number(fy);
     return usage_error(message +
-                       ", one more than twice the other, as of no camera; right would be FX,FY or "
+                       ", one more than twice the other, as of no camera; must be FX,FY or "
                        "FX,FY,CX,CY in pixels, with a decimal point, such as 525.5,525.5");
 }
 

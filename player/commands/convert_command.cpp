@@ -155,8 +155,7 @@ Result<std::vector<fs::path>> places(const std::vector<fs::path>& clips, const f
         if (!is_new)
             return usage_error("'" + printable(place->second.string()) + "' and '" +
                                printable(clip.string()) + "' would both be '" +
-                               printable(outs.back().string()) +
-                               "'; right would be two folders, one after the other");
+                               printable(outs.back().string()) + "'; use two folders, one after the other");
     }
     return outs;
 }
@@ -175,16 +174,15 @@ Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const
     // A folder that is there may be a clip, of pictures: that it is meant as a place its name says.
     if (out.has_filename())
         return usage_error("'" + printable(out.string()) +
-                           "' is no folder, and several clips go into one; right would be FOLDER/");
+                           "' is no folder, and several clips go into one; must be FOLDER/");
     std::vector<fs::path> clips{first};
     clips.insert(clips.end(), rest.begin(), rest.end() - 1);
     TRY_ASSIGN(const auto outs, places(clips, out));
     for (std::size_t k = 0; k < clips.size(); ++k)
         for (const fs::path& clip : clips)
             if (std::error_code ignored; fs::equivalent(clip, outs[k], ignored))
-                return usage_error(
-                    "'" + printable(outs[k].string()) +
-                    "' is one of the clips, and would be written; right would be another folder");
+                return usage_error("'" + printable(outs[k].string()) +
+                                   "' is one of the clips, and would be written; give another folder");
     TRY(make_folder(out));
     std::optional<Error> failed;
     std::size_t failures = 0;

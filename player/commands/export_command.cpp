@@ -282,7 +282,7 @@ struct FramesTyped {
 
 Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
     if (typed.many && out.picture.file)
-        return usage_error("--picture draws a single frame; right would be --frame N instead of --frames");
+        return usage_error("--picture draws a single frame; use --frame N instead of --frames");
     if (typed.one) {
         const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, 0, last_number);
         if (!number && typed.one->find('-', 1) != std::string::npos)
@@ -294,7 +294,7 @@ Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
     }
     if (!typed.many)
         return usage_error(out.picture.file
-                               ? "--picture draws a single frame; right would be --frame N as well"
+                               ? "--picture draws a single frame; use --frame N as well"
                                : "export needs --frame N or --frames A-B|all; see touchable export -h");
     out.folder_per_frame = true;
     return read_frames(*typed.many, out);

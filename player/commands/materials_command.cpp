@@ -254,7 +254,7 @@ Result<PixelOfFrame> read_place(const std::string& text) {
     auto place = read_pixel_of_frame(text);
     if (!place)
         return usage_error("--at " + in_quotes(text) +
-                           " is no pixel; right would be X,Y or X,Y,FRAME: its column, its row and its "
+                           " is no pixel; must be X,Y or X,Y,FRAME: its column, its row and its "
                            "frame, from 0, such as 120,80 or 120,80,45");
     place->frame = std::max<std::int64_t>(place->frame, 0);
     return *place;
@@ -373,8 +373,7 @@ Result<void> run_typed(const MaterialsTyped& typed) {
         return usage_error("CLIP is missing: whose segments; --list needs none, and prints the materials");
     if (typed.many.rest.empty()) return run_one(typed, first, {});
     if (typed.many.is_for_several() && !typed.options.save.empty())
-        return usage_error(
-            "--save is one file, for one clip; FOLDER/ is for several: right would be CLIP NAME.mkv");
+        return usage_error("--save is one file, for one clip; FOLDER/ is for several: use CLIP NAME.mkv");
     return typed.many.for_each(first, typed.options.existing, [&typed](const auto& clip, const auto& out) {
         return run_one(typed, clip, out);
     });

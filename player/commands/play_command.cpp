@@ -233,9 +233,8 @@ Result<KioskTexts> choose_texts(const std::string& asked) {
     std::error_code failed;
     if (fs::exists(file, failed)) return read_texts_of(file, file.string());
     if (asked.empty() || language == KioskTexts().language) return KioskTexts();
-    return usage_error("--kiosk-texts " + asked +
-                       ": there are texts in these languages: " + names_there(folder_of_texts()) +
-                       "; right would be one of them, or the name of a file");
+    return usage_error("--kiosk-texts " + asked + ": there are texts in these languages: " +
+                       names_there(folder_of_texts()) + "; must be one of them, or the name of a file");
 }
 
 Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
@@ -250,7 +249,7 @@ Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::pa
         for (const NamedSegment& segment : parsed.segments) names.push_back(segment.name);
     }
     if (auto there = labels.has_segments(names); !there)
-        return input_error(there.error().message + "; right would be a name in the file of --segments");
+        return input_error(there.error().message + "; must be a name in the file of --segments");
     return labels;
 }
 
@@ -299,14 +298,14 @@ Result<std::optional<Study>> read_study(const KioskWords& words, std::size_t cli
     const std::string named = "--study " + words.study;
     if (!fs::exists(file, failed) && file.extension() != ".json")
         return usage_error(named + ": there are these studies: " + names_there(folder_of_studies()) +
-                           "; right would be one of them, or the name of a file");
+                           "; must be one of them, or the name of a file");
     TRY_ASSIGN(const auto text,
                read_given_file(file, named, "a study (JSON, docs/exhibit.md)", largest_study));
     TRY_ASSIGN(auto study, parse_study(text, file.string()));
     if (study.clips() > clips)
         return usage_error(named + ": has a touch of clip " + std::to_string(study.clips()) +
                            ", and there are " + std::to_string(clips) +
-                           "; right would be as many CLIPs as the study has");
+                           "; must be as many CLIPs as the study has");
     return std::optional(std::move(study));
 }
 

@@ -145,7 +145,7 @@ Result<glm::dmat4> read_world_from_camera(const std::string& words) {
     TRY_ASSIGN(const auto text,
                is_file ? read_given_file(words, named, right_frame, largest) : Result<std::string>(words));
     const auto numbers = numbers_of(text);
-    if (!numbers || numbers->size() != 16) return usage_error(named + ": right would be " + right_frame);
+    if (!numbers || numbers->size() != 16) return usage_error(named + ": must be " + right_frame);
     glm::dmat4 frame;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
@@ -153,7 +153,7 @@ Result<glm::dmat4> read_world_from_camera(const std::string& words) {
     if (!is_rigid(frame))
         return usage_error(named +
                            ": is no rotation and translation (its rows are not unit vectors at right angles, "
-                           "or the last one is not 0 0 0 1, or it is a kilometre away); right would be " +
+                           "or the last one is not 0 0 0 1, or it is a kilometre away); must be " +
                            right_frame);
     return frame;
 }

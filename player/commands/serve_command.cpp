@@ -383,8 +383,7 @@ struct ServeTyped {
 
 Error no_clip() {
     return usage_error(
-        "what is to be sent? right would be touchable serve CLIP URL, or touchable serve "
-        "--camera WORDS URL");
+        "what is to be sent? use touchable serve CLIP URL, or touchable serve --camera WORDS URL");
 }
 
 /// With a camera the first word is a URL as well.
@@ -407,15 +406,15 @@ Result<std::vector<std::string>> read_words(const ServeTyped& typed, ServeOption
 Result<void> check_url(const StreamUrl& url) {
     if (url.is_tls)
         return usage_error(in_quotes(url.name()) +
-                           ": https is for a web server in front of this one; right would be http://");
+                           ": https is for a web server in front of this one; must be http://");
     const auto is_plain = [](char letter) { return letter > ' ' && letter < 127 && letter != '%'; };
     if (!std::ranges::all_of(url.path, is_plain))
         return usage_error(
             in_quotes(url.name()) +
-            ": right would be a name of plain letters and digits behind the port, such as /clip.mkv");
+            ": must have a name of plain letters and digits behind the port, such as /clip.mkv");
     if (url.transport == StreamTransport::pipe || url.transport == StreamTransport::udp)
         return usage_error(in_quotes(url.name()) +
-                           ": right would be tcp://, http:// or srt://, and an address to send at");
+                           ": must be tcp://, http:// or srt://, and an address to send at");
     return {};
 }
 
@@ -443,7 +442,7 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
     TRY_ASSIGN(const auto words, read_words(typed, options));
     if (words.empty() && !typed.hls)
         return usage_error(
-            "where is it to be sent? right would be, for one, tcp://0.0.0.0:7000 behind CLIP, or --hls DIR");
+            "where is it to be sent? use, for one, tcp://0.0.0.0:7000 behind CLIP, or --hls DIR");
     TRY(read_hls(typed, options));
     bool has_srt = false;
     for (const std::string& each : words) {

@@ -26,7 +26,7 @@ Result<Columns> read_columns(const CsvTable& table) {
     for (std::size_t c = 0; c < Column::count; ++c) {
         if (!table.names(column_names[c]))
             return input_error(table.file() + ": has no column " + column_names[c] +
-                                   "; right would be a file of forces that a run wrote",
+                                   "; must be a file of forces that a run wrote",
                                {{Setting::forces}});
         TRY_ASSIGN(const auto at, table.column(column_names[c]));
         TRY_ASSIGN(columns[c], table.numbers(at));
@@ -191,7 +191,7 @@ Result<ForceTable> read_force_table(const std::string& file) {
     const double last_finger = *std::ranges::max_element(c[Column::finger]);
     if (!(last_finger >= 0 && last_finger < fingers_of_a_hand))
         return input_error(file + ": its column finger goes to " + std::to_string(last_finger) +
-                           "; right would be 0 to 255");
+                           "; must be 0 to 255");
     out.fingers = static_cast<int>(last_finger) + 1;
     const std::size_t rows = table.rows(), fingers = static_cast<std::size_t>(out.fingers);
     out.samples.reserve(rows);
@@ -201,21 +201,20 @@ Result<ForceTable> read_force_table(const std::string& file) {
         if (c[Column::tick][row] != wanted_tick || c[Column::finger][row] != wanted_finger)
             return input_error(table.place(row) + ": is not finger " + std::to_string(row % fingers) +
                                " of tick " + std::to_string(row / fingers) +
-                               "; right would be every finger of every tick, in order");
+                               "; expected every finger of every tick, in order");
         out.samples.push_back({{c[Column::goal_x][row], c[Column::goal_y][row], c[Column::goal_z][row]},
                                {c[Column::force_x][row], c[Column::force_y][row], c[Column::force_z][row]},
                                c[Column::contact][row] != 0});
     }
     if (rows % fingers != 0)
-        return input_error(file + ": its last tick lacks fingers; right would be " +
-                           std::to_string(out.fingers));
+        return input_error(file + ": its last tick lacks fingers; must have " + std::to_string(out.fingers));
     return out;
 }
 
 Result<ForceComparison> compare_forces(const ForceTable& a, const ForceTable& b) {
     if (a.fingers != b.fingers)
         return usage_error("the first has " + std::to_string(a.fingers) + " fingers, the second " +
-                           std::to_string(b.fingers) + "; right would be runs of the same hand");
+                           std::to_string(b.fingers) + "; must be runs of the same hand");
     const std::size_t ticks = std::min(a.ticks(), b.ticks());
     Comparing comparing;
     for (std::size_t tick = 0; tick < ticks; ++tick)
@@ -226,7 +225,7 @@ Result<ForceComparison> compare_forces(const ForceTable& a, const ForceTable& b)
     out.fingers = a.fingers;
     if (out.both + out.only_a + out.only_b + out.neither == 0)
         return usage_error(
-            "no goal is the same in both; right would be two runs of the same hand, as a recording "
+            "no goal is the same in both; must be two runs of the same hand, as a recording "
             "repeats one on any surface",
             {{Setting::hand, "rec:FILE"}});
     compare_noise(a, b, ticks, out);

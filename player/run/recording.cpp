@@ -445,7 +445,7 @@ Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& ha
         HandOptions::file_and_pairs(std::string_view(hand).substr(std::string_view("rec:").size()));
     std::string file(name);
     if (file.empty())
-        return usage_error("hand 'rec': no file; right would be rec:FILE, a recording of a run",
+        return usage_error("hand 'rec': no file; must be rec:FILE, a recording of a run",
                            {{Setting::hand}, {Setting::record}});
     TRY_ASSIGN(const auto given, HandOptions::parse("hand 'rec'", pairs, keys));
     TRY_ASSIGN(auto recording, read_recording(file));

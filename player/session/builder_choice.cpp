@@ -111,8 +111,8 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     if (choice.name == "cpu") return make_cpu_builder(scene);
     if (choice.name == "lazy" && scene.filter.temporal)
         return usage_error(
-            "builder lazy cannot filter in time: it knows nothing of pixels that were not touched; right "
-            "would be another builder, or no filter in time",
+            "builder lazy cannot filter in time: it knows nothing of pixels that were not touched; use "
+            "another builder, or no filter in time",
             {{Setting::builder}, {Setting::temporal, "off"}});
     if (choice.name == "lazy") return make_lazy_builder(scene);
     if (choice.name == "reference") return make_reference_builder(scene);

@@ -143,8 +143,8 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     for (const PlaybackCommand& command : setup->settings.playback)
         if (command.tick > 0)
             return usage_error("playback '" + in_words({command}) +
-                               "': in a window, commands are given as the clip plays; right would "
-                               "be what takes effect at 0 s");
+                               "': in a window, commands are given as the clip plays; must take "
+                               "effect at 0 s");
     std::unique_ptr<WatchedSession> session(new WatchedSession(std::move(setup), std::move(sinks)));
     TouchSetup& s = *session->setup_;
     TRY_ASSIGN(session->port_, open_port(s));
@@ -207,7 +207,7 @@ Result<void> WatchedSession::ask(PlaybackVerb verb, std::int64_t first, std::int
     if (goes_there && clip_end_ns_ && first >= *clip_end_ns_)
         return usage_error("playback: the clip ends at " +
                            std::to_string(static_cast<double>(*clip_end_ns_) * 1e-9) +
-                           " s; right would be a moment before");
+                           " s; must be before that");
     if (!running()) return usage_error("playback: the session has ended; it takes no more commands");
     return log_->ask(verb, first, second);
 }

@@ -352,7 +352,7 @@ Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, 
     const std::shared_ptr<void> closing(nullptr, [out](void*) { close(out); });
     if (const auto why = why_no_log(out))
         return input_error(file.string() + ": " + *why +
-                           "; right would be a new file, or a log of use to go on with");
+                           "; must be a new file, or a log of use to go on with");
     return std::unique_ptr<UseLog>(new UseLog(
         file, [out, closing, write = std::move(write)](std::string_view row) { return write(out, row); }));
 }

@@ -97,7 +97,7 @@ void MeasureTool::look(const Seen& seen) {
     for (const End& end : ends_)
         if (!end.point) {
             news_.push_back({"measure: " + pixel_in_words(end.pixel) + " has no depth in frame " +
-                                 std::to_string(seen.frame) + "; right would be pixels of the surface",
+                                 std::to_string(seen.frame) + "; must be a pixel of the surface",
                              true});
             return ends_.clear();
         }

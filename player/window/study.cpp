@@ -366,8 +366,7 @@ public:
             if (!begun) return begun;
         }
         return input_error(folder_.string() +
-                           ": there is no number for another participant; right would be an " +
-                           "empty folder");
+                           ": there is no number for another participant; give an empty folder");
     }
     /// After `begin`: makes the name safe on the disk. Until then a machine that is switched off may lose the
     /// table.
@@ -430,7 +429,7 @@ Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, fs::path folder, s
     std::error_code unknown;
     if (!fs::is_directory(folder, unknown))
         return input_error(folder.string() + ": results cannot be kept there" +
-                           (failed ? ": " + failed.message() : std::string()) + "; right would be a folder");
+                           (failed ? ": " + failed.message() : std::string()) + "; must be a folder");
     TRY(NewFile(folder / "participant-000.csv", Existing::keep).check());
     return std::unique_ptr<StudyRun>(
         new StudyRun(std::move(study), std::move(language), plain_field(std::move(hand)),

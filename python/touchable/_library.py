@@ -29,9 +29,9 @@ def whole(name: str, value: Any, least: int = -farthest, most: int = farthest) -
     try:
         number = operator.index(value)
     except TypeError:
-        raise UsageError(Status.USAGE, f"{name} is {value!r}; right would be a whole number") from None
+        raise UsageError(Status.USAGE, f"{name} is {value!r}; must be a whole number") from None
     if not least <= number <= most:
-        raise UsageError(Status.USAGE, f"{name} is {number}; right would be {least} to {most}")
+        raise UsageError(Status.USAGE, f"{name} is {number}; must be {least} to {most}")
     return number
 
 
@@ -42,7 +42,7 @@ def number(name: str, value: Any) -> float:
             return float(value)
     except (TypeError, ValueError, OverflowError):
         pass
-    raise UsageError(Status.USAGE, f"{name} is {value!r}; right would be a finite number")
+    raise UsageError(Status.USAGE, f"{name} is {value!r}; must be a finite number")
 
 
 def encoded(what: str, text: str | os.PathLike) -> bytes:
@@ -52,7 +52,7 @@ def encoded(what: str, text: str | os.PathLike) -> bytes:
     except UnicodeEncodeError:
         data = b"\0"
     if b"\0" in data:
-        raise UsageError(Status.USAGE, f"{what} has a NUL or a lone surrogate; right would be text without")
+        raise UsageError(Status.USAGE, f"{what} has a NUL or a lone surrogate; must be text without")
     return data
 
 
@@ -219,7 +219,7 @@ def function(name: str) -> Any:
 
 def line_of(status: int, kind: str = "object") -> str:
     line = _solver_library.touch_status_name(status).decode()
-    return f"the {kind} {line}; right would be to open or make another one after fork()" if status == Status.FORKED else line
+    return f"the {kind} {line}; open or make another one after fork()" if status == Status.FORKED else line
 
 
 def status_of(name: str, *arguments: Any) -> tuple[int, str]:
@@ -260,7 +260,7 @@ def _end(end: Callable[..., int], number: int, kept: tuple) -> None:
 def refuse_copies(held: Any) -> NoReturn:
     """The __reduce__ of what holds a C object, by which pickle and copy would take its number alone."""
     raise TypeError(f"a {type(held).__name__} holds memory, threads or files of its process and cannot be pickled or "
-                    "copied; right would be to pass on what it is made of, such as a path or arrays")
+                    "copied; pass on what it is made of, such as a path or arrays")
 
 
 class Handle:

@@ -45,11 +45,11 @@ def _as_stored(given: ArrayLike, role: str) -> NDArray[Any]:
     wide = role == "depth" and array.dtype.kind == "f"
     if not wide and array.dtype.newbyteorder("=").name not in _samples:
         right = "uint16 or uint8 codes, or floats of metres" if role == "depth" else "uint8"
-        raise refuse(f"the {role} picture is of {array.dtype}; right would be {right}, as by picture.astype(...)")
+        raise refuse(f"the {role} picture is of {array.dtype}; must be {right}, as by picture.astype(...)")
     kind = numpy.dtype(numpy.float32) if wide else array.dtype.newbyteorder("=")
     right = "(height, width)" if role in ("depth", "height") else "(height, width, 3)"
     if array.ndim not in (2, 3) or 0 in array.shape or (array.ndim == 3 and array.shape[2] not in (1, 3)):
-        raise refuse(f"the {role} picture has the shape {array.shape}; right would be {right}")
+        raise refuse(f"the {role} picture has the shape {array.shape}; must be {right}")
     array = array.astype(kind, copy=False)
     pixel = array.itemsize * (array.shape[2] if array.ndim == 3 else 1)
     side_by_side = (array.strides[1] == pixel and (array.ndim == 2 or array.strides[2] == array.itemsize)
@@ -91,13 +91,12 @@ def planes_of(frame: Any) -> dict[str, Any]:
     """Pictures by role, of a depth array, a dict or a tuple of planes."""
     if isinstance(frame, tuple):
         if not 1 <= len(frame) <= len(roles):
-            raise refuse(f"a frame is a tuple of {len(frame)}; right would be (depth, colour, haptic, height) or the "
-                         "first of these")
+            raise refuse(f"a frame is a tuple of {len(frame)}; must be (depth, colour, haptic, height) or the first of these")
         frame = dict(zip(roles, frame))
     planes = dict(frame) if isinstance(frame, Mapping) else {"depth": frame}
     unknown = [name for name in planes if name not in roles]
     if unknown:
-        raise refuse(f"a frame has a picture {unknown[0]!r}; right would be {', '.join(roles)}")
+        raise refuse(f"a frame has a picture {unknown[0]!r}; must be one of {', '.join(roles)}")
     if planes.get("depth") is None:
         raise refuse("a frame has no depth; it must be there, other pictures may be")
     return planes

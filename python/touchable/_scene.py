@@ -77,14 +77,14 @@ class Camera:
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
         if self.depth_kind not in _kinds:
-            raise UsageError(Status.USAGE, f"depth_kind is {self.depth_kind!r}; right would be 'planar' or 'range'")
+            raise UsageError(Status.USAGE, f"depth_kind is {self.depth_kind!r}; must be 'planar' or 'range'")
 
     @classmethod
     def from_fov(cls, fov_degrees: float, width: int = 640, height: int = 480, **others: Any) -> Camera:
         """A camera that sees `fov_degrees` from left to right, in a picture of width x height pixels. `others`: further
         members. Raises UsageError where the angle is not above 0 and below 180 degrees."""
         if not 0 < number("fov_degrees", fov_degrees) < 180:
-            raise UsageError(Status.USAGE, f"fov_degrees is {fov_degrees}; right would be above 0 and below 180")
+            raise UsageError(Status.USAGE, f"fov_degrees is {fov_degrees}; must be above 0 and below 180")
         return cls(width, height, whole("width", width) / 2 / math.tan(math.radians(fov_degrees) / 2), **others)
 
     def points(self, x_px: ArrayLike, y_px: ArrayLike, depth_m: ArrayLike) -> NDArray[numpy.float64]:
@@ -222,7 +222,7 @@ class Scene:
         struct = _planes.frame_struct(frame, number, time_ns)
         if not self._takes_codes and struct.depth.sample != _library.F32:
             raise _planes.refuse(
-                "the camera's metres_per_code is None, so that its depth is floats of metres, and not codes; right would be "
+                "the camera's metres_per_code is None, so that its depth is floats of metres, and not codes; use "
                 "the clip's scene (clip.scene) for its codes, or a camera that states metres_per_code")
         return struct
 
@@ -240,4 +240,4 @@ def scene_of(meaning: Camera | Scene | None, what: str = "camera") -> Scene:
         return meaning
     if isinstance(meaning, Camera):
         return Scene.from_camera(meaning)
-    raise TypeError(f"{what} is {type(meaning).__name__}; right would be a touchable.Camera or a touchable.Scene")
+    raise TypeError(f"{what} is {type(meaning).__name__}; must be a touchable.Camera or a touchable.Scene")

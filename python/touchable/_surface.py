@@ -59,7 +59,7 @@ class Surface:
             plain = isinstance(depth, Frame) or all(picture is None for picture in extra.values())
             self._push(depth if plain else dict(extra, depth=depth), 0)
         elif haptic is not None or height is not None:
-            raise _planes.refuse("haptic or height is given without depth; right would be all of them, or push()")
+            raise _planes.refuse("haptic or height is given without depth; give all of them, or push()")
 
     def push(self, frame: Any, time_ns: int | None = None) -> None:
         """Adds the picture of a later moment.

@@ -95,7 +95,7 @@ class SolverSettings:
         if self.metres_per_scene_unit is None:
             members["metres_per_scene_unit"] = 0.0
         elif not number("metres_per_scene_unit", self.metres_per_scene_unit) > 0:
-            raise _planes.refuse(f"metres_per_scene_unit is {self.metres_per_scene_unit}; right would be above 0")
+            raise _planes.refuse(f"metres_per_scene_unit is {self.metres_per_scene_unit}; must be above 0")
         return SolverStruct(fingers=fingers, **members)
 
 
@@ -221,7 +221,7 @@ def forces_at(surface: Surface, points: ArrayLike, friction: bool, time_ns: int 
     """See Surface.forces_at."""
     places = _planes.numbers("points", points)
     if places.ndim == 0 or places.shape[-1] != 3:
-        raise _planes.refuse(f"points have the shape {places.shape}; right would be (..., 3)")
+        raise _planes.refuse(f"points have the shape {places.shape}; must be (..., 3)")
     newest = surface.newest_ns
     if newest is None:
         raise _planes.refuse("no picture was pushed yet; push the first one before")
@@ -239,7 +239,7 @@ def forces_at(surface: Surface, points: ArrayLike, friction: bool, time_ns: int 
 def _settings_of(settings: dict[str, Any]) -> SolverSettings:
     for name in settings:
         if name not in _settings:
-            raise _planes.refuse(f"there is no setting {name}; right would be {', '.join(_settings)}")
+            raise _planes.refuse(f"there is no setting {name}; must be one of {', '.join(_settings)}")
     return SolverSettings(**settings)
 
 
@@ -249,7 +249,7 @@ def path_of(path: ArrayLike) -> NDArray[numpy.float64]:
     if goals.ndim == 2:
         goals = goals[:, None, :]
     if goals.ndim != 3 or goals.shape[2] != 3 or goals.shape[1] == 0:
-        raise _planes.refuse(f"the path has the shape {numpy.shape(path)}; right would be (ticks, 3) or (ticks, fingers, 3)")
+        raise _planes.refuse(f"the path has the shape {numpy.shape(path)}; must be (ticks, 3) or (ticks, fingers, 3)")
     return goals
 
 
@@ -300,7 +300,7 @@ class Solver:
         """
         given = _planes.numbers("goals", self._no_goals if goals is None else goals)
         if given.shape != self._goals.shape and (given.shape != (3,) or self.fingers != 1):
-            raise _planes.refuse(f"goals have the shape {given.shape}; right would be ({self.fingers}, 3)")
+            raise _planes.refuse(f"goals have the shape {given.shape}; must be ({self.fingers}, 3)")
         with self._free():
             self._goals[...] = given
             self._set_tick(tick, time_ns, epoch, epoch_start_ns)
@@ -351,9 +351,9 @@ class Solver:
     def _refuse(self, status: int) -> None:
         self._check_open()
         if status == Status.BUSY:
-            raise error_of(status, "another thread is using the solver; right would be one thread for each solver")
+            raise error_of(status, "another thread is using the solver; use one thread for each solver")
         if status == Status.USAGE:
-            raise _planes.refuse(f"tick {self._tick.tick} cannot be; right would be {self.next_tick} or a later one")
+            raise _planes.refuse(f"tick {self._tick.tick} cannot be; must be {self.next_tick} or a later one")
         raise error_of(status, _library.line_of(status, "solver"))
 
     def come_back(self) -> None:

@@ -49,7 +49,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     where the disk refuses it, and whatever `frames` raises.
     """
     if camera is not None and scene is not None:
-        raise _planes.refuse("camera and scene are given; right would be one of them")
+        raise _planes.refuse("camera and scene are given; use one of them")
     if times_ns is None and fps is None and isinstance(frames, Clip):
         times_ns = frames.times_ns if frames.has_own_times else None
     if camera is not None and camera.far_m is None and isinstance(frames, (list, tuple, numpy.ndarray)):
@@ -74,8 +74,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
                 watch.look(count, frame)
             count += 1
         if times is not None and len(times) != count:
-            raise _planes.refuse(f"times_ns has {len(times)} times, but there are {count} frames; right would be one for "
-                                 "each")
+            raise _planes.refuse(f"times_ns has {len(times)} times, but there are {count} frames; must be one for each")
         writer.ends_itself()
         call("writer_finish", writer.number)
     finally:
@@ -117,7 +116,7 @@ def _reaching(camera: Camera, frames: Any) -> Camera:
     if not are_floats:
         return dataclasses.replace(camera, far_m=min(far_m, most_codes * step))
     if (median_m := float(numpy.median(medians))) > _deep_m:
-        raise _planes.refuse(f"depth as floats is metres, and half of it is beyond {median_m:.4g} m; right would be depth / 1000 "
+        raise _planes.refuse(f"depth as floats is metres, and half of it is beyond {median_m:.4g} m; use depth / 1000 "
                              f"where these are millimetres, or a camera that states far_m={far_m:.4g}")
     if camera.metres_per_code is not None and reach_m > most_codes * camera.metres_per_code:
         far_m = reach_m * _far_margin
@@ -154,7 +153,7 @@ def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -
     if given is None and isinstance(first, Frame):
         given = first.scene
     if given is None:
-        raise _planes.refuse("what the pictures mean is not said; right would be camera=touchable.Camera(...)")
+        raise _planes.refuse("what the pictures mean is not said; give camera=touchable.Camera(...)")
     meaning = scene_of(given)
     return meaning if fps is None or camera is not None else meaning.with_rate(fps)
 
@@ -162,12 +161,11 @@ def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -
 def _checked(times_ns: ArrayLike) -> NDArray[numpy.int64]:
     times = _planes.array_from("times_ns", times_ns)
     if times.ndim != 1 or times.dtype.kind not in "iu":
-        raise _planes.refuse(f"times_ns has the shape {times.shape} of {times.dtype}; right would be (frames,) of whole "
-                             "nanoseconds")
+        raise _planes.refuse(f"times_ns has the shape {times.shape} of {times.dtype}; must be (frames,) of whole nanoseconds")
     if (times > _library.farthest).any():  # of uint64
-        raise _planes.refuse(f"times_ns has {times.max()}; right would be at most {_library.farthest}")
+        raise _planes.refuse(f"times_ns has {times.max()}; must be at most {_library.farthest}")
     if times[:1].any():
-        raise _planes.refuse(f"times_ns begins with {times[0]}; right would be 0")
+        raise _planes.refuse(f"times_ns begins with {times[0]}; must be 0")
     return numpy.ascontiguousarray(times, numpy.int64)
 
 

@@ -263,7 +263,7 @@ TEST(FramesetCamera, SaysWhyOpeningFails) {
         {silent, "pipe:exec sleep 1000: sent nothing in 50 ms"},
         {cut, ": sent no whole frameset in 50 ms"},
         {{.address = "127.0.0.1:1"}, "tcp://127.0.0.1:1: no connection: "},
-        {{.address = "example.org:7000"}, "right would be an address in numbers or localhost, and a port"}};
+        {{.address = "example.org:7000"}, "must be an address in numbers or localhost, and a port"}};
     for (const auto& [choice, says] : cases) {
         const auto opened = open_frameset_camera(choice);
         EXPECT_TRUE(is_refused(opened, says));

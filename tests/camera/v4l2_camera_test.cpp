@@ -342,7 +342,7 @@ TEST_F(V4l2Camera, SaysWhatWouldHelp) {
     };
     expect("does not exist; touchable cameras lists");
     for (const auto& [request, failure, fragment] : std::vector<std::tuple<unsigned long, int, const char*>>{
-             {0, EACCES, "right would be sudo usermod -aG video $USER"},
+             {0, EACCES, "use sudo usermod -aG video $USER"},
              {0, ENODEV, "is it plugged in?"},
              {VIDIOC_QUERYCAP, ENOTTY, "is no camera's node"},
              {VIDIOC_S_FMT, EBUSY, "another program has the camera"},
@@ -625,19 +625,18 @@ TEST(CameraList, DescribesEachNode) {
     FakeNode& colour = video.add("/dev/video2");
     colour.formats = {{V4L2_PIX_FMT_YUYV, {{640, 480}}}, {V4L2_PIX_FMT_MJPEG, {}}};
     video.add("/dev/video3").refusals[0] = EACCES;
-    EXPECT_EQ(
-        cameras_in_words(video, how_to_touch),
-        "/dev/video0  Intel(R) RealSense(TM) (fake, usb-1)\n"
-        "    Z16     640x480 at 60, 30 frames/s; 848x480 at 30 frames/s\n"
-        "    touch v4l2:/dev/video0 or v4l2:/dev/video0,colour=/dev/video2\n"
-        "/dev/video1  A camera (fake, usb-1)\n"
-        "    gives no pictures: a node of metadata or of another kind\n"
-        "/dev/video2  A camera (fake, usb-1)\n"
-        "    YUYV    640x480 at 30 frames/s\n"
-        "    MJPG    its driver does not say which sizes\n"
-        "    colour alone: there is nothing to touch\n"
-        "/dev/video3: may not be opened by this user; right would be sudo usermod -aG video $USER, then "
-        "log in again\n");
+    EXPECT_EQ(cameras_in_words(video, how_to_touch),
+              "/dev/video0  Intel(R) RealSense(TM) (fake, usb-1)\n"
+              "    Z16     640x480 at 60, 30 frames/s; 848x480 at 30 frames/s\n"
+              "    touch v4l2:/dev/video0 or v4l2:/dev/video0,colour=/dev/video2\n"
+              "/dev/video1  A camera (fake, usb-1)\n"
+              "    gives no pictures: a node of metadata or of another kind\n"
+              "/dev/video2  A camera (fake, usb-1)\n"
+              "    YUYV    640x480 at 30 frames/s\n"
+              "    MJPG    its driver does not say which sizes\n"
+              "    colour alone: there is nothing to touch\n"
+              "/dev/video3: may not be opened by this user; use sudo usermod -aG video $USER, then "
+              "log in again\n");
     EXPECT_EQ(video.misuse(), std::vector<std::string>());
     EXPECT_EQ(video.left_over(), std::vector<std::string>()) << "it only looks";
 }

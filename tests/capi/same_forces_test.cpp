@@ -619,7 +619,7 @@ TEST(Forks, ChildCannotUseParentsObjects) {
             ++number;
         }
         if (std::string(touch_status_name(TOUCH_FORKED)) != "belongs to the parent process") return 100;
-        return std::string(error.line).starts_with("the writer belongs to the parent process; right would be")
+        return std::string(error.line).starts_with("the writer belongs to the parent process; open or make")
                    ? 0
                    : 101;
     });

@@ -280,7 +280,7 @@ TEST(Inverse3Driver, RejectsUnknownServices) {
         Driven driven;
         driven.wire.version = R"({"project_version":"4.0.1.0"})";
         EXPECT_EQ(driven.refusal(),
-                  "Haply Inverse Service 4.0 is not known here; right would be 3.1 to any other 3.x");
+                  "Haply Inverse Service 4.0 is not known here; must be 3.1 to any other 3.x");
         EXPECT_TRUE(driven.wire.sent.empty());
     }
     {

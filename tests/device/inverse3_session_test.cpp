@@ -453,7 +453,7 @@ TEST(Inverse3Session, RejectsUnsupportedServiceVersions) {
     const auto opened = device_at(next.port())->open();
     ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().message,
-              "Haply Inverse Service 4.1 is not known here; right would be 3.1 to any other 3.x");
+              "Haply Inverse Service 4.1 is not known here; must be 3.1 to any other 3.x");
     FakeHaplyService silent({.version = ""});
     const auto asked = device_at(silent.port())->open();
     ASSERT_FALSE(asked);

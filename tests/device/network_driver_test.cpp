@@ -405,7 +405,7 @@ TEST(NetworkDevice, RejectsForeignListenAddress) {
     const auto opened = (*device)->open();
     ASSERT_FALSE(opened);
     EXPECT_EQ(opened.error().message,
-              "UDP 192.0.2.1:5999: Cannot assign requested address: right would be an address that this "
+              "UDP 192.0.2.1:5999: Cannot assign requested address: must be an address that this "
               "machine has");
     device = make_device("network:listen=here", {});
     ASSERT_TRUE(device);

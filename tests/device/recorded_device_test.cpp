@@ -140,9 +140,9 @@ TEST(RecordedDevice, LocatesErrorsInLogs) {
     EXPECT_EQ(refusal(log_header + "1,0,,,0,0,1,0,0,0,0\n"),
               "line 2, column 'z' is not empty while others are; a place has x, y and z or none");
     EXPECT_EQ(refusal(log_header + first + first + first),
-              "line 3, column 'finger' is 0; right would be 1, as each tick has 3");
+              "line 3, column 'finger' is 0; must be 1, as each tick has 3");
     EXPECT_EQ(refusal(log_header + "1,1,0,0,0,0,1,0,0,0,0\n"),
-              "line 2, column 'finger' is 1; right would be 0, as each tick has 1");
+              "line 2, column 'finger' is 1; must be 0, as each tick has 1");
     EXPECT_EQ(refusal(log_header + first + "0.5,0,0,0,0,0,1,0,0,0,0\n"),
               "line 3, column 'time_s' is not later than the tick before");
     EXPECT_EQ(refusal(log_header + first + "1,1,0,0,0,0,1,0,0,0,0\n2,0,0,0,0,0,1,0,0,0,0\n"),

@@ -35,7 +35,7 @@ fuzz_target() {  # program target most_bytes most_mebibytes seconds
 }
 
 minutes=${1:-4} only=${2:-} program=$PWD/build/fuzz/tests/fuzz/touchable-fuzz jobs=$(nproc)
-[[ $minutes =~ ^[0-9]+$ && $minutes -gt 0 ]] || die "'$minutes' is not a number of minutes; right would be a whole number, such as ./run fuzz 30"
+[[ $minutes =~ ^[0-9]+$ && $minutes -gt 0 ]] || die "'$minutes' is not a number of minutes; must be a whole number, such as ./run fuzz 30"
 ./run install sanitizers
 echo 'int main() {}' | clang++ -x c++ -fsanitize=fuzzer-no-link,address - -o /dev/null ||
     die "clang++ has no libFuzzer; on Debian: apt-get install --no-install-recommends libclang-rt-dev"

@@ -82,7 +82,7 @@ TEST_F(CameraFiles, RefuseTextWithoutCamera) {
     }
     write_bytes(folder / "camera.txt", "640 480 500 501 3200 240");
     EXPECT_TRUE(is_refused(read_camera_file(folder / "camera.txt"), "principal point"));
-    EXPECT_TRUE(is_refused(read_camera_file(folder.path()), "is a folder; right would be a camera's file"));
+    EXPECT_TRUE(is_refused(read_camera_file(folder.path()), "is a folder; expected a camera's file"));
 }
 
 TEST_F(CameraFiles, PreferCameraOfDepth) {

@@ -23,7 +23,7 @@ expect() {  # what word...
     shift
     got=$(offered "$@")
     if [[ $got != "$wanted" ]]; then
-        printf 'touchable %s: offered "%s"; right would be "%s"\n' "$*" "$got" "$wanted"
+        printf 'touchable %s: offered "%s"; expected "%s"\n' "$*" "$got" "$wanted"
         faults=$((faults + 1))
     fi
 }

@@ -326,7 +326,7 @@ def known_survivors():
         if line.strip() and not line.startswith("#"):
             parts = line.split(" :: ")
             if len(parts) != 4 or not parts[3].strip():
-                sys.exit(f"survivors.txt: '{line}'; right would be FILE :: RULE :: LINE :: REASON")
+                sys.exit(f"survivors.txt: '{line}'; must be FILE :: RULE :: LINE :: REASON")
             known[" :: ".join(parts[:3])] = parts[3]
     return known
 

@@ -739,7 +739,7 @@ TEST_F(Picture, RejectsSeveralFrames) {
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"export", clip(), "--frames", "0-2", "--picture", file()},
           std::vector<std::string>{"export", clip(), "--picture", file()}})
-        expect_refused(run_touchable(words), 2, "right would be --frame N");
+        expect_refused(run_touchable(words), 2, "use --frame N");
     expect_refused(run_touchable({"export", clip(), "--frame", "0"}), 2, "--out FOLDER, or --picture FILE");
 }
 

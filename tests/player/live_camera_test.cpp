@@ -590,8 +590,8 @@ TEST(SenderWords, ParseWithoutStartingCommand) {
     for (const auto& [words, fragment] : std::vector<std::pair<const char*, const char*>>{
              {"pipe:", "needs a command that writes framesets"},
              {"pipe:  ", "needs a command that writes framesets"},
-             {"tcp://", "right would be an address in numbers"},
-             {"tcp://a.b:1", "right would be an address in numbers"}}) {
+             {"tcp://", "must be an address in numbers"},
+             {"tcp://a.b:1", "must be an address in numbers"}}) {
         const auto refused = read_live_camera(words);
         ASSERT_FALSE(refused) << words;
         EXPECT_EQ(refused.error().kind, ErrorKind::usage);

@@ -326,8 +326,8 @@ TEST_F(Materials, RejectInvalidOptions) {
     };
     expect(named("table=gold", "20,40"), 2, "\"gold\" is no material");
     expect(named("wood", "20,40"), 2, "must be NAME=MATERIAL");
-    expect(named("table=wood", "20"), 2, "right would be X,Y or X,Y,FRAME");
-    expect(named("table=wood", "20,40,-1"), 2, "right would be X,Y or X,Y,FRAME");
+    expect(named("table=wood", "20"), 2, "must be X,Y or X,Y,FRAME");
+    expect(named("table=wood", "20,40,-1"), 2, "must be X,Y or X,Y,FRAME");
     expect(named("table=wood", "5,5"), 2, "no surface at pixel 5,5 of frame 0");
     expect(named("table=wood", "96,5"), 2, "outside of the picture, which has 96x64");
     expect(named("table=wood", "20,40,12"), 2, "frame 12 is beyond the clip, whose last one is 11");

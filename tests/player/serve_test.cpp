@@ -289,9 +289,9 @@ TEST_F(ServeCommand, RejectsInvalidOptions) {
     refused({"--camera", "replay:" + clip, "tcp://127.0.0.1:0", "--loop"}, "--loop is for clips");
     refused({clip, "tcp://127.0.0.1"}, "with a port");
     refused({clip, "tcp://example.org:1"}, "an address of this machine");
-    refused({clip, "https://127.0.0.1:0/"}, "right would be http://");
+    refused({clip, "https://127.0.0.1:0/"}, "must be http://");
     for (const char* place : {"-", "udp://127.0.0.1:5000"})
-        refused({clip, place}, "right would be tcp://, http:// or srt://");
+        refused({clip, place}, "must be tcp://, http:// or srt://");
     refused({clip, "srt://127.0.0.1:0"}, "needs a port");
     refused({clip, "srt://:5000?mode=caller"}, "names no host");
     refused({clip, "srt://127.0.0.1:5000?mode=both"}, "mode is caller or listener");

@@ -54,7 +54,7 @@ class Forks(unittest.TestCase):
                 for one in used:
                     if one == clip.touch:
                         one = lambda: clip.touch(stroke(camera))
-                    self.assertRegex(in_child(one), f"^ClosedError: the {what} belongs to the parent process; right would")
+                    self.assertRegex(in_child(one), f"^ClosedError: the {what} belongs to the parent process; open or make")
             self.assertEqual([frame.number for frame in clip], list(range(12)))
             self.assertEqual(solver.tick(None).tolist(), [[0, 0, 0]])
 
@@ -150,7 +150,7 @@ class Copies(unittest.TestCase):
         with touchable.open(globe()) as clip, touchable.Solver(surface) as solver:
             for thing in clip, clip[0], surface, solver, surface._handle:
                 for copied in pickle.dumps, copy.copy, copy.deepcopy:
-                    with self.assertRaisesRegex(TypeError, f"{type(thing).__name__}.*pickled or copied; right would"):
+                    with self.assertRaisesRegex(TypeError, f"{type(thing).__name__}.*pickled or copied; pass on"):
                         copied(thing)
 
 

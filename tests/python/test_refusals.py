@@ -48,7 +48,7 @@ class Refusals(unittest.TestCase):
         self.refuses(ValueError, "fov_degrees", touchable.open, globe(), fov_degrees=500)
         self.refuses(ValueError, "fx_px", touchable.open, globe(), fx_px=-5)
         self.refuses(ValueError, "metres_per_code.*finite", touchable.open, globe(), metres_per_code=float("nan"))
-        self.refuses(touchable.UsageError, "fx_px is '5'; right would be a finite number", touchable.open, globe(), fx_px="5")
+        self.refuses(touchable.UsageError, "fx_px is '5'; must be a finite number", touchable.open, globe(), fx_px="5")
         with touchable.open(globe()) as clip:
             for index in 1.5, 0.0, "0", None:
                 self.refuses(touchable.UsageError, f"index is {index!r}.*whole", clip.read, index)
@@ -97,7 +97,7 @@ class Refusals(unittest.TestCase):
         self.refuses(ValueError, "planar.*range", touchable.Camera, depth_kind="round")
         self.refuses(ValueError, "fov_degrees", touchable.Camera.from_fov, 180)
         self.refuses(touchable.UsageError, "fov_degrees is 'wide'.*number", touchable.Camera.from_fov, "wide")
-        self.refuses(touchable.UsageError, "width is 'a'; right would be a whole number", touchable.Camera, "a", 24)
+        self.refuses(touchable.UsageError, "width is 'a'; must be a whole number", touchable.Camera, "a", 24)
         self.refuses(touchable.UsageError, "width is 'a'.*whole", touchable.Camera.from_fov, 60, "a")
         scene = touchable.Scene.from_camera(touchable.Camera())
         for rate in float("nan"), float("inf"), "25", None:
@@ -139,7 +139,7 @@ class Refusals(unittest.TestCase):
         self.refuses(ValueError, "max_force|force", surface.touch, stroke(camera), max_force_n=-1)
         self.refuses(ValueError, "metres_per_scene_unit", surface.touch, stroke(camera), metres_per_scene_unit=0)
         self.refuses(ValueError, "number", surface.touch, stroke(camera), max_force_n="strong")
-        self.refuses(touchable.UsageError, "no setting max_farce_n; right.* max_force_n,", surface.touch, stroke(camera),
+        self.refuses(touchable.UsageError, "no setting max_farce_n; must be.* max_force_n,", surface.touch, stroke(camera),
                      max_farce_n=3)
         for wrong in "1", None, float("nan"), 10**400, 1j:
             self.refuses(touchable.UsageError, "max_force_n is .*a finite number", touchable.Solver, surface, max_force_n=wrong)
@@ -167,8 +167,8 @@ class Refusals(unittest.TestCase):
             for name in "tick", "time_ns", "epoch_start_ns":
                 for far in 2**60 + 1, -(2**60) - 1, 2**64 + 5, 1.5:
                     with self.subTest(name, far=far):
-                        self.refuses(touchable.UsageError, f"^{name} is {far}; right", solver.tick, None, **{name: far})
-                        self.refuses(touchable.UsageError, f"^{name} is {far}; right", solver.run, numpy.zeros((1, 3)),
+                        self.refuses(touchable.UsageError, f"^{name} is {far}; must be", solver.tick, None, **{name: far})
+                        self.refuses(touchable.UsageError, f"^{name} is {far}; must be", solver.run, numpy.zeros((1, 3)),
                                      **{name: far})
             self.refuses(ValueError, "epoch is -1", solver.tick, None, epoch=-1)
             self.refuses(ValueError, "time_ns is 1100000000000000000000", solver.tick, None, tick=11 * 10**14)

@@ -276,7 +276,7 @@ TEST_F(SceneFileOnDisk, IsNamedIfUnreadable) {
         ASSERT_FALSE(scene);
         EXPECT_EQ(scene.error().kind, ErrorKind::input);
         EXPECT_EQ(scene.error().message,
-                  file.string() + ": " + why + "; right would be a scene file (JSON, docs/scene_file.md)");
+                  file.string() + ": " + why + "; expected a scene file (JSON, docs/scene_file.md)");
     }
 }
 

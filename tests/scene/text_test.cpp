@@ -51,7 +51,7 @@ TEST(GivenFile, RejectsSpecialFilesAtOnce) {
         {folder / "absent", "is not there"},
         {folder / "absent" / "file", "is not there"}};
     for (const auto& [file, why] : kinds)
-        EXPECT_EQ(refusal_of(file), "--list NAME: " + why + "; right would be a list");
+        EXPECT_EQ(refusal_of(file), "--list NAME: " + why + "; expected a list");
     alarm(0);
     EXPECT_EQ(GivenFile::open(folder.path(), "NAME", "a list").error().kind, ErrorKind::input);
 }
@@ -60,9 +60,9 @@ TEST(GivenFile, RejectsTooLargeFiles) {
     const TemporaryFolder folder;
     write_file(folder / "list", "some");
     EXPECT_EQ(refusal_of(folder / "list", 4), "");
-    EXPECT_EQ(refusal_of(folder / "list", 3), "--list NAME: is larger than 3 bytes; right would be a list");
+    EXPECT_EQ(refusal_of(folder / "list", 3), "--list NAME: is larger than 3 bytes; expected a list");
     std::filesystem::resize_file(folder / "list", std::uintmax_t{8} << 30U);
-    EXPECT_EQ(refusal_of(folder / "list"), "--list NAME: is larger than 1 MiB; right would be a list");
+    EXPECT_EQ(refusal_of(folder / "list"), "--list NAME: is larger than 1 MiB; expected a list");
     EXPECT_EQ(in_bytes(0) + ", " + in_bytes(1 << 16) + ", " + in_bytes(1025), "0 bytes, 64 KiB, 1025 bytes");
 }
 

@@ -396,7 +396,7 @@ TEST(SegmentedClip, NamesTooLargePlaylist) {
     const std::string file = folder / "b.m3u8";
     std::ofstream(file) << "#EXTM3U\n" << std::string(2 << 20, '#');
     const auto clip = open_clip(file);
-    EXPECT_TRUE(message(clip).starts_with(file + ": is larger than 1 MiB; right would be")) << message(clip);
+    EXPECT_TRUE(message(clip).starts_with(file + ": is larger than 1 MiB; expected")) << message(clip);
 }
 
 TEST(SegmentedClip, PlaysLiveToItsEnd) {

@@ -633,7 +633,7 @@ TEST(HueBuilders, RejectGreyDepth) {
     for (const auto& builder :
          {make_reference_builder(hue_scene(4, 2, {})), make_cpu_builder(hue_scene(4, 2, {})),
           make_lazy_builder(hue_scene(4, 2, {}))}) {
-        expect_error(builder->build(grey.frame(), out), "the depth plane has 1 channels, 3 would be right");
+        expect_error(builder->build(grey.frame(), out), "the depth plane has 1 channels; must be 3");
     }
 }
 

@@ -470,7 +470,7 @@ TEST_F(HostileFile, BoundsPictureSize) {
     const std::uint64_t most = std::uint64_t{257} << 20U;
     EXPECT_EQ(message(read_picture_bytes(sparse(folder, head_of_floats, most))), "");
     EXPECT_EQ(message(read_picture_bytes(sparse(folder, head_of_floats, most + 1))),
-              (folder / "large").string() + ": is larger than 257 MiB; right would be a picture");
+              (folder / "large").string() + ": is larger than 257 MiB; expected a picture");
 }
 
 TEST_F(HostileFile, RejectsPipesAsScenes) {
@@ -482,9 +482,8 @@ TEST_F(HostileFile, RejectsPipesAsScenes) {
         {folder.path(), "a folder"},
         {"/dev/zero", "a device, no ordinary file"}};
     for (const auto& [file, kind] : kinds)
-        EXPECT_EQ(
-            message(open_clip(folder / "clip.mkv", file)),
-            file.string() + ": is " + kind + "; right would be a scene file (JSON, docs/scene_file.md)");
+        EXPECT_EQ(message(open_clip(folder / "clip.mkv", file)),
+                  file.string() + ": is " + kind + "; expected a scene file (JSON, docs/scene_file.md)");
     alarm(0);
 }
 

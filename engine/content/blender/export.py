@@ -43,17 +43,17 @@ class Words(argparse.ArgumentParser):
 def frames(text):
     found = re.fullmatch(r"(-?\d+)(?:-(-?\d+))?", text)
     if not found or int(found[2] or found[1]) < int(found[1]):
-        raise argparse.ArgumentTypeError(f"'{text}' are no frames; right would be 1-90, or 7")
+        raise argparse.ArgumentTypeError(f"'{text}' are no frames; must be like 1-90 or 7")
     first, last = int(found[1]), int(found[2] or found[1])
     if first < -LAST_FRAME or last > LAST_FRAME:
-        raise argparse.ArgumentTypeError(f"'{text}' are not all Blender's; right would be frames from {-LAST_FRAME} to {LAST_FRAME}")
+        raise argparse.ArgumentTypeError(f"'{text}' are not all Blender's; must be frames from {-LAST_FRAME} to {LAST_FRAME}")
     return first, last
 
 
 def size(text):
     found = re.fullmatch(r"(\d+)x(\d+)", text)
     if not found or not all(4 <= int(side) <= 16384 for side in found.groups()):
-        raise argparse.ArgumentTypeError(f"'{text}' is no size; right would be 720x480, of 4 to 16384 pixels a side")
+        raise argparse.ArgumentTypeError(f"'{text}' is no size; must be like 720x480, of 4 to 16384 pixels a side")
     return int(found[1]), int(found[2])
 
 
@@ -63,13 +63,13 @@ def metres(text):
     except ValueError:
         value = 0.0
     if not 0 < value < 1e9:
-        raise argparse.ArgumentTypeError(f"'{text}' is no distance in metres; right would be 0.5")
+        raise argparse.ArgumentTypeError(f"'{text}' is no distance in metres; must be like 0.5")
     return value
 
 
 def samples(text):
     if not re.fullmatch(r"[1-9]\d{0,5}", text):
-        raise argparse.ArgumentTypeError(f"'{text}' are no samples; right would be 64")
+        raise argparse.ArgumentTypeError(f"'{text}' are no samples; must be like 64")
     return int(text)
 
 
@@ -87,7 +87,7 @@ def parse(words):
     parser.add_argument("--touchable", metavar="PATH", help="the program touchable; otherwise $TOUCHABLE, or where programs are")
     asked = parser.parse_args(words)
     if not asked.output:
-        parser.error("OUT is empty; right would be NAME.mkv")
+        parser.error("OUT is empty; must be NAME.mkv")
     if asked.near and asked.far and asked.near >= asked.far:
         parser.error(f"--near {asked.near:g} is not before --far {asked.far:g}")
     return asked

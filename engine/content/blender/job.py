@@ -49,9 +49,9 @@ class Export:
         self.rate = motion.rate_of(self.scene)
         self.frames, why_one = motion.frames_of(self.scene, self.wish.frames)
         if not self.frames:
-            raise BadUsage(f"there are no frames from {self.scene.frame_start} to {self.scene.frame_end}; right would be a last frame that is not before the first")
+            raise BadUsage(f"there are no frames from {self.scene.frame_start} to {self.scene.frame_end}; the last frame must not be before the first")
         if len(self.frames) > MOST_FRAMES:
-            raise BadUsage(f"these are {len(self.frames)} frames, and a clip has at most {MOST_FRAMES}; right would be fewer of them (--frames A-B)")
+            raise BadUsage(f"these are {len(self.frames)} frames, and a clip has at most {MOST_FRAMES}; use fewer of them (--frames A-B)")
         if len(self.frames) > 1 and self.rate[0] > MOST_RATE * self.rate[1]:
             raise Refused(f"the scene has {self.rate[0] / self.rate[1]:g} frames a second, and a clip at most {MOST_RATE}; "
                           "lower its frame rate (Output properties)")
@@ -139,7 +139,7 @@ class Export:
     def _write_scene(self):
         if not self.seen and self.is_cut:
             raise Refused("all surfaces that the camera sees are nearer than --near or farther than --far, so there is nothing to touch; "
-                          "right would be distances in metres that hold some of them")
+                          "give distances in metres that hold some of them")
         if not self.seen:
             raise Refused("the camera sees no surface in any frame, so there is nothing to touch; look through it (Numpad 0) and move it")
         near, far = scene_file.planes_between(self.nearest, self.farthest)

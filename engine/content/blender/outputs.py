@@ -22,7 +22,7 @@ def program(named):
         if name:
             found = shutil.which(os.path.expanduser(name))
             if not found:
-                raise BadUsage(f"'{name}' is no program; right would be the path of touchable")
+                raise BadUsage(f"'{name}' is no program; must be the path of touchable")
             return found
     return shutil.which("touchable")
 
@@ -39,9 +39,9 @@ def final_path(output, touchable):
 def check_output(output, touchable, overwrite):
     """Refuses what cannot be written, before anything is rendered."""
     if not is_clip(output) and os.path.splitext(os.path.basename(output.rstrip("/")))[1]:
-        raise BadUsage(f"'{output}' is no clip and no folder; right would be NAME.mkv, or a name without a dot for the folder of pictures")
+        raise BadUsage(f"'{output}' is no clip and no folder; must be NAME.mkv, or a name without a dot for the folder of pictures")
     if os.path.basename(output).lower() in CLIPS:
-        raise BadUsage(f"'{output}' has no name before its ending; right would be NAME.mkv")
+        raise BadUsage(f"'{output}' has no name before its ending; must be NAME.mkv")
     final = final_path(output, touchable)
     folder = os.path.dirname(os.path.abspath(final))
     if not os.path.isdir(folder):
@@ -51,7 +51,7 @@ def check_output(output, touchable, overwrite):
     if os.path.lexists(final):
         if final != output:
             # Who lets a clip be replaced has not been asked about a folder of its name.
-            raise BadUsage(f"touchable is not installed here, so '{final}' would be a folder of pictures, and it is there already; right would be another name")
+            raise BadUsage(f"touchable is not installed here, so '{final}' would be a folder of pictures, and it is there already; give another name")
         if not overwrite:
             raise BadUsage(f"'{final}' is there already; --overwrite replaces it")
         _check_replaced(final)
@@ -61,11 +61,11 @@ def _check_replaced(final):
     """A clip replaces a file, and a folder of pictures one in which nothing else is: what `touchable` itself replaces."""
     if is_clip(final):
         if not os.path.isfile(final):
-            raise BadUsage(f"'{final}' is no file, and is not replaced; right would be another name")
+            raise BadUsage(f"'{final}' is no file, and is not replaced; give another name")
     elif os.path.islink(final) or not os.path.isdir(final):
-        raise BadUsage(f"'{final}' is no folder, and is not replaced; right would be another name")
+        raise BadUsage(f"'{final}' is no folder, and is not replaced; give another name")
     elif not all(entry.is_file() and PICTURE_NAME.fullmatch(entry.name) for entry in os.scandir(final)):
-        raise BadUsage(f"'{final}' is a folder of something else, and is not replaced; right would be another name")
+        raise BadUsage(f"'{final}' is a folder of something else, and is not replaced; give another name")
 
 
 def work_folder(output):
@@ -106,7 +106,7 @@ def _convert(work, final, touchable, overwrite):
         raise fault
     # Any program can be named, and `true` succeeds as well.
     if _state(final) in (None, before) or os.path.getsize(final) == 0:
-        raise Fault(f"'{touchable}' wrote no clip; right would be the path of touchable")
+        raise Fault(f"'{touchable}' wrote no clip; must be the path of touchable")
 
 
 def _state(path):
