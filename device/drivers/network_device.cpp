@@ -71,8 +71,9 @@ private:
 Result<void> check_packet(std::span<const std::byte> bytes) {
     if (bytes.size() < packet_bytes(1) ||
         !std::equal(packet_magic.begin(), packet_magic.end(), bytes.begin()))
-        return input_error("a packet of " + std::to_string(bytes.size()) +
-                           " bytes does not begin with TCHD and a whole head; must be as in docs/devices.md");
+        return input_error(
+            "a packet of " + std::to_string(bytes.size()) +
+            " bytes does not begin with TCHD and a whole head; must be as docs/devices.md says");
     if (const auto version = std::to_integer<int>(bytes[4]); version != NetworkPacket::version)
         return input_error("a packet is of version " + std::to_string(version) +
                            "; this program speaks version " + std::to_string(NetworkPacket::version));

@@ -27,10 +27,10 @@ for tick in range(1, int(words.seconds * 1000)):
         while select.select([hand], [], [], 0)[0]:  # only the newest counts
             answer = hand.recv(1024)
     except ConnectionRefusedError:  # a real hand would be limp now
-        why = "nobody listens there, or it has another hand"
+        why = "no program listens there, or it has another hand"
         continue
     except TimeoutError:  # lost on the way, or left out
-        why = "nobody answers there: touchable says why (another number of fingers, another hand)"
+        why = "no answer came: touchable says why (another number of fingers, another hand)"
         continue
     if len(answer) == 52 and zlib.crc32(answer[:-4]) == struct.unpack("<I", answer[-4:])[0]:
         forces.append(math.hypot(*struct.unpack_from("<3d", answer, head.size)))

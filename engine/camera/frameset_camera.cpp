@@ -408,8 +408,8 @@ Result<std::optional<Frameset>> FramesetParser::next() {
         return std::optional(std::move(whole));
     }
     if (strays_ > most_strays)
-        return input_error("gave " + std::to_string(most_strays >> 20U) +
-                           " MiB in which no whole frameset is (docs/streaming.md has what one is)");
+        return input_error("sent " + std::to_string(most_strays >> 20U) +
+                           " MiB without a whole frameset (docs/streaming.md describes one)");
     return std::optional<Frameset>();
 }
 

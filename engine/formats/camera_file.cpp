@@ -841,9 +841,9 @@ Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
     if (!said.cameras.empty()) return std::move(said.cameras.front());
     return input_error(
         file.string() +
-        ": has no camera that could be read: must have fx, fy, cx, cy or px, py, u0, v0 (JSON, YAML, XML), a "
-        "matrix K, intrinsic_matrix or camera_matrix (3x3 numbers too), fov_x in degrees, 3x3 numbers, or be "
-        "COLMAP's cameras.txt, "
+        ": has no camera that could be read: must be JSON, YAML or XML with fx, fy, cx, cy (or px, py, u0, "
+        "v0), a matrix K, intrinsic_matrix or camera_matrix, or fov_x in degrees; or 3x3 numbers, COLMAP's "
+        "cameras.txt, "
         "Kalibr's camchain.yaml, Middlebury's calib.txt or ARKitScenes' .pincam (width height fx fy cx cy)");
 }
 

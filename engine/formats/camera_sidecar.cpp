@@ -49,7 +49,7 @@ bool is_of_others(const std::string& name) {
            has_word(name, {"readme", "license", "extrinsic"});
 }
 
-constexpr std::size_t most_looked_at = 1'000'000;  // of a folder that are looked at
+constexpr std::size_t most_looked_at = 1'000'000;  // entries of a folder
 
 /// What lies in a folder, by name.
 std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>& picture_stems) {
@@ -115,17 +115,16 @@ struct Sought : PicturesOfCamera {
     bool needs_camera = false;         // of files that are not named as a camera's
 };
 
-/// How many letters two stems begin with that are the same words.
+/// Whether no letter or number of a name stands at this place.
+bool ends_word(const std::string& name, std::size_t at) {
+    return at == name.size() || std::isalnum(static_cast<unsigned char>(name[at])) == 0;
+}
+
+/// The length of the words that both stems begin with.
 std::size_t same_words(const std::string& picture, const std::string& stem) {
     std::size_t same = 0;
-    const auto is_end = [&](std::size_t at) {
-        const auto ends = [at](const std::string& name) {
-            return at == name.size() || std::isalnum(static_cast<unsigned char>(name[at])) == 0;
-        };
-        return ends(picture) && ends(stem);
-    };
     for (std::size_t k = 0; k <= std::min(picture.size(), stem.size()); ++k) {
-        if (is_end(k)) same = k;
+        if (ends_word(picture, k) && ends_word(stem, k)) same = k;
         if (k == picture.size() || k == stem.size() || picture[k] != stem[k]) break;
     }
     return same;
@@ -138,18 +137,28 @@ bool has_stem_of(const std::string& picture, const std::string& stem) {
     return has_digit(stem.substr(0, same)) && !has_digit(stem.substr(same));
 }
 
+/// The last word of a picture's name with the mark before it; empty: the name is one word.
+std::string last_word(const std::string& stem) {
+    return stem.substr(std::min(stem.find_last_of("_-. "), stem.size()));
+}
+
+/// Whether one of these names, which are sorted, begins with these words.
+bool is_beginning(const std::string& words, const std::vector<std::string>& names) {
+    // A name goes on with no letter or number: the characters between those of ASCII.
+    constexpr std::pair<const char*, const char*> ends[] = {{"", "0"}, {":", "A"}, {"[", "a"}, {"{", "\xff"}};
+    return std::ranges::any_of(ends, [&](const auto& end) {
+        const auto at = std::ranges::lower_bound(names, words + end.first);
+        return at != names.end() && *at < words + end.second;
+    });
+}
+
 /// Whether a file is by its name of another picture than this one: chair_camera, of chair_depth and not of
-/// table_depth.
+/// table_depth. `others`: the names of the pictures that end with the word that this one ends with, sorted.
 bool is_of_another(const std::string& picture, const std::string& stem,
                    const std::vector<std::string>& others) {
-    const auto last_word = [](const std::string& name) {
-        return name.substr(std::min(name.find_last_of("_-. "), name.size()));
-    };
-    const std::size_t same = same_words(picture, stem);
-    const std::string last = last_word(picture);
-    return !last.empty() && std::ranges::any_of(others, [&](const std::string& other) {
-        return other.ends_with(last) && same_words(other, stem) > same;
-    });
+    for (std::size_t k = same_words(picture, stem) + 1; k <= stem.size(); ++k)
+        if (ends_word(stem, k) && is_beginning(stem.substr(0, k), others)) return true;
+    return false;
 }
 
 /// Files of a folder that may be a camera's, the picture's own first, then named ones. Of pictures' own files
@@ -161,7 +170,12 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
     std::vector<CameraCandidate> named, others;
     const std::vector<fs::path> texts = texts_in(folder, picture_stems);
     const std::string own_stem = small_letters(pictures.stem);
+    std::vector<std::string> stems_alike;  // that end with the same word, as depth's pictures do
+    if (const std::string last = last_word(own_stem); !last.empty())
+        std::ranges::copy_if(picture_stems, std::back_inserter(stems_alike),
+                             [&](const std::string& stem) { return stem.ends_with(last); });
     for (const fs::path& file : texts) {
+        if (stop_requested()) return {};
         const std::string name = small_letters(file.filename().string()),
                           stem = small_letters(file.stem().string()),
                           extension = small_letters(file.extension().string());
@@ -172,7 +186,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
             continue;
         const bool has_members = is_any_of(extension, {".json", ".jsonl", ".yaml", ".yml", ".xml"});
         const bool is_own = !stem.empty() && (stem == own_stem || has_stem_of(own_stem, stem));
-        if (!is_own && !pictures.is_whole_folder && is_of_another(own_stem, stem, picture_stems)) continue;
+        if (!is_own && !pictures.is_whole_folder && is_of_another(own_stem, stem, stems_alike)) continue;
         if (is_named_camera(name, stem)) {
             if (has_members || is_any_of(extension, {"", ".txt", ".ini", ".toml", ".cfg", ".conf", ".cal",
                                                      ".bin", ".mat", ".csv", ".pincam"}))
@@ -395,13 +409,14 @@ void take_frames(const fs::path& folder, const Sought& pictures, CameraBeside& b
     take_scale(own->median.codes_per_metre, own->first, beside);
     const fs::path within = folder.lexically_relative(pictures.folder);
     beside.file = own->first;
-    // A pattern of an extension, which stands for other files as well where there are more than frames.
-    std::vector<std::string> ignored;
-    const auto texts = texts_in(folder, ignored);
-    const auto alike = std::ranges::count(texts, own->first.extension(), &fs::path::extension);
-    const bool is_all = static_cast<std::size_t>(alike) == pictures.frames.size();
-    if (is_all && own->median.differs && !within.empty() && *within.begin() != "..")
-        beside.frame_cameras = (within == "." ? fs::path(own->files) : within / own->files).string();
+    if (own->median.differs && !within.empty() && *within.begin() != "..") {
+        // A pattern of an extension, which stands for other files as well where there are more than frames.
+        std::vector<std::string> ignored;
+        const auto texts = texts_in(folder, ignored);
+        const auto alike = std::ranges::count(texts, own->first.extension(), &fs::path::extension);
+        if (static_cast<std::size_t>(alike) == pictures.frames.size())
+            beside.frame_cameras = (within == "." ? fs::path(own->files) : within / own->files).string();
+    }
     beside.camera = std::move(own->median);
 }
 
@@ -582,10 +597,11 @@ void know_names(const fs::path& of_depth, Sought& pictures) {
         std::set<std::string> extensions, alike;
         std::size_t looked = 0;
         std::vector<fs::path> files;
-        for (const auto& entry : fs::directory_iterator(pictures.folder, ignored))
-            if (looked++ < most_looked_at &&
-                shape_of(entry.path().stem().string()) == shape_of(pictures.stem))
+        for (const auto& entry : fs::directory_iterator(pictures.folder, ignored)) {
+            if (++looked > most_looked_at || stop_requested()) break;
+            if (shape_of(entry.path().stem().string()) == shape_of(pictures.stem))
                 files.push_back(entry.path());
+        }
         for (const fs::path& file : files)
             if (file.stem().string() == pictures.stem &&
                 !is_small_text(small_letters(file.extension().string())))
@@ -622,7 +638,7 @@ void add_camera_folders(const fs::path& base, std::vector<fs::path>& folders) {
     std::error_code ignored;
     std::size_t looked = 0;
     for (const auto& entry : fs::directory_iterator(base, ignored)) {
-        if (++looked > most_looked_at || found.size() > most_taken) break;
+        if (++looked > most_looked_at || found.size() > most_taken || stop_requested()) break;
         const std::string name = small_letters(entry.path().filename().string());
         const bool is_known = std::ranges::find(known, name) != std::end(known);
         if (!is_known && !is_folder_of_cameras(entry.path())) continue;

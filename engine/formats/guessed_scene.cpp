@@ -451,6 +451,9 @@ private:
                                        {{Setting::preset}});
                 scene_.stored.baseline = file_.baseline;
                 scene_.stored.offset = file_.offset * scene_.camera.fx / file_.intrinsics.fx;
+                if (beside_.file != place_.own_file &&
+                    std::ranges::find(inputs_, beside_.file) == inputs_.end())
+                    inputs_.push_back(beside_.file);
             } else if (preset_->intrinsics.fx > 0) {  // baseline x fx is what is known
                 scene_.stored.baseline *= preset_->intrinsics.fx / scene_.camera.fx;
             }

@@ -392,8 +392,8 @@ Error refused_description(const std::string& name, bool has_scene) {
                            of_bare_pictures());
     return usage_error(
         name +
-            ": is no picture and has its scene in it, which a camera, a unit or a preset does "
-            "not change: leave them out, or write that scene to a file (touchable init-scene " +
+            ": has its scene in it: a camera, a unit or a preset does not change that. Leave them out, or "
+            "write the scene to a file (touchable init-scene " +
             shell_word(name) + "), change it and name it",
         {{Setting::scene_file, "FILE"}});
 }
@@ -412,7 +412,7 @@ std::optional<Error> refusal(const Format* format, const Candidate& candidate) {
     if (auto foreign = foreign_refusal(format, candidate)) return foreign;
     const fs::path& file = candidate.source.path();
     const FileKind kind = format ? format->kind : FileKind::described;
-    if (kind > FileKind::photo && candidate.wanted.is_known())
+    if (format && kind > FileKind::photo && candidate.wanted.is_known())
         return refused_description(file.string(), kind == FileKind::clip);
     // A scene's text may name pictures; where it names videos, their reader checks this.
     const bool has_codes = !candidate.scene || candidate.scene->scene.stored.is_plain();

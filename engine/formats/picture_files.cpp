@@ -207,8 +207,8 @@ std::optional<std::size_t> ordering_number(const std::vector<NumbersInName>& nam
     // What is equal comes by its other numbers, whatever order the folder has.
     std::ranges::sort(places, [&](std::size_t a, std::size_t b) {
         const auto &one = names[a].numbers, &other = names[b].numbers;
-        if (one[order] != other[order]) return comes_before(one[order], other[order]);
-        return one < other;
+        if (comes_before(one[order], other[order])) return true;
+        return !comes_before(other[order], one[order]) && one < other;
     });
     for (std::size_t number = 0; number < count; ++number) {
         const auto all = column(number);
@@ -274,7 +274,8 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
     else
         take_ordering_numbers(names);
     std::ranges::sort(names, [](const auto& one, const auto& other) {
-        return one.first != other.first ? comes_before(one.first, other.first) : one.second < other.second;
+        if (comes_before(one.first, other.first)) return true;
+        return !comes_before(other.first, one.first) && one.second < other.second;
     });
     if (std::ranges::all_of(names, [](const auto& each) { return parsed_number(each.first).has_value(); }))
         std::ranges::stable_sort(names, {}, [](const auto& each) { return parsed_number(each.first); });
@@ -565,10 +566,12 @@ void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGr
         for (const std::string& pattern : form.second) largest = std::max(largest, groups[pattern].count);
         return form.second.size() < std::max<std::size_t>(largest, 2);
     });
-    // Of each form, by one look at a folder, in which there may be many forms.
-    std::map<std::string, std::vector<std::string>> files_of;
-    std::map<std::string, std::vector<NumbersInName>> names_of;
-    std::set<fs::path> read;
+    struct Alike {
+        std::vector<std::string> files{};
+        std::vector<NumbersInName> names{};  // of these files
+    };
+    std::map<std::string, Alike> files_of;
+    std::set<fs::path> read;  // each folder once, for all forms in it
     std::size_t entries = 0;
     for (const auto& [form, patterns] : forms) {
         const fs::path within = fs::path(form).parent_path();
@@ -581,12 +584,12 @@ void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGr
             const std::string of = (within / numbers.form).string();
             const bool is_pattern = name.find_first_of("%*") != std::string::npos;
             if (is_pattern || !forms.contains(of) || !is_file(entry.path())) continue;
-            files_of[of].push_back(name);
-            names_of[of].push_back(std::move(numbers));
+            files_of[of].files.push_back(name);
+            files_of[of].names.push_back(std::move(numbers));
         }
     }
-    for (const auto& [form, files] : files_of) {
-        const std::vector<NumbersInName>& names = names_of[form];
+    for (const auto& [form, alike] : files_of) {
+        const auto& [files, names] = alike;
         if (names.size() < 2 || !ordering_number(names)) continue;
         const fs::path within = fs::path(form).parent_path();
         const std::string pattern = (within / pattern_of_all(names, files.front())).string();

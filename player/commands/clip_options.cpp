@@ -105,8 +105,8 @@ void add_camera_options(CLI::App& sub, CameraTyped& typed) {
         const auto names = preset_names();
         if (std::ranges::find(names, word) == names.end()) {
             const std::string meant = nearest_word(word, names);
-            return not_allowed(
-                "", word, "one of " + listed(names) + (meant.empty() ? "" : "; did you mean " + meant + "?"));
+            if (meant.empty()) return not_allowed("", word, "one of " + listed(names));
+            return usage_error(printable(word) + " is not allowed: did you mean " + meant + "?");
         }
         typed.preset = word;
         return {};

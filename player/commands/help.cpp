@@ -275,7 +275,9 @@ void set_help(CLI::App& app) {
     apps.push_back(&app);
     for (CLI::App* each : apps) {
         each->formatter(help);
-        each->set_help_flag("-h,--help", "print help, or all that --help TOPIC is about")->group(help_topic);
+        each->set_help_flag("-h,--help",
+                            each == &app ? "print help" : "print help; --help TOPIC: all options of a topic")
+            ->group(help_topic);
         each->set_help_all_flag("--help-all", "print all options")->group(help_topic);
     }
 }
@@ -285,8 +287,9 @@ Result<std::string> help_on(const CLI::App& command, const std::string& topic) {
     const auto topics = topics_of(command);
     for (const std::string& each : topics)
         if (small_letters(each) == small_letters(topic)) return help_on_topic(command, each).substr(1);
-    return usage_error("unknown topic '" + printable(topic) + "' of " + command.get_name() +
-                       "; must be one of " + topics_in_words(command) + ", all");
+    const std::string known = topics_in_words(command);
+    return usage_error("unknown topic '" + printable(topic) + "' of " + command.get_name() + "; must be " +
+                       (known.empty() ? "all" : "one of " + known + ", all"));
 }
 
 std::string value_in_words(const CLI::Option& option) {

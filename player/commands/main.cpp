@@ -46,10 +46,10 @@ Result<void> print_overview(const CLI::App& app) {
 Result<void> print_help(const CLI::App& app, std::span<const std::string> words) {
     const auto commands = app.get_subcommands({});
     const auto command = std::ranges::find(commands, words[0], &CLI::App::get_name);
-    if (words.size() > 2 || command == commands.end())
-        return usage_error((words.size() > 2 ? "too many words for help; it takes a command and a topic"
-                                             : "unknown command " + refused_value(words[0])) +
-                           ("; must be one of " + listed(commands, &CLI::App::get_name)));
+    if (words.size() > 2) return usage_error("help takes a command and a topic, no more words");
+    if (command == commands.end())
+        return usage_error("unknown command " + refused_value(words[0]) + "; must be one of " +
+                           listed(commands, &CLI::App::get_name));
     if (words.size() == 1) {
         std::cout << (*command)->help();
         return {};
@@ -59,9 +59,10 @@ Result<void> print_help(const CLI::App& app, std::span<const std::string> words)
     return {};
 }
 
-/// The words behind `help`, where it was asked for so, or as COMMAND --help TOPIC.
+/// The words behind `help`; command and topic of COMMAND --help TOPIC. Empty: neither is asked for.
 std::vector<std::string> words_of_help(std::vector<std::string> words) {
-    if (words.size() == 3 && (words[1] == "--help" || words[1] == "-h")) return {words[0], words[2]};
+    if (words.size() == 3 && (words[1] == "--help" || words[1] == "-h") && !words[2].starts_with('-'))
+        return {words[0], words[2]};
     if (words.empty() || words[0] != "help") return {};
     words.erase(words.begin());
     return words;
@@ -107,16 +108,21 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
         }
     }
     const auto reword = [&](const std::string& from, const std::string& to, const char* behind) {
-        if (const auto at = message.find(from); at != std::string::npos)
-            message = message.replace(at, from.size(), to) + behind;
+        const auto at = message.find(from);
+        if (at == std::string::npos) return;
+        message.replace(at, from.size(), to);
+        message += behind;
     };
     if (dynamic_cast<const CLI::RequiresError*>(&error)) reword(" requires ", " needs ", "");
     if (dynamic_cast<const CLI::ExcludesError*>(&error))
         reword(" excludes ", " does not go with ", "; leave one of them out");
     const std::string named = message.substr(0, message.find(": "));
     const CLI::Option* const option = chosen.empty() ? nullptr : chosen[0]->get_option_no_throw(named);
-    if (option && dynamic_cast<const CLI::ArgumentMismatch*>(&error))
-        message = named + " needs a value: " + value_in_words(*option);
+    if (option && dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
+        const bool is_again = message.find(": At Most ") != std::string::npos;
+        message =
+            named + (is_again ? " is given more than once" : " needs a value: " + value_in_words(*option));
+    }
     std::error_code ignored;
     for (const std::string& word : app.remaining(true))
         if (word.starts_with('-') && std::filesystem::exists(word, ignored))

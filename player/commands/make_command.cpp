@@ -117,7 +117,6 @@ constexpr std::int64_t most_frames = 1'000'000;
 
 void add_globe_options(CLI::App& make, GlobeWords& words) {
     GlobeMapFiles& maps = words.maps;
-    begin_topic(make, "Globe");
     add_number_option(make, "--turn", words.seconds_per_turn, "seconds for a turn of the globe (default 12)",
                       0.1, 1e9)
         ->type_name("SECONDS");

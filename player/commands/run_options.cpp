@@ -87,9 +87,9 @@ constexpr int largest_side = 8192;
 void add_builder_options(CLI::App& sub, BuilderChoice& choice, const std::vector<const char*>& names) {
     std::string what = "how frames become a surface. All give the same bits; vulkan: on a GPU";
     for (const std::string_view name : names) {
-        if (name == "lazy") what += ", lazy: only where it is touched";
-        if (name == "reference") what += ", reference: slow";
-        if (name == "auto") what += ", auto: what costs least here";
+        if (name == "lazy") what += "; lazy: only where it is touched";
+        if (name == "reference") what += "; reference: slow";
+        if (name == "auto") what += "; auto: what costs least here";
     }
     begin_topic(sub, expert_topic);
     add_word_option(sub, "--builder", choice.name, what, names)->default_str(choice.name);
@@ -112,7 +112,7 @@ void add_device_options(CLI::App& sub, HeldDeviceWords& words, SessionOptions& s
     begin_topic(sub, "Device");
     std::vector<std::string> names = device_words();
     if (in_window) {
-        names.pop_back();  // simulated is moved by a scripted hand
+        std::erase(names, "simulated");  // is moved by a scripted hand
         names.insert(names.begin(), "mouse");
     }
     sub.add_option("--device", words.devices,

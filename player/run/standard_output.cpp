@@ -74,7 +74,7 @@ Result<void> StandardOutput::give_all() {
         }
         if (Clock::now() - since < patience_) continue;
         lags_ = true;
-        return input_error("its reader takes hardly more, so it is not complete");
+        return input_error("its reader takes too little, so it is not complete");
     }
     return {};
 }

@@ -113,7 +113,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
     choice.name = "cpu";
     choice.why =
         averages ? "the clip's noise is averaged over time, which needs whole frames, not the lazy builder"
-                 : "whole frames are looked at, which the lazy builder does not make";
+                 : "whole frames are shown, which the lazy builder does not make";
     return {};
 }
 

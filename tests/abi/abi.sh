@@ -42,6 +42,6 @@ diff -u --label exported --label declared "$work/exported" "$work/declared" || {
     exit 1
 }
 abidiff --no-added-syms --no-show-locs "$recorded" "$work/libtouchable.so" || {
-    echo "touchable.h is not what $recorded says; tests/abi/README.md tells what may change" >&2
+    echo "touchable.h is not what $recorded says; tests/abi/README.md says what may change" >&2
     exit 1
 }

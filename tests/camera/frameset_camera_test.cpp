@@ -259,7 +259,7 @@ TEST(FramesetCamera, SaysWhyOpeningFails) {
         {{.command = "cat " + whole}, ", ended"},
         {{.command = "cat " + absurd}, "gives a unit of -1 m"},
         {{.command = "exec 1>&-; exec sleep 1000"}, "closed its standard output"},
-        {garbage, "gave 256 MiB in which no whole frameset is"},
+        {garbage, "sent 256 MiB without a whole frameset"},
         {silent, "pipe:exec sleep 1000: sent nothing in 50 ms"},
         {cut, ": sent no whole frameset in 50 ms"},
         {{.address = "127.0.0.1:1"}, "tcp://127.0.0.1:1: no connection: "},
@@ -506,7 +506,7 @@ TEST(FramesetParser, GivesUpOnEndlessGarbage) {
         is_given_up = !found;
         EXPECT_EQ(is_given_up, mebibytes > 255) << mebibytes;
         if (is_given_up) {
-            EXPECT_TRUE(is_refused(found, "256 MiB in which no whole frameset is"));
+            EXPECT_TRUE(is_refused(found, "256 MiB without a whole frameset"));
         }
     }
     EXPECT_TRUE(is_given_up);

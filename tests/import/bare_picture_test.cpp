@@ -48,6 +48,12 @@ SourceDescription camera_of(double fx, double fy, std::optional<double> unit) {
 
 using BarePicture = FolderTest;
 
+TEST_F(BarePicture, CameraMakesNoPictureOfNotes) {
+    write_bytes(folder / "notes.bin", "Buy bread, milk and a haptic device.");
+    EXPECT_TRUE(is_refused(open_clip(folder / "notes.bin", std::nullopt, camera_of(30, 31, 0.0005)),
+                           "is not a Matroska file, nor a video"));
+}
+
 TEST_F(BarePicture, OpensWithCameraAlone) {
     for (const int bytes : {1, 2}) {
         Samples memory;

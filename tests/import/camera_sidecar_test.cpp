@@ -360,6 +360,12 @@ TEST_F(CameraSidecar, SkipsFileOfAnotherPicture) {
     EXPECT_EQ(scene_of(folder / "chair_depth.png").camera.fx, 50);
     EXPECT_NE(scene_of(folder / "table_depth.png").camera.fx, 50);
     EXPECT_NE(scene_of(folder / "table_depth.png").depth.scale, 0.0005);
+    for (const char* picture : {"chair_2_depth.png", "chair_2b_depth.png", "chair_20_depth.png"})
+        std::filesystem::copy_file(folder / "depth/0.png", folder / picture);
+    for (const char* camera : {"chair_2b_camera.json", "chair_20_camera.json"})
+        write_bytes(folder / camera, R"({"fx": 70, "fy": 70, "cx": 31, "cy": 23})");
+    EXPECT_EQ(scene_of(folder / "chair_2_depth.png").camera.fx, 50);
+    EXPECT_EQ(scene_of(folder / "chair_2b_depth.png").camera.fx, 70);
 }
 
 TEST_F(CameraSidecar, ChoosesSizeOfPicture) {

@@ -628,6 +628,10 @@ TEST_F(ValueEvidence, RecognisesDisparitiesByName) {
         folder / "disp1.png",
         [&](int x, int y) { return disparity(x, y) == 0 ? 0 : 80 * 0.2 / disparity(x, y); }, 1e-3);
     EXPECT_TRUE(has_words(notes, "baseline and focal length are those of calib.txt"));
+    SourceDescription angle;
+    angle.fov = 60;
+    EXPECT_EQ(must(open_clip(folder / "disp1.png", std::nullopt, angle))->inputs(),
+              (std::vector{folder / "disp1.png", folder / "calib.txt"}));
 }
 
 /// Values that mean something else by themselves, and lengths by what a file or a name says.

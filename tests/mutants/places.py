@@ -268,7 +268,6 @@ class Source:
 
     def edits(self, a, b, switch, span=None, in_loop=False):
         old = self.text[self.tokens[a].start:self.tokens[b - 1].end]
-        before = a
         for k, rule, changed in self.changes(a, b, in_loop):
             near = range(max(a, k - 5), min(b, k + 6))
             self.add(rule, *(span or (a, b)), switch(self.plain(a, b, changed), old), self.plain(near[0], near[-1] + 1),

@@ -196,6 +196,8 @@ TEST(Usage, NamesMissingValuesAndPartners) {
     };
     expect({"touch", "clip.mkv", "--median"}, "--median needs a value: 0|3|5");
     expect({"touch", "clip.mkv", "--loop", "1"}, "--loop needs a value: FROM TO");
+    expect({"make", "globe", "g.mkv", "--size", "8x8", "--size", "9x9"}, "--size is given more than once;");
+    expect({"info", "clip.mkv", "--preset", "tun"}, "tun is not allowed: did you mean tum?");
     expect({"play", "clip.mkv", "--at", "5"}, "--at needs --screenshot");
     expect({"info", "clip.mkv", "--fov", "60", "--intrinsics", "500,500"}, "does not go with");
 }
@@ -827,6 +829,10 @@ TEST(Help, UnknownTopicListsTopics) {
             EXPECT_NE(run.err.find(right), std::string::npos) << run.err;
     }
     EXPECT_EQ(run_touchable({"play", "--help", "Camera"}).out, run_touchable({"help", "play", "camera"}).out);
+    EXPECT_NE(run_touchable({"cameras", "--help", "x"}).err.find("must be all;"), std::string::npos);
+    EXPECT_EQ(run_touchable({"touch", "--help", "--json"}).out, run_touchable({"touch", "--help"}).out);
+    EXPECT_EQ(run_touchable({"help", "a", "b", "c"}).err,
+              "touchable: help takes a command and a topic, no more words\n");
 }
 
 TEST(Help, ListsAllowedWords) {

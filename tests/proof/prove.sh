@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Proves what device/force_gate.h promises, for all doubles, and that of a gate that breaks a promise nothing is proved: ./run prove
+# Proves what device/force_gate.h promises, for all doubles, and checks that no promise is proved of a gate that breaks it: ./run prove
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
